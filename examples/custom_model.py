@@ -20,11 +20,11 @@ class GaussianWall:
 
     reach = 0.3  # metres behind the reading up to which the model gives evidence
 
-    def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
-        """Return log-odds to add for cells at distance s (m,) on a beam that read z (m,); both in metres."""
+    def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
+        """Return log-odds to add for cells at distance r (m,) on a beam that read z (m,); both in metres."""
         del range_max  # only of use for beams without return
-        wall = 0.9 * np.exp(-0.5 * ((s - z) / 0.1) ** 2)
-        return np.where(s < z - self.reach, -0.4, wall)
+        wall = 0.9 * np.exp(-0.5 * ((r - z) / 0.1) ** 2)
+        return np.where(r < z - self.reach, -0.4, wall)
 
 
 def main(out: Path) -> None:

@@ -22,12 +22,12 @@ from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 class CrossedCells:
     """The cells that beams cross, beam after beam, each array (m,).
 
-    ``cells`` int64 are row · cols + col; ``s`` metres from the sensor to the cell's centre, z for the one that holds
+    ``cells`` int64 are row · cols + col; ``r`` metres from the sensor to the cell's centre, z for the one that holds
     the endpoint; ``z`` metres the beam's reading, +inf for no return.
     """
 
     cells: NDArray[np.int64]
-    s: NDArray[np.float64]
+    r: NDArray[np.float64]
     z: NDArray[np.float64]
 
 
@@ -86,18 +86,18 @@ def crossed_cells(
         lines = np.empty((LINE_FIELDS, n), dtype=np.int32)
         plan_lines(*beams, lines, work, box)
         most = int(lines[FAR].sum(dtype=np.int64)) + n
-    cells, beam, s = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
+    cells, beam, r = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
     if exact_rays:
-        count = cells_of_rays(rays, geometry.resolution, geometry.shape, cells, beam, s)
+        count = cells_of_rays(rays, geometry.resolution, geometry.shape, cells, beam, r)
     else:
         u, v = geometry.to_lattice(batch.sensor_poses[0, :2]).tolist()
-        count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, s)
-    z, s = z[beam[:count]], s[:count]
+        count = cells_of_lines(lines, z, u, v, geometry.resolution, geometry.shape, cells, beam, r)
+    z, r = z[beam[:count]], r[:count]
     if reading_filter.window == 0.0:
         # Without a window a cell before the endpoint's is before the reading, also where its centre is not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
-        s = np.where(ends, s, np.minimum(s, np.nextafter(z, 0.0)))
-    return CrossedCells(cells[:count], s, z)
+        r = np.where(ends, r, np.minimum(r, np.nextafter(z, 0.0)))
+    return CrossedCells(cells[:count], r, z)
 
 
 def _checked_reach(model: InverseSensorModel) -> float:
@@ -110,15 +110,15 @@ def _checked_reach(model: InverseSensorModel) -> float:
 
 
 def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_max: float) -> NDArray[np.float32]:
-    answer = model.increments(crossed.s, crossed.z, range_max)
+    answer = model.increments(crossed.r, crossed.z, range_max)
     try:
         increments = np.asarray(answer, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ConfigError("model.increments", f"The model's increments are no array of numbers: {error}.") from error
-    if increments.shape != crossed.s.shape:
+    if increments.shape != crossed.r.shape:
         raise ConfigError(
             "model.increments",
-            f"The model's increments must have the shape of s, {crossed.s.shape}, not {increments.shape}.",
+            f"The model's increments must have the shape of r, {crossed.r.shape}, not {increments.shape}.",
         )
     with np.errstate(over="ignore"):
         rounded = increments.astype(np.float32)
@@ -127,7 +127,7 @@ def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_
         first = bad[0]
         raise ConfigError(
             "model.increments",
-            f"The model's increments must be finite log-odds; at s = {crossed.s[first]:g} m of a reading "
+            f"The model's increments must be finite log-odds; at r = {crossed.r[first]:g} m of a reading "
             f"z = {crossed.z[first]:g} m it says {increments[first]:g}.",
         )
     return rounded

@@ -103,7 +103,7 @@ class MappingConfig:
     )
     window: float = number(
         "Hit window", "model", 0.0,
-        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
+        "Width w of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
         "m", 0.0, 2.0, 0.05, only_for=_STEPPED,
     )
     log_odds_hit: float = number(

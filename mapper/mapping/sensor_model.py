@@ -1,6 +1,6 @@
-"""Inverse sensor models: what a reading z says of a cell at distance s, at an angle θ from the beam's axis.
+"""Inverse sensor models: what a reading z says of a cell at distance r, at an angle θ from the beam's axis.
 
-Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(s, θ) − ℓ₀`` in log-odds, as
+Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(r, θ) − ℓ₀`` in log-odds, as
 the pages draw it and as :mod:`mapper.mapping.textbook` puts it into a map. Metres and radians. Sources: Thrun, Burgard
 & Fox, Probabilistic Robotics, table 9.2 (``inverse_range_sensor_model``); Moravec & Elfes, High resolution maps from
 wide angle sonar, ICRA 1985; and where a model names another.
@@ -33,11 +33,11 @@ class BeamModel(Protocol):
     def log_odds_hit(self) -> float: ...  # noqa: D102 - the class says it
 
     def half_window(self, z: float) -> float:
-        """Return the greatest |s − z| at which a cell counts as hit by a reading ``z``, metres."""
+        """Return the greatest |r − z| at which a cell counts as hit by a reading ``z``, metres."""
         ...
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Return the evidence of a measured ``z`` at distances ``s`` and angles ``theta`` (any shapes that fit)."""
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Return the evidence of a measured ``z`` at distances ``r`` and angles ``theta`` (any shapes that fit)."""
         ...
 
 
@@ -45,16 +45,16 @@ class InverseSensorModel(Protocol):
     """A sensor model of your own, as :func:`mapper.mapping.integrate.integrate_scan` takes it: thin beams, updated per
     beam.
 
-    ``reach`` is how far behind a reading it gives evidence, metres: it is evaluated for cells up to s = z + reach.
+    ``reach`` is how far behind a reading it gives evidence, metres: it is evaluated for cells up to r = z + reach.
     """
 
     @property
     def reach(self) -> float: ...  # noqa: D102 - the class says it
 
-    def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> ArrayLike:
+    def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> ArrayLike:
         """Return the increments (m,), ``inverse_sensor_model − ℓ₀`` in log-odds, finite.
 
-        One entry for each cell that a beam of the scan crosses: ``s`` (m,) is the distance from the sensor to the
+        One entry for each cell that a beam of the scan crosses: ``r`` (m,) is the distance from the sensor to the
         cell's centre, and exactly z for the cell that holds the endpoint; with a ``reach`` of 0 it is below z for all
         others.
         ``z`` (m,) is the beam's reading, +inf for no return, of which a model is asked only with ``no_return`` "free",
@@ -64,15 +64,15 @@ class InverseSensorModel(Protocol):
 
 
 def beam_profile(
-    model: BeamModel, z: float, s: ArrayLike, range_max: float = np.inf, *, no_return: NoReturn = "ignore"
+    model: BeamModel, z: float, r: ArrayLike, range_max: float = np.inf, *, no_return: NoReturn = "ignore"
 ) -> NDArray[np.float64]:
-    """Return the increment that a reading ``z`` gives at distances ``s`` (any shape) along its beam, in log-odds.
+    """Return the increment that a reading ``z`` gives at distances ``r`` (any shape) along its beam, in log-odds.
 
-    Metres in, ``inverse_sensor_model(s) − ℓ₀`` out. A ``z`` beyond ``range_max`` is no return: 0 everywhere, the miss
+    Metres in, ``inverse_sensor_model(r) − ℓ₀`` out. A ``z`` beyond ``range_max`` is no return: 0 everywhere, the miss
     increment up to ``range_max`` with ``no_return`` "free", or the profile of a reading of ``range_max`` with "hit".
     A ``z`` that is NaN or not positive is no reading: 0 everywhere.
     """
-    distance = np.asarray(s, dtype=np.float64)
+    distance = np.asarray(r, dtype=np.float64)
     if np.isnan(z) or z <= 0.0:
         return np.zeros_like(distance)
     if z > range_max and no_return != "hit":
@@ -81,9 +81,9 @@ def beam_profile(
     return np.where(distance >= 0.0, model.increment(distance, min(z, range_max)), 0.0)
 
 
-def _step(s: ArrayLike, z: float, half: float, miss: float, hit: float) -> NDArray[np.float64]:
-    """Return miss for s < z − half, hit for |s − z| ≤ half, 0 beyond."""
-    distance = np.asarray(s, dtype=np.float64)
+def _step(r: ArrayLike, z: float, half: float, miss: float, hit: float) -> NDArray[np.float64]:
+    """Return miss for r < z − half, hit for |r − z| ≤ half, 0 beyond."""
+    distance = np.asarray(r, dtype=np.float64)
     return np.where(distance < z - half, miss, np.where(distance <= z + half, hit, 0.0))
 
 
@@ -108,7 +108,7 @@ def _check_opening(opening: float) -> None:
 class FixedIncrements:
     """Fixed evidence: ``log_odds_miss`` for a cell that a beam passed, ``log_odds_hit`` for one that it ended in.
 
-    With ``window`` r > 0 metres every cell within r/2 of the reading counts as one it ended in; with r = 0 only the
+    With ``window`` w > 0 metres every cell within w/2 of the reading counts as one it ended in; with w = 0 only the
     cell that holds the endpoint does. Source: OctoMap (Hornung et al. 2013, section 5.1: −0.4, +0.85).
     """
 
@@ -123,16 +123,16 @@ class FixedIncrements:
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
-        return _step(s, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
+        return _step(r, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
 
 
 @dataclass(frozen=True, slots=True)
 class StepWindow:
-    """The step window in probabilities: ``p_free`` for s < z − r/2, ``p_occ`` within the window, ``p_prior`` beyond.
+    """The step window in probabilities: ``p_free`` for r < z − w/2, ``p_occ`` within the window, ``p_prior`` beyond.
 
-    ``window`` is r in metres. As evidence: log-odds of each, minus the log-odds of the prior.
-    Source: Probabilistic Robotics, table 9.2 with α = r.
+    ``window`` is w in metres. As evidence: log-odds of each, minus the log-odds of the prior.
+    Source: Probabilistic Robotics, table 9.2 with α = w.
     """
 
     p_free: float = 0.4
@@ -162,15 +162,15 @@ class StepWindow:
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
-        return _step(s, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
+        return _step(r, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
 
 
 @dataclass(frozen=True, slots=True)
 class SmoothRamp:
     """A ramp without steps, as wide as the reading is uncertain: σ(z) = ``sigma`` + ``sigma_growth`` · z, metres.
 
-    Evidence rises from ``log_odds_miss`` at s = z − 2σ to ``log_odds_hit`` at s = z and falls to 0 at s = z + 2σ, both
+    Evidence rises from ``log_odds_miss`` at r = z − 2σ to ``log_odds_hit`` at r = z and falls to 0 at r = z + 2σ, both
     along the cubic 3t² − 2t³, so that neither the value nor the slope jumps. The cell that holds the endpoint gets the
     full ``log_odds_hit``. The shape is that of Elfes, Using occupancy grids for mobile robot perception and navigation,
     Computer 1989 (a profile computed from a Gaussian sensor), with a cubic in place of the integral.
@@ -194,8 +194,8 @@ class SmoothRamp:
         """Return 2σ(z), metres."""
         return 2.0 * (self.sigma + self.sigma_growth * z)
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
-        t = (np.asarray(s, dtype=np.float64) - z) / self.half_window(z)
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002, D102
+        t = (np.asarray(r, dtype=np.float64) - z) / self.half_window(z)
         rise, fall = _smoothstep(t + 1.0), _smoothstep(1.0 - t)
         return np.where(
             t <= 0.0, self.log_odds_miss + (self.log_odds_hit - self.log_odds_miss) * rise, self.log_odds_hit * fall
@@ -211,9 +211,9 @@ def _smoothstep(t: NDArray[np.float64]) -> NDArray[np.float64]:
 class SonarCone:
     """A cone of ``opening`` radians: ``log_odds_hit`` (+α) near the range, ``log_odds_miss`` (−β) closer, 0 elsewhere.
 
-    Near the range is |s − z| ≤ r/2 with r = ``window`` metres. ``profile`` "flat" gives every cell the same, which is
+    Near the range is |r − z| ≤ w/2 with w = ``window`` metres. ``profile`` "flat" gives every cell the same, which is
     table 9.2 of Probabilistic Robotics with the opening angle β; "gaussian" weights the evidence by exp(−θ²/2σ²) with
-    σ = opening/4 in angle, and in range by 1 − (s/(z − r/2))² before the window and 1 − ((s − z)/(r/2))² in it: the
+    σ = opening/4 in angle, and in range by 1 − (r/(z − w/2))² before the window and 1 − ((r − z)/(w/2))² in it: the
     profiles of Moravec & Elfes 1985 with the Gaussian of Elfes 1989 in angle.
     """
 
@@ -233,17 +233,17 @@ class SonarCone:
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: D102
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: D102
         angle = np.asarray(theta, dtype=np.float64)
-        flat = _step(s, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
+        flat = _step(r, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
         if self.profile == "gaussian":
-            flat = flat * _range_weight(s, z, self.half_window(z)) * np.exp(-8.0 * (angle / self.opening) ** 2)
+            flat = flat * _range_weight(r, z, self.half_window(z)) * np.exp(-8.0 * (angle / self.opening) ** 2)
         return np.where(np.abs(angle) <= self.opening / 2.0, flat, 0.0)
 
 
-def _range_weight(s: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
+def _range_weight(r: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
     """Return the quadratic of Moravec & Elfes 1985: 1 at the sensor falling to 0 at the window, and 1 at z in it."""
-    distance = np.asarray(s, dtype=np.float64)
+    distance = np.asarray(r, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         empty = 1.0 - (distance / (z - half)) ** 2
         occupied = 1.0 - ((distance - z) / half) ** 2 if half > 0.0 else np.ones_like(distance)
@@ -254,9 +254,9 @@ def _range_weight(s: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
 class MoravecElfes:
     """The grids of 1985: a reading has a degree of certainty that a cell is empty, and one that it is occupied.
 
-    With ω = ``opening`` radians and ε = r/2 = half of ``window`` metres, for |θ| ≤ ω/2:
-    empty (s, θ) = (1 − (s/(z − ε))²) · (1 − (2θ/ω)²) for s < z − ε, and
-    occupied (s, θ) = (1 − ((s − z)/ε)²) · (1 − (2θ/ω)²) for |s − z| ≤ ε. They are combined by rules of their own, no
+    With ω = ``opening`` radians and ε = w/2 = half of ``window`` metres, for |θ| ≤ ω/2:
+    empty (r, θ) = (1 − (r/(z − ε))²) · (1 − (2θ/ω)²) for r < z − ε, and
+    occupied (r, θ) = (1 − ((r − z)/ε)²) · (1 − (2θ/ω)²) for |r − z| ≤ ε. They are combined by rules of their own, no
     Bayes filter: see :func:`mapper.mapping.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, with R_min =
     0.
     """
@@ -281,15 +281,15 @@ class MoravecElfes:
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
-    def empty(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def empty(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Return the certainty 0 … 1 that a reading ``z`` gives for "empty"."""
-        distance = np.asarray(s, dtype=np.float64)
+        distance = np.asarray(r, dtype=np.float64)
         weight = _range_weight(distance, z, self.half_window(z)) * self._off_axis(theta)
         return np.where(distance < z - self.half_window(z), weight, 0.0)
 
-    def occupied(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def occupied(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Return the certainty 0 … 1 that a reading ``z`` gives for "occupied", before it is normalised."""
-        distance = np.asarray(s, dtype=np.float64)
+        distance = np.asarray(r, dtype=np.float64)
         weight = _range_weight(distance, z, self.half_window(z)) * self._off_axis(theta)
         near = (distance >= z - self.half_window(z)) & (distance <= z + self.half_window(z))
         return np.where(near, weight, 0.0)
@@ -298,9 +298,9 @@ class MoravecElfes:
         off = np.asarray(theta, dtype=np.float64) / (self.opening / 2.0)
         return np.where(np.abs(off) <= 1.0, 1.0 - off * off, 0.0)
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Return the certainty itself, no log-odds: that of "occupied" less that of "empty", −1 … 1."""
-        return self.occupied(s, z, theta) - self.empty(s, z, theta)
+        return self.occupied(r, z, theta) - self.empty(r, z, theta)
 
     @staticmethod
     def log_odds(empty: ArrayLike, occupied: ArrayLike) -> NDArray[np.float64]:
@@ -317,12 +317,13 @@ class MoravecElfes:
 class HitCounting:
     """Reflection maps: count how often a beam ended in a cell and how often one passed it.
 
-    With n hits among n + m visits, and a Beta prior that counts as ``prior_weight`` w visits with a share of
-    ``p_prior`` hits, the posterior mean is p = (n + w·p_prior) / (n + m + w): w = 2 and p_prior = ½ is Laplace's rule
-    of succession, w → 0 the maximum likelihood map. p is the probability that the cell *reflects* a beam, which is not
-    "occupied": a cell half of which is wall converges to ½ however often it is observed, where a Bayes filter converges
-    to 0 or 1. ``window`` r metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss, Bennewitz & Arras,
-    Introduction to Mobile Robotics, "Grid maps and reflection maps"; Hähnel, Triebel, Burgard & Thrun, ICRA 2003.
+    With n hits among n + m visits, and a Beta prior that counts as ``prior_weight`` n₀ visits with a share of
+    ``p_prior`` hits, the posterior mean is p = (n + n₀·p_prior) / (n + m + n₀): n₀ = 2 and p_prior = ½ is Laplace's
+    rule of succession, n₀ → 0 the maximum likelihood map. p is the probability that the cell *reflects* a beam, which
+    is not "occupied": a cell half of which is wall converges to ½ however often it is observed, where a Bayes filter
+    converges to 0 or 1. ``window`` w metres as in :class:`FixedIncrements`. Source: Burgard, Stachniss, Bennewitz &
+    Arras, Introduction to Mobile Robotics, "Grid maps and reflection maps"; Hähnel, Triebel, Burgard & Thrun, ICRA
+    2003.
     """
 
     prior_weight: float = 2.0
@@ -343,7 +344,7 @@ class HitCounting:
         return probability(self.log_odds(hits, misses))
 
     def log_odds(self, hits: ArrayLike, misses: ArrayLike) -> NDArray[np.float64]:
-        """Return the log-odds of the posterior mean: ln (n + w·p_prior) − ln (m + w·(1 − p_prior))."""
+        """Return the log-odds of the posterior mean: ln (n + n₀·p_prior) − ln (m + n₀·(1 − p_prior))."""
         speaks = np.asarray(hits, dtype=np.float64) + self.prior_weight * self.p_prior
         against = np.asarray(misses, dtype=np.float64) + self.prior_weight * (1.0 - self.p_prior)
         return np.asarray(np.log(speaks) - np.log(against))
@@ -361,6 +362,6 @@ class HitCounting:
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0
 
-    def increment(self, s: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002
+    def increment(self, r: ArrayLike, z: float, theta: ArrayLike = 0.0) -> NDArray[np.float64]:  # noqa: ARG002
         """Return what the first visit of a cell changes."""
-        return _step(s, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)
+        return _step(r, z, self.half_window(z), self.log_odds_miss, self.log_odds_hit)

@@ -95,8 +95,8 @@ def evidence_of_beam(
         return evidence_along_beam(grid, sensor_pose, bearing, z, config)
     if z > z_max and config.no_return == "free":
         if is_cone:
-            cells, s, _ = cells_in_cone(grid, sensor_pose, bearing, config.opening)
-            free = s < z_max
+            cells, r, _ = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+            free = r < z_max
             return dict.fromkeys(map(tuple, cells[free].tolist()), config.beam_model().log_odds_miss)
         return evidence_of_no_return(grid, sensor_pose, bearing, z_max, config)
     return {}
@@ -105,19 +105,19 @@ def evidence_of_beam(
 def evidence_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: float, z_max: float, config: MappingConfig
 ) -> dict[Cell, float]:
-    """Return the evidence of a sonar's reading ``z`` for each cell in its cone: none beyond z + r/2."""
+    """Return the evidence of a sonar's reading ``z`` for each cell in its cone: none beyond z + w/2."""
     model = config.beam_model()
-    cells, s, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
-    near = s <= min(z + model.half_window(z), z_max)
-    increments = model.increment(s[near], z, within(theta[near], config.opening))
+    cells, r, theta = cells_in_cone(grid, sensor_pose, bearing, config.opening)
+    near = r <= min(z + model.half_window(z), z_max)
+    increments = model.increment(r[near], z, within(theta[near], config.opening))
     return dict(zip(map(tuple, cells[near].tolist()), increments.tolist(), strict=True))
 
 
 def cells_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and s and θ of each (n,)."""
-    s, d_col, d_row = distances(grid, sensor_pose)
+    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and r and θ of each (n,)."""
+    r, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
     right, left = (
         turned(heading, np.array([np.cos(edge), np.sin(edge)]))
@@ -126,7 +126,7 @@ def cells_in_cone(
     inside = (right[0] * d_row - right[1] * d_col >= 0) & (left[0] * d_row - left[1] * d_col < 0)
     axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
     theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
-    return np.argwhere(inside), s[inside], theta[inside]
+    return np.argwhere(inside), r[inside], theta[inside]
 
 
 def evidence_along_beam(
@@ -134,10 +134,10 @@ def evidence_along_beam(
 ) -> dict[Cell, float]:
     """Return what a reading ``z`` says of each cell on its beam.
 
-    The beam runs on Bresenham's line from the sensor's cell to the cell at z + r/2, or crosses exactly the cells that
+    The beam runs on Bresenham's line from the sensor's cell to the cell at z + w/2, or crosses exactly the cells that
     Amanatides and Woo's traversal finds between the sensor and that point. A cell whose centre is at
-    distance s from the sensor is free for s < z − r/2 and occupied for |s − z| ≤ r/2 (for the smooth ramp: between
-    the two); the cell that holds the endpoint is occupied in any case, and with r = 0 it alone is, all
+    distance r from the sensor is free for r < z − w/2 and occupied for |r − z| ≤ w/2 (for the smooth ramp: between
+    the two); the cell that holds the endpoint is occupied in any case, and with w = 0 it alone is, all
     before it being free.
     """
     model = config.beam_model()
@@ -149,9 +149,9 @@ def evidence_along_beam(
     else:
         evidence = {}
         for cell in cells_along(grid, sensor_pose, bearing, z + half, config):
-            s = distance(grid, sensor_pose, cell)
-            if s <= z + half:
-                evidence[cell] = float(model.increment(s, z)) if s >= z - half else model.log_odds_miss
+            r = distance(grid, sensor_pose, cell)
+            if r <= z + half:
+                evidence[cell] = float(model.increment(r, z)) if r >= z - half else model.log_odds_miss
     evidence[endpoint] = model.log_odds_hit
     return evidence
 
@@ -189,16 +189,16 @@ def inverse_range_sensor_model(
 ) -> NDArray[np.float64]:
     """Return what a scan says of each cell (rows, cols), NaN outside the perceptual field: table 9.2.
 
-    A cell whose centre is at distance s belongs to the beam k that is nearest in bearing, at most half an increment
-    away (and in a sonar's cone, at most half its opening angle). It is free for s < z − r/2 and occupied for
-    |s − z| ≤ r/2 and s ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
-    narrower than a cell, r = 0 included, still marks where the beams ended.
+    A cell whose centre is at distance r belongs to the beam k that is nearest in bearing, at most half an increment
+    away (and in a sonar's cone, at most half its opening angle). It is free for r < z − w/2 and occupied for
+    |r − z| ≤ w/2 and r ≤ z_max. The cells that hold the endpoints of thin beams are occupied in any case: so a window
+    narrower than a cell, w = 0 included, still marks where the beams ended.
     """
     model, is_cone = config.beam_model(), config.model == "sonar_cone"
     z_max = min(scan.range_max, config.range_max)
     evidence = np.full(grid.geometry.shape, np.nan)
 
-    s, d_col, d_row = distances(grid, sensor_pose)
+    r, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
     fields = scan.fields(config.opening / 2.0) if is_cone else scan.fields()
     for z, bearing, field in zip(readings(scan, config), scan.angles, fields, strict=True):
@@ -208,11 +208,11 @@ def inverse_range_sensor_model(
             half = model.half_window(z)
             axis = turned(heading, np.array([np.cos(bearing), np.sin(bearing)]))
             theta = np.arctan2(axis[0] * d_row - axis[1] * d_col, axis[0] * d_col + axis[1] * d_row)
-            near = nearest & (s < z - half if half == 0.0 else s <= min(z_max, z + half))
+            near = nearest & (r < z - half if half == 0.0 else r <= min(z_max, z + half))
             # Which beam is nearest was decided above; the angle itself counts only in a cone.
-            evidence[near] = model.increment(s[near], z, within(theta[near], config.opening) if is_cone else 0.0)
+            evidence[near] = model.increment(r[near], z, within(theta[near], config.opening) if is_cone else 0.0)
         elif z > z_max and config.no_return == "free":
-            evidence[nearest & (s < z_max)] = model.log_odds_miss
+            evidence[nearest & (r < z_max)] = model.log_odds_miss
 
     for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
         if scan.range_min <= z <= z_max and not is_cone:
@@ -274,23 +274,23 @@ def update_moravec_elfes(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arra
     ]
     no_arc = MoravecElfes(0.0, config.opening)
     updates = 0
-    for z, cells, s, theta in cones:
+    for z, cells, r, theta in cones:
         if scan.range_min <= z <= z_max:
-            before, certainty = s < z - model.half_window(z), model.empty(s, z, within(theta, config.opening))
+            before, certainty = r < z - model.half_window(z), model.empty(r, z, within(theta, config.opening))
         elif z > z_max and config.no_return == "free":
-            before, certainty = s < z_max, no_arc.empty(s, z_max, within(theta, config.opening))
+            before, certainty = r < z_max, no_arc.empty(r, z_max, within(theta, config.opening))
         else:
             continue
         rows, cols = cells[before].T
         empty[rows, cols] += certainty[before] * (1 - empty[rows, cols].astype(np.float64))
         grid.observed[rows, cols] = True
         updates += len(rows)
-    for z, cells, s, theta in cones:
+    for z, cells, r, theta in cones:
         if not scan.range_min <= z <= z_max:
             continue
-        arc = (s >= z - model.half_window(z)) & (s <= min(z + model.half_window(z), z_max))
+        arc = (r >= z - model.half_window(z)) & (r <= min(z + model.half_window(z), z_max))
         rows, cols = cells[arc].T
-        certainty = model.occupied(s[arc], z, within(theta[arc], config.opening))
+        certainty = model.occupied(r[arc], z, within(theta[arc], config.opening))
         certainty *= 1 - empty[rows, cols].astype(np.float64)
         if certainty.sum() <= 0.0:
             continue
@@ -354,7 +354,7 @@ def point_at(grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, z: flo
 
 
 def distance(grid: OccupancyGrid, sensor_pose: ArrayLike, cell: Cell) -> float:
-    """Return the distance s in metres from the sensor to a cell's centre."""
+    """Return the distance r in metres from the sensor to a cell's centre."""
     col, row = grid.geometry.to_lattice(np.asarray(sensor_pose)[:2])
     d_col, d_row = cell[1] + 0.5 - col, cell[0] + 0.5 - row
     return sqrt(d_col * d_col + d_row * d_row) * grid.geometry.resolution

@@ -22,8 +22,9 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
     which no terrain can be made.
     """
     from mapper.volume.scans.scan_sequence import ScanSequence  # noqa: PLC0415 - few sessions have a terrain
-    from server.sessions.models.terrain_map import TerrainMap  # noqa: PLC0415
-    from server.sessions.models.terrain_of_cloud import TerrainOfCloud  # noqa: PLC0415
+    from server.parts.terrain.costs import TerrainMap, TerrainOfCloud  # noqa: PLC0415
+    from server.sessions.models.cloud_points import CloudPoints  # noqa: PLC0415
+    from server.sessions.models.volume_start import bounds_of  # noqa: PLC0415
 
     given = await library.given_map(owner, log_id)
     if given is not None:
@@ -41,6 +42,7 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
         raise ConfigError("terrain.octree", "An octree has voxels and no points: choose a cloud.")
 
     def assess(check: Callable[[], None]) -> TerrainOfCloud:
-        return TerrainOfCloud.of(log_id, record.name, source, lambda _: check())
+        cloud = CloudPoints(source, *bounds_of(source))
+        return TerrainOfCloud.of(log_id, record.name, cloud, source.offset, lambda _: check())
 
     return await downloads.run(assess, takes_long=True)

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import structlog
-from msgspec import Struct
 
 from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.sessions.messages import cell_message
+from server.sessions.part import Part
 from server.sessions.tick import TickResult, error_message
 from server.sessions.why import Source, why_message
 from server.stream.commands import InspectCommand, WhyCommand
@@ -33,14 +33,16 @@ class ExplainedMap:
     index: int
 
 
-class CellQuestions:
+class CellQuestions(Part):
     """Answers questions about cells of the maps that ``maps`` returns; the default map is the first."""
+
+    commands = (InspectCommand, WhyCommand)
 
     def __init__(self, maps: Callable[[], Sequence[ExplainedMap]]) -> None:
         self._maps = maps
 
-    def handle(self, command: Struct, result: TickResult) -> bool:
-        """Answer ``command`` if it is a question, and return whether it is.
+    def handle(self, command: InspectCommand | WhyCommand, result: TickResult) -> None:
+        """Answer a question.
 
         Of several "why" of one client in one tick only the newest is answered, from the map at the end of the tick.
         Raises :class:`ProtocolError`.
@@ -53,9 +55,6 @@ class CellQuestions:
             case WhyCommand():
                 client = result.client
                 result.questions[client] = lambda: self._explain(client, command, result)
-            case _:
-                return False
-        return True
 
     def _map_of(self, command: InspectCommand | WhyCommand) -> ExplainedMap:
         for one in self._maps():

@@ -7,33 +7,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import structlog
-from msgspec import Struct
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.commands import (
-    CostmapCommand,
-    GoalCommand,
-    LocalizeCommand,
-    Map3dCommand,
-    PauseCommand,
-    PlayCommand,
-    SpeedCommand,
-)
+from server.stream.commands import PauseCommand, PlayCommand, SpeedCommand
 from server.stream.protocol import ProtocolError, type_of
 
 COMMANDS_S = (
     0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
 )
-
-#: What commands compute other than the map, as in the message ``working``.
-SUBJECTS: dict[type[Struct], str] = {
-    CostmapCommand: "costmap",
-    GoalCommand: "costmap",
-    LocalizeCommand: "localization",
-    Map3dCommand: "map_3d",
-}
 
 _log = structlog.get_logger(__name__)
 
@@ -92,8 +75,7 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
                 model.playback.set_speed(value)
                 result.changed = True
             case _:
-                with model.computing(SUBJECTS.get(type(command), "map")):
-                    model.handle(command, result)
+                model.handle(command, result)
     except (ProtocolError, MapperError) as error:
         result.refuse(queued.client, error)
         if type(command) in model.resent_on_refusal:

@@ -28,6 +28,8 @@ Pose = tuple[float, float, float]  #: x, y, yaw
 
 _NAME = re.compile(r"[a-z0-9_-]{1,100}")
 
+CHOSEN = (232, 60, 140)  #: colour of what is asked about
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawing:

@@ -7,25 +7,26 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from msgspec import Struct
-
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.sessions.hosting import ModelHost
+from server.sessions.part import Part
 from server.sessions.scene_controls import ParameterTable
 from server.sessions.tick import TickResult
 from server.stream.commands import ParametersCommand
 from server.stream.hub import Client
 
 
-class MappingParameters:
+class MappingParameters(Part):
     """The parameters of the present map, and the requested ones.
 
     ``remake`` recomputes the whole map with other parameters; if it raises :class:`MapperError`, nothing has
     changed. ``message`` returns the ``parameters`` message. Parameters without one of ``rows`` keep their initial
     values.
     """
+
+    commands = (ParametersCommand,)
 
     def __init__(
         self,
@@ -42,17 +43,10 @@ class MappingParameters:
         self._asked_by: Client | None = None
         self._remade_ms: float | None = None
 
-    def handle(self, command: Struct, result: TickResult) -> bool:
-        """Carry out ``command`` if it is about parameters, and return whether it is.
-
-        :meth:`settle` recomputes the map. Raises :class:`server.stream.protocol.ProtocolError` and
-        :class:`mapper.core.errors.ConfigError`.
-        """
-        if not isinstance(command, ParametersCommand):
-            return False
+    def handle(self, command: ParametersCommand, result: TickResult) -> None:
+        """Take other parameters; :meth:`settle` recomputes the map. Raises :class:`mapper.core.errors.ConfigError`."""
         fixed = {row.name: row.initial for row in PARAMETERS if row not in self._rows}
         self._wanted, self._asked_by = self._wanted.with_values(command.values).with_values(fixed), result.client
-        return True
 
     def adopt(self, config: MappingConfig) -> None:
         """Set the parameters of a map that was changed by other means; requested changes remain."""

@@ -28,6 +28,7 @@ from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
+    from server.sessions.part import Part
     from server.sessions.parts import (
         Comparable,
         Costed,
@@ -68,6 +69,7 @@ class SessionModel(ABC):
     costed: Costed | None = None  #: costs over the map
     editing: EditedFiles | None = None  #: the map that is edited
     story: Story | None = None  #: recorded history from which the session can be reproduced
+    parts: Sequence[Part] = ()  #: its capabilities, in the order in which they follow what changed
 
     def __init__(self, playback: Playback | None = None) -> None:
         self.playback = playback or Playback()
@@ -134,9 +136,17 @@ class SessionModel(ABC):
         """Return the fields of ``hello`` that the kind adds or sets."""
         return {}
 
+    def tables(self) -> dict[str, list[dict[str, Any]]]:
+        """Return the rows of the parameters of the parts, by the field of ``hello`` that has them."""
+        found: dict[str, list[dict[str, Any]]] = {}
+        for part in self.parts:
+            for field, rows in part.tables.items():
+                found.setdefault(field, []).extend(rows)
+        return found
+
     def messages(self) -> list[dict[str, Any]]:
-        """Return the messages for a new client: the newest of each type."""
-        return []
+        """Return the messages for a new client, the newest of each type: by default those of the parts."""
+        return [message for part in self.parts for message in part.messages()]
 
     def frame(self) -> dict[str, Any]:
         """Return the fields of the ``frame`` message that the kind adds or sets."""
@@ -192,19 +202,27 @@ class SessionModel(ABC):
         """Start playing."""
         self.playback.playing = True
 
-    def handle(self, command: Struct, result: TickResult) -> None:  # noqa: ARG002
-        """Carry out a command other than those of every session (play, pause, speed).
+    def handle(self, command: Struct, result: TickResult) -> None:
+        """Carry out a command other than those of every session (play, pause, speed): by default one of a part.
 
         Sets ``result.changed`` if a new frame has to be published. Raises :class:`ProtocolError` or
         :class:`mapper.core.errors.MapperError` if the command is refused; nothing has changed then.
         """
+        for part in self.parts:
+            if isinstance(command, part.commands):
+                with self.computing(part.subject):
+                    part.handle(command, result)
+                return
         raise ProtocolError("command.unknown", f"A {self.kind} session has no command {type_of(command)!r:.80}.")
 
     def settle(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
         """Compute once what the commands of this tick requested, such as a map with other parameters."""
 
-    def draw(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
-        """Update the layers with the changes of the tick."""
+    def draw(self, result: TickResult) -> None:
+        """Update the layers with the changes of the tick; by default those of the parts."""
+        for part in self.parts:
+            with self.computing(part.subject):
+                part.changed(result)
 
     # -- long work ------------------------------------------------------------------------------------------------
 

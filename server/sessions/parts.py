@@ -146,7 +146,7 @@ class EditedFiles(Protocol):
 class Costed(Protocol):
     """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
 
-    def commands(self) -> list[dict[str, Any]]:
+    def history(self) -> list[dict[str, Any]]:
         """Return the commands from which another session gets the same costmap and goal; none without a costmap."""
 
     def present_costs(self) -> RecordedCostmap | None:

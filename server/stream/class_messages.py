@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from server.stream.commands import Number, Whole
-from server.stream.message_parts import Point
+from server.stream.message_parts import Number, Point, Whole
 from server.stream.messages import WhyMessage
 
 MAX_OPTIONS = 8

@@ -5,15 +5,12 @@ Fields with a default may be left out. Fields that are not stated here are ignor
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.message_parts import BrushStroke, DrawnSolid, Point, Values
-
-Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
-Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
+from server.parts.terrain.messages import TerrainCommand
+from server.stream.message_parts import BrushStroke, DrawnSolid, Number, Point, Values, Whole
 
 
 class AckCommand(Struct, tag_field="type", tag="ack"):
@@ -122,15 +119,6 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
 
     value: Annotated[bool, Meta(description="whether there is one")] = True
     values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
-
-
-class TerrainCommand(Struct, tag_field="type", tag="terrain"):
-    """Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end."""
-
-    value: Annotated[bool, Meta(description="whether it is assessed")] = True
-    values: Annotated[Values, Meta(description="parameters to change; the others stay")] = {}
-    x: Annotated[Number | None, Meta(description="x of a place in the patch that is asked about, m; null: none")] = None
-    y: Annotated[Number | None, Meta(description="y of that place, m")] = None
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
 Pose = Annotated[
     tuple[float, float, float],
     Meta(title="Pose", description="[x, y, yaw] in m, m, rad", extra={"labels": ("x", "y", "yaw")}),
@@ -110,44 +113,6 @@ class Block(Part):
     outline: Annotated[list[Point], Meta(description="its corners seen from above")]
     low: Annotated[float, Meta(description="height of its bottom, m")]
     high: Annotated[float, Meta(description="height of the highest point of its top, m")]
-
-
-class TerrainCounts(Part):
-    """Numbers of patches of each class before parameters changed."""
-
-    changed: Annotated[list[str], Meta(description="names of the parameters")]
-    safe: Annotated[int, Meta(description="patches that were safe")]
-    unsafe: Annotated[int, Meta(description="patches that were unsafe")]
-    unknown: Annotated[int, Meta(description="patches with too few points")]
-
-
-class TerrainPatch(Part):
-    """A patch of terrain that was asked about, or the window around it that its plane is fitted to."""
-
-    x: Annotated[float, Meta(description="the place that was asked about, m")]
-    y: Annotated[float, Meta(description="the place that was asked about, m")]
-    centre: Annotated[Point, Meta(description="its centre, m")]
-    half: Annotated[float, Meta(description="half of its side, m")]
-    base: Annotated[float, Meta(description="the height above which its heights are, m")]
-    moments: Annotated[
-        list[float], Meta(description="P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre")
-    ]
-    n: Annotated[int, Meta(description="its ground points, with those that RANSAC leaves out")]
-    points: Annotated[
-        list[float], Meta(description="x, y, z of these points about its centre, m; of many every second one, or fewer")
-    ]
-    edges: Annotated[
-        list[float],
-        Meta(
-            description="x, y, z in the middle of each edge, z on the plane of the neighbour there, of those with one"
-        ),
-    ]
-    children: Annotated[
-        list[list[float]],
-        Meta(description="P of its four children in the quadtree, about its centre; empty: it has none"),
-    ]
-    why: Annotated[str, Meta(description="why it has its class, one sentence")]
-    state: Annotated[str, Meta(description="safe, unsafe or unknown")]
 
 
 class Compared(Part):

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+from server.parts.terrain.messages import TerrainMessage
 from server.stream.message_parts import (
     Block,
     CellState,
@@ -41,7 +42,6 @@ from server.stream.volume_messages import (
     Map3dMessage,
     SurfaceMessage,
     SurfaceVoxelMessage,
-    TerrainMessage,
     VolumeMessage,
     VoxelMessage,
 )

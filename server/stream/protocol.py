@@ -68,12 +68,12 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Any, overload
+from typing import Any
 
 import msgspec
 from msgspec import Struct
 
-from server.stream.commands import Command, GoalCommand, TerrainCommand, VoxelCommand
+from server.stream.commands import Command
 from server.stream.messages import ServerMessage
 
 SUBPROTOCOL = "gridbloom.v3"
@@ -152,20 +152,15 @@ def fields_of(command: Struct) -> dict[str, Any]:
     return {name: value for name, value in msgspec.to_builtins(command).items() if value is not None}
 
 
-@overload
-def place_of(command: GoalCommand | TerrainCommand) -> tuple[float, float] | None: ...
+def place_of(command: Struct) -> tuple[float, ...] | None:
+    """Return the place that a command names, x, y and the z that some have, metres; None for one without x.
 
-
-@overload
-def place_of(command: VoxelCommand) -> tuple[float, float, float] | None: ...
-
-
-def place_of(command: GoalCommand | TerrainCommand | VoxelCommand) -> tuple[float, ...] | None:
-    """Return the place that a command names, metres; None for one without x. Raises for one with x and no y or z."""
-    if command.x is None:
+    Raises :class:`ProtocolError` for one with x and without the others.
+    """
+    if getattr(command, "x", None) is None:
         return None
     place = []
-    for name in "xyz" if isinstance(command, VoxelCommand) else "xy":
+    for name in (name for name in "xyz" if name in command.__struct_fields__):
         value = getattr(command, name)
         if value is None:
             raise ProtocolError(f"command.{name}", f'The command "{type_of(command)}" needs a "{name}" with its "x".')

@@ -1,4 +1,4 @@
-"""The messages of maps in 3D: voxels, surfaces and terrain, a part of :mod:`server.stream.messages`."""
+"""The messages of maps in 3D: voxels and surfaces, a part of :mod:`server.stream.messages`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from server.stream.message_parts import (
     Place,
     SurfaceUpdate,
     Table,
-    TerrainCounts,
-    TerrainPatch,
     Values,
     VolumeChanges,
     VoxelUpdate,
@@ -35,31 +33,6 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
     octree_bytes: Annotated[int, Meta(description="the octree: log-odds and children of each node")]
     block_bytes: Annotated[int, Meta(description="the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash")]
     dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
-
-
-class TerrainMessage(Struct, tag_field="type", tag="terrain"):
-    """The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`."""
-
-    is_on: Annotated[bool, Meta(description="whether it is assessed")]
-    values: Annotated[Values, Meta(description="its parameters")]
-    points: Annotated[int, Meta(description="points that it is made of")]
-    ground: Annotated[int, Meta(description="those that the filter takes for ground")]
-    left_out: Annotated[int, Meta(description="ground points that RANSAC leaves out of the planes")]
-    kappa: Annotated[
-        float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
-    ]
-    total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
-    truth: Annotated[str | None, Meta(description="what they are compared with; null: as above")]
-    safe: Annotated[int, Meta(description="patches that are safe")]
-    unsafe: Annotated[int, Meta(description="patches that are unsafe")]
-    unknown: Annotated[int, Meta(description="patches with too few points")]
-    size: Annotated[float, Meta(description="side of a patch, m")]
-    before: Annotated[
-        TerrainCounts | None,
-        Meta(description="the classes before the newest change of parameters; null: there was none"),
-    ]
-    patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
-    problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
 
 
 class VolumeMessage(Struct, tag_field="type", tag="volume"):

@@ -80,7 +80,7 @@ def test_settings_made_without_a_connection_are_sent_to_the_restarted_server(
         session = page.evaluate(address).split("session=")[1].split("#")[0]
         proxy.cut()
         expect(page.locator(".lab-status")).to_contain_text(AWAY)
-        open_group(page, "Model").get_by_role("slider", name="Hit increment").press("ArrowRight")
+        open_group(page, "Sensor model").get_by_role("slider", name="Hit increment").press("ArrowRight")
         open_group(page, "Faults")
         page.get_by_role("switch", name="Odometry drift").click()
         page.evaluate("() => gridbloom.connection.store.setView({ x: 5, y: 5, scale: 0.02 })")

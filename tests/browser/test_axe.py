@@ -177,7 +177,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page], ev
     nothing_wrong(page, ".dock")
     if page.viewport_size and page.viewport_size["width"] < 500:
         return
-    open_group(page, "Model")
+    open_group(page, "Sensor model")
     for model in MODELS[(len(MODELS) - 1) % every :: every]:  # up to the last one, whose cells have an order
         page.evaluate("model => gridbloom.connection.store.setParameter('model', model)", model)
         settled_digest(page)
@@ -205,7 +205,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page], ev
     }""")
     await_true(page, "() => gridbloom.connection.store.world.peek().name === 'room'")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
-    open_group(page, "Table")
+    open_group(page, "Moving table")
     page.get_by_role("button", name="Add a table").click()
     expect(page.get_by_role("slider", name="My guess")).to_be_visible()
     told_sliders(page)

@@ -1,8 +1,13 @@
-"""The tabs of the log page's dock by keys."""
+"""The tabs of a dock: by keys, and in a window at 200 %."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from playwright.sync_api import Page, expect
+
+from tests.browser.looking import open_group
+from tests.browser.text_boxes import hidden_texts
 
 
 def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
@@ -31,3 +36,15 @@ def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
     sections.first.click()
     sections.nth(2).click()
     expect(groups.last).to_have_attribute("aria-selected", "true")
+
+
+def test_a_window_of_200_percent_has_the_tabs(open_lab: Callable[..., Page]) -> None:
+    page = open_lab(scans=15)
+    page.set_viewport_size({"width": 720, "height": 450})  # 1440 × 900 at 200 %
+    tabs = page.locator(".dock-tabs, .dock-subtabs").get_by_role("tab")
+    for title in ("Sensor model", "Faults", "Costmap", "3D map"):
+        open_group(page, title).scroll_into_view_if_needed()
+        for tab in tabs.all():
+            expect(tab).to_be_visible()
+            tab.click(trial=True)  # what lies over a tab, or is clipped, fails here
+        assert hidden_texts(page, "main") == [], title

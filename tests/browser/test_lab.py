@@ -42,7 +42,7 @@ def profile(page: Page) -> str:
 
 
 #: The group of the dock with the rows of each group of the table.
-DOCK_GROUPS = {"model": "Model", "update": "Map", "map": "Map", "mount": "Sensor"}
+DOCK_GROUPS = {"model": "Sensor model", "update": "Map", "map": "Map", "mount": "Sensor"}
 
 
 def choose_model(page: Page, model: str) -> None:

@@ -89,7 +89,7 @@ def test_erasing_and_taking_it_back(lab: Page) -> None:
     until("it to be back", lambda: edits(lab)["erased"] == [])
     lab.get_by_role("button", name="Redo").click()
     until("it to be gone again", lambda: len(edits(lab)["erased"]) == 1)
-    open_group(lab, "Model")
+    open_group(lab, "Sensor model")
     lab.get_by_role("button", name="Reset to defaults").click()
     until("the world as it was built", lambda: edits(lab) == {"added": [], "erased": []})
 
@@ -131,7 +131,7 @@ def test_a_teleport_and_a_world_are_taken_back(open_lab: Callable[..., Page]) ->
 @pytest.mark.moving
 def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     send_robot(lab, [4.3, 5.2])
-    open_group(lab, "Table")
+    open_group(lab, "Moving table")
     figure = lab.locator(".table-figure")
     figure.get_by_role("button", name="Add a table").click()
     until("the table", lambda: len(edits(lab)["added"]) == 1)

@@ -24,7 +24,7 @@ def value(page: Page, name: str) -> Any:
 
 def choose(page: Page, model: str) -> None:
     """Take an inverse sensor model."""
-    open_group(page, "Model").locator("select").first.select_option(model)
+    open_group(page, "Sensor model").locator("select").first.select_option(model)
     until("the model", lambda: value(page, "model") == model)
 
 
@@ -75,4 +75,4 @@ def test_a_sonar_ring_selects_the_cone_model_with_its_handles(lab: Page) -> None
     lab.keyboard.press("ArrowLeft")
     until("the reading", lambda: float(reading.get_attribute("aria-valuenow") or "nan") < z)
     choose(lab, "moravec_elfes")
-    expect(open_group(lab, "Model").locator(".profile-caption")).to_contain_text("no log-odds are added")
+    expect(open_group(lab, "Sensor model").locator(".profile-caption")).to_contain_text("no log-odds are added")

@@ -63,7 +63,7 @@ def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str
 @pytest.mark.long
 def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
-    say = section.get_by_role("slider", name="My guess, with the clamp")
+    say = section.get_by_role("slider", name="My guess")
     say.focus()
     page.keyboard.press("Home")
     for _ in range(9):

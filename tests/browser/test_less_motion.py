@@ -34,7 +34,7 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
     page.evaluate("() => gridbloom.connection.store.send({ type: 'world', name: 'room' })")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'teleport', x: 4, y: 5, yaw: 0 })")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.1)
-    open_group(page, "Table")
+    open_group(page, "Moving table")
     page.get_by_role("button", name="Add a table").click()
     page.get_by_role("slider", name="My guess").press("ArrowRight")
     page.get_by_role("button", name="Remove the table").click()

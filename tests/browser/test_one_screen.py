@@ -66,7 +66,7 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
         if title in BEFORE_GROUP:
             page.evaluate(BEFORE_GROUP[title])
             settled_digest(page)
-        if title in {"3D", "Scene"}:
+        if title in {"3D", "3D view"}:
             expect(page.get_by_role("button", name=FULL_SCREEN)).to_be_visible()  # its controls come with the scene
         screen.stands(title)
         assert hidden_texts(page, ".dock") == [], title
@@ -87,7 +87,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
         turns.use_all(screen, page.locator(".lab-bar"))
         page.evaluate(PAUSE)
         use_groups(page, screen, turns)
-        open_group(page, "Model")
+        open_group(page, "Sensor model")
         page.get_by_role("button", name="Reset to defaults").click()
         page.evaluate("() => gridbloom.connection.store.editing.take(null)")
         page.evaluate("() => gridbloom.connection.store.send({ type: 'compare', values: null })")

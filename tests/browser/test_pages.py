@@ -149,7 +149,7 @@ def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> No
     page.on("websocket", listen)
     page.goto(f"{server}/lab.html")
     await_map(page)
-    open_group(page, "Scene")
+    open_group(page, "3D view")
     scene = page.frame_locator("iframe.scene")
     expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.

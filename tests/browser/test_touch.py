@@ -289,7 +289,7 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
     until("the wall to be gone", lambda: added() == [])
 
     page.get_by_role("button", name="Move the robot").tap()
-    open_group(page, "Table")
+    open_group(page, "Moving table")
     page.get_by_role("button", name="Add a table").tap()
     guess = page.get_by_role("slider", name="My guess")
     guess.wait_for()

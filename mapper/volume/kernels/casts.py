@@ -84,11 +84,11 @@ def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int
 
 @jit
 def _squared_range(x: int, y: int, z: int, ox: float, oy: float, oz: float, resolution: float) -> float:
-    """Return the squared distance from an origin to the centre of a voxel."""
+    """Return the squared distance from an origin to the centre of a voxel, squares in float32, their sum in float64."""
     ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
     ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
     az = np.float32((z - CENTRE + 0.5) * resolution) - oz
-    return float(ax * ax) + float(ay * ay) + float(az * az)
+    return np.float64(ax * ax) + np.float64(ay * ay) + np.float64(az * az)  # numba's float() leaves a float32 as it is
 
 
 @jit

@@ -113,7 +113,7 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer
     first = {} if model.recording is None else asdict(model.recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
-        navigation = [] if model.costed is None else model.costed.commands()
+        navigation = [] if model.costed is None else model.costed.history()
     count = model.progress[1]
     view = {"view": asdict(seen), "look": look, "count": count, "changed": changed, "navigation": navigation}
     return _public(sessions, await library.links.make(session.owner, record, view))

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import Float32Array
-from server.sessions.drawings import Drawing, Segments
+from server.sessions.drawings import CHOSEN, Drawing, Segments
 
-HIT, PASSED, CHOSEN = (214, 92, 30), (60, 130, 200), (232, 60, 140)
+HIT, PASSED = (214, 92, 30), (60, 130, 200)
 MOST_SCANS, MOST_BEAMS = 200, 2000  #: whose beams are drawn, the newest
 #: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
 Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]

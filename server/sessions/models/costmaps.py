@@ -133,7 +133,7 @@ class CostmapsModel(SessionModel):
         """Return a scan without readings."""
         return NO_READINGS
 
-    def commands(self) -> list[dict[str, Any]]:
+    def history(self) -> list[dict[str, Any]]:
         """Return none: what is shown is recorded."""
         return []
 

@@ -3,28 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
-from mapper.grid import CellBox, OccupancyGrid
+from mapper.grid import OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.mapping.integrate import Change
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.live_map import LiveMap
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
-from mapper.terrain import Terrain
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
 from server.sessions.models.simulation_commands import act
+from server.sessions.part import Offers
+from server.sessions.parts import TerrainCosts
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
-from server.stream.commands import DriveCommand, GoalCommand
+from server.stream.commands import AutoCommand, DriveCommand, GoalCommand, RestartCommand, WorldCommand
 
 ROWS = rows_with(
     "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
@@ -49,19 +51,15 @@ class LabNavigation(Navigation):
     def __init__(
         self,
         mapper: LiveMap,
-        others: Mapping[str, Callable[[], OccupancyGrid | None]] | None = None,
-        terrain: Callable[[], Terrain | None] = lambda: None,
+        offers: Offers,
     ) -> None:
-        """``others`` return maps that the static layer may have by name, another object when one has changed.
-
-        None is returned where there is no such map. ``terrain`` returns the patches of the terrain's layer in the same
-        way.
-        """
+        """``offers`` has the maps that the static layer may have, and the costs of the terrain's layer."""
         super().__init__()
+        self.tables = {"navigation": ROWS}
         self._mapper = mapper
-        self._others = others or {}
-        self._terrain = terrain
-        self._laid: Terrain | None = None  #: the terrain in the costmap
+        self._others = offers.maps
+        self._terrain = offers.costs.get("terrain_layer", lambda: None)
+        self._laid: TerrainCosts | None = None  #: the terrain in the costmap
         self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
         self._seen: RangeScan | None = None
         self._pose: PoseTuple | None = None
@@ -96,9 +94,11 @@ class LabNavigation(Navigation):
         if not self._path.drives:
             result.slot(self._path.message())  # it has arrived
 
-    def stop_driving(self, result: TickResult) -> None:
-        """Stop driving along the path: the robot is driven by other commands."""
-        if self.is_driving:
+    def note(self, command: Struct, result: TickResult) -> None:
+        """Stop driving along the path where the robot is driven by other commands; end in another world."""
+        if isinstance(command, WorldCommand | RestartCommand):
+            self.end(result)
+        elif isinstance(command, DriveCommand | AutoCommand) and self.is_driving:
             self._path.drives = False
             result.slot(self._path.message())
 
@@ -125,9 +125,9 @@ class LabNavigation(Navigation):
     def _drives(self, command: GoalCommand) -> bool:
         return self._path.drives if command.drives is None else command.drives
 
-    def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
-        """Follow what changed in the map, ``box`` or the ``whole`` of it, look at a new scan, and plan again."""
-        costmap = self._costmap
+    def changed(self, result: TickResult) -> None:
+        """Follow what changed in the map, look at a new scan, and plan again."""
+        costmap, box, whole = self._costmap, result.box, result.new_grid
         if costmap is None:
             return
         mapper, pose = self._mapper, believed_now(self._mapper)

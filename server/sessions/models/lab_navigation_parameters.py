@@ -8,7 +8,7 @@ from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
-from mapper.costmap.footprint import Footprint, Vertices
+from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2_costmap import LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
 from mapper.costmap.parameters import (
     COSTMAP_PARAMETERS,
@@ -25,6 +25,7 @@ from mapper.costmap.parameters import (
 from mapper.costmap.speed_filter import ABSOLUTE
 from mapper.planning.nav2_parameters import Nav2Path
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
+from server.sessions.part import HEXAGON
 
 
 def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter:  # noqa: ANN401
@@ -85,10 +86,6 @@ def rows_with(map_sentence: str, maps: tuple[str, ...], without: tuple[str, ...]
 _ROWS = {row.name: row for row in TABLE}
 INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
 
-#: A hexagon around the simulated robot, whose radius is 0.2 m.
-HEXAGON: Vertices = (
-    (0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2),
-)  # fmt: skip
 MOST_CORNERS = 24  #: of a footprint in the lab
 _OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), ("desired_linear_vel", "lookahead_dist")
 _CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it

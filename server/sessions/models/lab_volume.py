@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.grid import GridGeometry, OccupancyGrid
@@ -21,6 +22,8 @@ from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.scans.sources import Insertion
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 
+MOST_POINTS = 150_000  #: of the newest scans that are read as a cloud
+TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds
 MOST_READINGS = 4_000_000  #: of all recorded scans: 16 MB
 AT_ONCE = 4  #: recorded scans that are put into a map that is made again, in one tick
@@ -193,3 +196,28 @@ def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarr
     out[occupied] = 1
     out[occupied & ~near[1:-1, 1:-1]] = 2
     return out, int((out == 2).sum())
+
+
+def points_of(scans: Sequence[Scan3D]) -> Float64Array:
+    """Return at most :data:`MOST_POINTS` of the points (n, 3) that scans measured, the newest among them, metres."""
+    left, found = MOST_POINTS, []
+    for scan in reversed(scans):
+        points = scan.ends()[0][np.isfinite(scan.ranges)]
+        found.append(points[:left])
+        left -= len(found[-1])
+        if left <= 0:
+            break
+    return np.concatenate(found) if found else np.empty((0, 3))
+
+
+def true_ground(world: World, points: Float64Array) -> BoolArray:
+    """Return which points (n, 3) lie on the floor of a world or on one of its ramps."""
+    on_ground = np.abs(points[:, 2]) <= TRUE_WITHIN
+    for block in world.blocks:
+        a, b, c = block.top
+        if b == c == 0.0:
+            continue
+        low, high = block.outline.min(axis=0), block.outline.max(axis=0)
+        inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
+        on_ground |= inside & (np.abs(points[:, 2] - a - points[:, :2] @ (b, c)) <= TRUE_WITHIN)
+    return np.asarray(on_ground)

@@ -28,7 +28,7 @@ from server.sessions.models.log_comparison import LogComparison
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_localization import LogLocalization
-from server.sessions.models.log_navigation import ROWS, LogNavigation
+from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.models.log_updates import LogUpdates
 from server.sessions.playback import Playback
@@ -141,7 +141,7 @@ class LogModel(SessionModel):
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
-        self._questions = CellQuestions(self._explained)
+        self.parts = (self.parameters, CellQuestions(self._explained), self._updates, self.navigation)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
@@ -248,7 +248,7 @@ class LogModel(SessionModel):
         recording, log = self.recording, self.recording.log
         return {
             "parameters": self.parameters.table(recording.first_config()),
-            "navigation": ROWS,
+            **self.tables(),
             "log": {
                 "id": recording.log_id,
                 "topic": log.topic,
@@ -325,8 +325,7 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
-        with self.computing("costmap"):
-            self.navigation.draw(result.box, result, whole=result.new_grid)
+        super().draw(result)
         message = self.localization.draw()
         if message is not None:
             result.slot(message)
@@ -355,9 +354,6 @@ class LogModel(SessionModel):
 
     def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
-        parts = (self.parameters, self._questions, self._updates, self.navigation)
-        if any(part.handle(command, result) for part in parts):
-            return
         count = self.recording.log.n_scans
         if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
             self._healing.leave()
@@ -390,6 +386,7 @@ class LogModel(SessionModel):
                 raise ProtocolError("log.recorded", message)
             case _:
                 super().handle(command, result)
+                return
         result.changed = True
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:

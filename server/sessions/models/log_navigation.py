@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mapper.core.errors import ConfigError
-from mapper.grid import CellBox, OccupancyGrid
+from mapper.grid import OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.maps.reading import grid_of_values
+from server.parts.terrain.costs import meets
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
-from server.sessions.models.terrain_map import meets
 from server.sessions.parts import UploadedTerrain
 from server.sessions.tick import TickResult
 from server.stream.commands import GoalCommand
@@ -37,6 +37,7 @@ class LogNavigation(Navigation):
     def __init__(self, recording: LogRecording, given_map: Callable[[], GivenMap | None]) -> None:
         """``given_map`` returns the map that the log is localized in."""
         super().__init__()
+        self.tables = {"navigation": ROWS}
         self._recording, self._given_map = recording, given_map
         self._given: GivenMap | None = None  #: which the static layer has
         self._index = -1  #: of the scan that the layers of obstacles saw last
@@ -82,9 +83,9 @@ class LogNavigation(Navigation):
         self._given = given
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
-    def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
+    def changed(self, result: TickResult) -> None:
         """Follow what changed in the map, look at a new scan, and plan again."""
-        costmap, replay = self._costmap, self._recording.replay
+        costmap, replay, box, whole = self._costmap, self._recording.replay, result.box, result.new_grid
         if costmap is None:
             return
         if costmap.parameters.values["map"] == "given" and self._given is not self._given_map():
@@ -134,12 +135,12 @@ class LogNavigation(Navigation):
             message = "The terrain has no known cell within the costmap: are both in one frame?"
             result.notice("terrain.elsewhere", message)
 
-    def commands(self) -> list[dict[str, Any]]:
+    def history(self) -> list[dict[str, Any]]:
         """Return the commands from which another session gets the same costmap, goal and terrain.
 
         The command ``use_terrain`` names the upload, which the service then reads.
         """
-        found = super().commands()
+        found = super().history()
         if found and self._terrain is not None:
             found.append({"type": "use_terrain", "log": self._terrain.log_id})
         return found

@@ -26,6 +26,7 @@ from server.sessions.models.log_localization import LogLocalization
 from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.models.solved_graph import ShowGraph
+from server.sessions.part import Part
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
@@ -57,14 +58,26 @@ class Updated(Protocol):
         """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
 
 
-class LogUpdates:
+class LogUpdates(Part):
     """Carries them out on a worker thread."""
+
+    commands = (
+        UpdateLog,
+        UseSensor,
+        ShowGraph,
+        FollowPoses,
+        PosesSoFar,
+        PosesEnded,
+        ShowGivenMap,
+        UseTerrain,
+        ShowCourse,
+    )
 
     def __init__(self, model: Updated, healing: LogHealing) -> None:
         self._model, self._healing = model, healing
 
-    def handle(self, command: Struct, result: TickResult) -> bool:
-        """Carry out a command of the service, and return whether it is one."""
+    def handle(self, command: Struct, result: TickResult) -> None:
+        """Carry out a command of the service."""
         model = self._model
         match command:
             case UpdateLog(log=log):
@@ -89,10 +102,7 @@ class LogUpdates:
                 model.navigation.use_terrain(terrain, result)
             case ShowCourse(trajectory=trajectory, course=course):
                 model.localization.show_course(trajectory, course)
-            case _:
-                return False
         result.changed = True
-        return True
 
     def _show_poses(self, poses: NDArray[np.float64], report: LocalizeProgress | None, result: TickResult) -> None:
         """Map the scans whose poses a job has made so far."""

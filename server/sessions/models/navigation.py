@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from msgspec import Struct
-
 from mapper.core.array_types import Int8Array
 from mapper.costmap.nav2_parameters import costmap_of
 from mapper.costmap.nav2_writing import nav2_yaml
@@ -25,6 +23,7 @@ from server.sessions.models.navigation_messages import (
     footprint_fields,
 )
 from server.sessions.models.painted_zones import painted_filters, strokes_of
+from server.sessions.part import Part
 from server.sessions.tick import TickResult
 from server.stream.commands import CostCommand, CostmapCommand, GoalCommand, Nav2Command
 from server.stream.layers import Layer
@@ -33,8 +32,11 @@ from server.stream.protocol import ProtocolError, place_of
 _MOST_NAMES = 12  #: of parameters in one notice
 
 
-class Navigation(ABC):
+class Navigation(Part, ABC):
     """The costmap and the path, from the command ``costmap`` on until the same command ends them."""
+
+    commands = (CostmapCommand, GoalCommand, CostCommand, Nav2Command)
+    subject = "costmap"
 
     def __init__(self) -> None:
         self._costmap: LabCostmap | None = None
@@ -76,7 +78,7 @@ class Navigation(ABC):
         """Cells of the grids that it holds."""
         return 0 if self._costmap is None else self._costmap.cells
 
-    def commands(self) -> list[dict[str, Any]]:
+    def history(self) -> list[dict[str, Any]]:
         """Return the commands from which another session gets the same costmap and goal."""
         return commands_of(self._costmap, self._path)
 
@@ -99,20 +101,19 @@ class Navigation(ABC):
             for told in self.messages():
                 result.slot(told)
 
-    def handle(self, command: Struct, result: TickResult) -> bool:
-        """Carry out a command for the costmap or the path; return whether it was one.
+    def handle(self, command: CostmapCommand | GoalCommand | CostCommand | Nav2Command, result: TickResult) -> None:
+        """Carry out a command for the costmap or the path.
 
         Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.
         """
-        if not isinstance(command, CostmapCommand | GoalCommand | CostCommand | Nav2Command):
-            return False
         costmap = self._costmap
         if isinstance(command, CostmapCommand):
             self._set(command, result)
         elif costmap is None:
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         elif isinstance(command, GoalCommand):
-            self._path.head_for(place_of(command), drives=self._drives(command))
+            place = place_of(command)
+            self._path.head_for(None if place is None else (place[0], place[1]), drives=self._drives(command))
             self._is_stale = True
         elif isinstance(command, CostCommand):
             x, y = command.x, command.y
@@ -120,7 +121,6 @@ class Navigation(ABC):
         else:
             self._exchange(costmap, command, result)
         result.changed = True
-        return True
 
     def _set(self, command: CostmapCommand, result: TickResult) -> None:
         if not command.value:

@@ -18,6 +18,7 @@ from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
+from server.parts import parts_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
@@ -25,16 +26,15 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_navigation import ROWS, LabNavigation, believed_now
-from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
+from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import checked_commands
 from server.sessions.models.simulation_commands import Action, act
 from server.sessions.models.simulation_messages import world_message
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
-from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_view import VolumeView
+from server.sessions.part import Offers
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
@@ -47,17 +47,12 @@ from server.stream.commands import (
     DriveCommand,
     EditCommand,
     FaultsCommand,
-    LocalizeCommand,
-    Map3dCommand,
     ParametersCommand,
     RestartCommand,
     SeekCommand,
     SensorCommand,
     StepCommand,
     TeleportCommand,
-    TerrainCommand,
-    VoxelCommand,
-    VoxelRayCommand,
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
@@ -86,20 +81,16 @@ class SimulationModel(SessionModel):
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
         self._volume = self.volume = VolumeView(host, mapper, self.playback)
-        self._terrain = TerrainView(self._volume)
-        self._navigation = self.costed = LabNavigation(
-            mapper,
-            {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid},
-            lambda: self._terrain.terrain,
-        )
-        self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.commands)
-        self._questions = CellQuestions(self._explained)
+        offers = Offers(host, self._volume, {"map_3d": lambda: self._volume.projection})
+        offered = parts_of(offers)
+        self._navigation = self.costed = LabNavigation(mapper, offers)
+        self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.history)
+        following = (LocalizationView(mapper), self._volume, *offered, self._navigation, SlamView(mapper))
+        self.parts = (self.parameters, CellQuestions(self._explained), *following)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
-        self._localization = LocalizationView()
-        self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
     # -- what is shown --------------------------------------------------------------------------------------------
@@ -108,8 +99,7 @@ class SimulationModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map if there is one, and those of what else is on."""
         second = () if self._second is None else (self._second,)
-        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers, *self._terrain.layers)
-        return (self._map, *second, *self._localization.layers, *more)
+        return (self._map, *second, *(layer for part in self.parts for layer in part.layers))
 
     @property
     def title(self) -> str:
@@ -134,8 +124,7 @@ class SimulationModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
-        parts = (self._navigation, self._volume, self._terrain, self._localization)
-        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts))
+        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts))
 
     @property
     def world(self) -> World:
@@ -150,12 +139,13 @@ class SimulationModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the recomputation of the map, or of the 3D map, that is done."""
-        return self._mapper.fraction if self._mapper.fraction is not None else self._volume.fraction
+        shares = (self._mapper.fraction, *(part.progress for part in self.parts))
+        return next((share for share in shares if share is not None), None)
 
     @property
     def is_catching_up(self) -> bool:
         """Whether the 3D map is made again."""
-        return self._volume.is_behind
+        return any(part.is_behind for part in self.parts)
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -200,8 +190,8 @@ class SimulationModel(SessionModel):
         world, robot = self.world, self.robot_state()
         flat = map_drawings(self.grid, robot, self.config)
         return [
-            *(self._volume.drawings(flat) if self._volume.is_on else flat),
-            *self._terrain.drawings(),
+            *(self._volume.over(flat) if self._volume.is_on else flat),
+            *(drawing for part in self.parts for drawing in part.drawings()),
             Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
         ]
 
@@ -237,20 +227,12 @@ class SimulationModel(SessionModel):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
-            "navigation": ROWS,
-            "map3d": [*(asdict(row) for row in MAP_3D), *self._terrain.table],
+            **self.tables(),
         }
 
     def messages(self) -> list[dict[str, Any]]:
         """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
-        return [
-            self._parameters_message(),
-            world_message(self._mapper),
-            *self._navigation.messages(),
-            *self._volume.messages(),
-            self._terrain.message(),
-            self._localization.message(),
-        ]
+        return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
         """Return the parameters, the robot's faults and the parameters in which the second map differs."""
@@ -301,15 +283,7 @@ class SimulationModel(SessionModel):
         result.changed |= self._map.update(
             self.grid, self.config, result.box, whole=result.new_grid, cells=result.cells
         )
-        with self.computing("localization"):
-            self._localization.look(self._mapper, result)
-        with self.computing("map_3d"):
-            self._volume.draw(result)
-        with self.computing("terrain"):
-            self._terrain.draw(result)
-        with self.computing("costmap"):
-            self._navigation.draw(result.box, result, whole=result.new_grid)
-        self._slam.draw(self._mapper)
+        super().draw(result)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if forgetting != self._forgetting:
@@ -324,19 +298,9 @@ class SimulationModel(SessionModel):
 
     def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command."""
-        if self.parameters.handle(command, result) or self._questions.handle(command, result):
-            return
-        if self._navigation.handle(command, result):
-            return
         match command:
             case TeleportCommand() | DriveCommand() | AutoCommand() | SensorCommand() | EditCommand():
                 self._act(command, result)
-            case LocalizeCommand():
-                self._localization.handle(command, self._mapper, result)
-            case Map3dCommand() | VoxelCommand() | VoxelRayCommand():
-                self._volume.handle(command, result)
-            case TerrainCommand():
-                self._terrain.handle(command, result)
             case StepCommand(scans=scans):
                 self._step(scans, result)
             case FaultsCommand(values=values):
@@ -361,6 +325,9 @@ class SimulationModel(SessionModel):
                 raise ProtocolError("world.seek", "A simulation cannot seek; use restart.")
             case _:
                 super().handle(command, result)
+                return
+        for part in self.parts:
+            part.note(command, result)
         result.changed = True
 
     @contextmanager
@@ -380,12 +347,6 @@ class SimulationModel(SessionModel):
         self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
         if isinstance(command, DriveCommand):
             self.playback.playing = True
-        if isinstance(command, DriveCommand | AutoCommand):
-            self._navigation.stop_driving(result)
-        if isinstance(command, TeleportCommand):
-            self._localization.carried(mapper.newest_pose)
-        if isinstance(command, SensorCommand):
-            self._localization.end(result)
         if isinstance(command, EditCommand):
             result.slot(world_message(self._mapper))
         if isinstance(command, SensorCommand) or mapper.second is not second:
@@ -406,9 +367,6 @@ class SimulationModel(SessionModel):
             result.unfinished = StepCommand(scans - now)
 
     def _begin(self, world: World, edits: Edits, result: TickResult) -> None:
-        self._localization.end(result)
-        self._navigation.end(result)
         self._mapper.begin(world, self.sensor, edits)
-        self._volume.restart(result)
         result.new_grid = True
         result.slot(world_message(self._mapper))

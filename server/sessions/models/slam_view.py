@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.simulation.live_map import LiveMap
+from server.sessions.part import Part
+from server.sessions.tick import TickResult
 from server.stream.whole_layers import GraphLayer, TableLayer
 
 EVERY = 5  #: scans after which the true path is rewritten
 MOST_PLACES = 3000  #: of the true path
 
 
-class SlamView:
+class SlamView(Part):
     """The layers of SLAM, while the map is made with the poses that it corrects."""
 
-    def __init__(self) -> None:
+    def __init__(self, mapper: LiveMap) -> None:
+        self._mapper = mapper
         self._graph: GraphLayer | None = None
         self._path: TableLayer | None = None
         self._scans = 0  # in the path
@@ -24,8 +27,9 @@ class SlamView:
         """The path, and the graph over it, or nothing."""
         return () if self._graph is None or self._path is None else (self._path, self._graph)
 
-    def draw(self, mapper: LiveMap) -> None:
-        """Write the layers (worker thread)."""
+    def changed(self, result: TickResult) -> None:  # noqa: ARG002 - the recording says what is new
+        """Write the layers."""
+        mapper = self._mapper
         if not mapper.faults.corrects_poses:
             self._graph = self._path = None
             return

@@ -21,12 +21,12 @@ from mapper.volume.scans.map_offset import georeferenced
 from mapper.volume.scans.replayed import ReplayedVolume
 from mapper.volume.scans.scan_sequence import ScanSequence
 from mapper.volume.surface.replayed import ReplayedSurface
+from server.parts import parts_of
 from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.cloud_terrain import CloudPoints
+from server.sessions.models.cloud_points import CloudPoints
 from server.sessions.models.scan_timeline import ScanTimeline
-from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_limits import map_limits
@@ -35,6 +35,7 @@ from server.sessions.models.volume_messages import log_fields, look_table, volum
 from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
 from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
+from server.sessions.part import Offers
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.commands import (
@@ -44,7 +45,6 @@ from server.stream.commands import (
     SeekCommand,
     StepCommand,
     SurfaceCommand,
-    TerrainCommand,
     VolumeKeepCommand,
     VolumeLookCommand,
     VoxelCommand,
@@ -105,8 +105,7 @@ class VolumeModel(SessionModel):
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
-        points = CloudPoints(scans, self._low, self._high, other)
-        self._terrain = TerrainView(points, points.first, host, asks_first=True)
+        self.parts = parts_of(Offers(host, CloudPoints(scans, self._low, self._high, other)))
         super().__init__(self._timeline.first_playback())
 
     def _limits(self) -> Limits:
@@ -118,7 +117,7 @@ class VolumeModel(SessionModel):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map from above, and the terrain while it is on."""
-        return (self._layer, *self._terrain.layers)
+        return (self._layer, *(layer for part in self.parts for layer in part.layers))
 
     @property
     def title(self) -> str:
@@ -166,9 +165,8 @@ class VolumeModel(SessionModel):
     def footprint(self) -> Footprint:
         """The voxels of the map, of the one that it is compared with, and the points."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
-        return Footprint(
-            self._map.n_cells + self._comparison.n_cells + points + self._terrain.cells + self._surface.cells
-        )
+        of_parts = sum(part.cells for part in self.parts)
+        return Footprint(self._map.n_cells + self._comparison.n_cells + points + of_parts + self._surface.cells)
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -179,7 +177,7 @@ class VolumeModel(SessionModel):
         """Return the file as a log without planar scans, and the table of the map's parameters."""
         rows = [asdict(row) for row in VOLUME_PARAMETERS] if isinstance(self._source, ScanSequence) else []
         return {
-            "map3d": self._terrain.table if rows else [],
+            "map3d": self.tables().get("map3d", []) if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
             "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
         }
@@ -189,7 +187,7 @@ class VolumeModel(SessionModel):
         return [
             self._message(),
             self._parameters(),
-            self._terrain.message(),
+            *super().messages(),
             self._surface.message(),
             voxel_message(None, self._config.resolution),
             self._surface.no_voxel(),
@@ -209,7 +207,11 @@ class VolumeModel(SessionModel):
     def drawings(self) -> list[Drawing]:
         """Return the voxels, the points, what is chosen, and what differs from another map."""
         surface = [self._surface.drawing(self._look, float(self._low[2]))] if self._is_surface else []
-        return [*self._drawn.current(self._map.volume, self._look), *surface, *self._terrain.drawings()]
+        return [
+            *self._drawn.current(self._map.volume, self._look),
+            *surface,
+            *(drawing for part in self.parts for drawing in part.drawings()),
+        ]
 
     def controls(self) -> SceneControls:
         """Return what the camera shows at first."""
@@ -243,8 +245,6 @@ class VolumeModel(SessionModel):
                     self._surface.ask(command, self._host, self._drawn.chosen, result)
                 else:
                     self._questions.handle(command, self._map, self._rule, result)
-            case TerrainCommand():
-                self._terrain.handle(command, result)
             case SeekCommand(index=index):
                 if not 0 <= index <= self._map.count:
                     message = f"There are {self._map.count} scans; there is none after {index}."
@@ -274,6 +274,7 @@ class VolumeModel(SessionModel):
                 result.slot(self._message())
             case _:
                 super().handle(command, result)
+                return
         result.changed = True
 
     def play(self) -> None:
@@ -332,8 +333,9 @@ class VolumeModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map, or of the terrain that is done."""
-        if self._terrain.share is not None:
-            return self._terrain.share
+        share = next((part.progress for part in self.parts if part.progress is not None), None)
+        if share is not None:
+            return share
         target = self._timeline.target
         behind = self._map if self._shown.index == target else self._shown
         return behind.index / target if target and self.is_catching_up else None
@@ -342,11 +344,7 @@ class VolumeModel(SessionModel):
     def working_on(self) -> str:
         """The answer about a voxel, the terrain, or else the map."""
         is_voxel = self._questions.is_busy or self._surface.is_busy
-        return "voxel" if is_voxel else "map" if self._terrain.share is None else "terrain"
-
-    def draw(self, result: TickResult) -> None:
-        """Assess the terrain if it has to be."""
-        self._terrain.draw(result)
+        return "voxel" if is_voxel else super().working_on
 
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, and put scans into the map for a tenth of a second."""

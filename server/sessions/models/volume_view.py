@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import ConfigError
@@ -21,14 +23,15 @@ from server.sessions.hosting import ModelHost
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.lab_navigation import believed_now
 from server.sessions.models.lab_surface import LabSurface
-from server.sessions.models.lab_terrain import points_of, true_ground
-from server.sessions.models.lab_volume import LabVolume, only_in_3d
+from server.sessions.models.lab_volume import LabVolume, only_in_3d, points_of, true_ground
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
+from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.volume_look import NORMAL_COLOURS
 from server.sessions.models.voxel_questions import VoxelQuestions
+from server.sessions.part import Part
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.stream.commands import Map3dCommand, VoxelCommand, VoxelRayCommand
+from server.stream.commands import Map3dCommand, RestartCommand, VoxelCommand, VoxelRayCommand, WorldCommand
 from server.stream.layers import GridLayer, Layer
 
 MOST_POINTS = 2000  #: of the newest scan that are drawn
@@ -46,13 +49,17 @@ PALETTE = np.array(
 )  # fmt: skip
 
 
-class VolumeView:
+class VolumeView(Part):
     """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
 
     Faces of voxels are made only while a 3D view asks for them.
     """
 
+    commands = (Map3dCommand, VoxelCommand, VoxelRayCommand)
+    subject = "map_3d"
+
     def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
+        self.tables = {"map3d": [asdict(row) for row in MAP_3D]}
         self._host, self._mapper, self._playback = host, mapper, playback
         self._map: LabVolume | None = None
         self._surface: LabSurface | None = None  #: while it is shown instead of the voxels
@@ -95,10 +102,14 @@ class VolumeView:
         """The simulated world says which points are ground."""
         return "the true world"
 
+    def points(self) -> Float64Array:
+        """Return the points of the scans (n, 3)."""
+        return points_of(() if self._map is None else self._map.scans)
+
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
         """Return the points of the scans (n, 3), the world's bounds, and which points lie on its floor and ramps."""
         world = self._mapper.simulation.world
-        points = points_of(() if self._map is None else self._map.scans)
+        points = self.points()
         return points, world.bounds, true_ground(world, points)
 
     @property
@@ -109,7 +120,7 @@ class VolumeView:
         return self._map is not None and self._map.is_behind
 
     @property
-    def fraction(self) -> float | None:
+    def progress(self) -> float | None:
         """The share of the recorded scans that is in the map, or in the surface that is shown; None while all are."""
         if self._map is None or not self.is_behind:
             return None
@@ -134,6 +145,7 @@ class VolumeView:
 
         Raises :class:`ConfigError`; nothing has changed then.
         """
+        result.changed = True
         if not isinstance(command, Map3dCommand):
             made = self._made()
             if self._surface is not None:
@@ -206,9 +218,9 @@ class VolumeView:
             self._start_again()
             result.slot(self.message())
 
-    def restart(self, result: TickResult) -> None:
-        """Begin an empty map where there is one: the world is another one."""
-        if self._map is not None:
+    def note(self, command: Struct, result: TickResult) -> None:
+        """Begin an empty map in another world."""
+        if self._map is not None and isinstance(command, WorldCommand | RestartCommand):
             self._choose_none(self._map, result)
             self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
             self._start_again()
@@ -231,7 +243,7 @@ class VolumeView:
 
     # -- computing ------------------------------------------------------------------------------------------------
 
-    def draw(self, result: TickResult) -> None:
+    def changed(self, result: TickResult) -> None:
         """Take a scan if one is due, put scans into the map, and update what is shown."""
         made = self._map
         if made is None:
@@ -317,7 +329,7 @@ class VolumeView:
             **(self._memory or nothing),
         }
 
-    def drawings(self, flat: Sequence[Drawing]) -> list[Drawing]:
+    def over(self, flat: Sequence[Drawing]) -> list[Drawing]:
         """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
         made = self._map
         if made is None:

@@ -87,14 +87,14 @@ export function effectiveReading(z: number, values: SensorModelParameters): numb
   return values.no_return === "hit" ? Math.min(z, values.range_max) : z;
 }
 
-/** The zone of a point at distance `s` along the beam of a reading. */
-function zoneAt(s: number, reading: number, values: SensorModelParameters): Zone {
+/** The zone of a point at distance `r` along the beam of a reading. */
+function zoneAt(r: number, reading: number, values: SensorModelParameters): Zone {
   const z = effectiveReading(reading, values);
-  if (Number.isNaN(z) || z <= 0 || s < 0) return "beyond";
-  if (isNoReturn(z, values)) return values.no_return === "free" && s <= values.range_max ? "free" : "beyond";
+  if (Number.isNaN(z) || z <= 0 || r < 0) return "beyond";
+  if (isNoReturn(z, values)) return values.no_return === "free" && r <= values.range_max ? "free" : "beyond";
   const half = halfWindow(z, values);
-  if (s < z - half) return "free";
-  return s <= z + half ? "hit" : "beyond";
+  if (r < z - half) return "free";
+  return r <= z + half ? "hit" : "beyond";
 }
 
 /** The greatest evidence in a zone. */
@@ -108,45 +108,45 @@ const smoothStep = (t: number): number => {
 };
 
 /** Moravec & Elfes' quadratic in range: 1 at the sensor falling to 0 at the window, and 1 at z in it. */
-function rangeWeight(s: number, z: number, half: number): number {
-  if (s < z - half) return 1 - (s / (z - half)) ** 2;
-  return half > 0 ? 1 - ((s - z) / half) ** 2 : 1;
+function rangeWeight(r: number, z: number, half: number): number {
+  if (r < z - half) return 1 - (r / (z - half)) ** 2;
+  return half > 0 ? 1 - ((r - z) / half) ** 2 : 1;
 }
 
-/** The increment of a reading, log-odds, at distance `s` and, in a cone, `theta` radians off its axis. */
-export function increment(s: number, reading: number, values: SensorModelParameters, theta = 0): number {
+/** The increment of a reading, log-odds, at distance `r` and, in a cone, `theta` radians off its axis. */
+export function increment(r: number, reading: number, values: SensorModelParameters, theta = 0): number {
   const z = effectiveReading(reading, values);
-  const zone = zoneAt(s, z, values);
+  const zone = zoneAt(r, z, values);
   const model = beamModel(values);
   if (isCone(values) && Math.abs(theta) > values.opening / 2) return 0;
   const flat = evidence(zone, model);
   const half = halfWindow(z, values);
   if (isNoReturn(z, values)) {
     if (values.model !== "moravec_elfes") return flat;
-    return flat * (1 - (s / values.range_max) ** 2) * (1 - (theta / (values.opening / 2)) ** 2);
+    return flat * (1 - (r / values.range_max) ** 2) * (1 - (theta / (values.opening / 2)) ** 2);
   }
   switch (values.model) {
     case "smooth_ramp": {
-      const t = (s - z) / half;
+      const t = (r - z) / half;
       if (zone !== "hit") return flat;
       return t <= 0 ? model.miss + (model.hit - model.miss) * smoothStep(t + 1) : model.hit * smoothStep(1 - t);
     }
     case "sonar_cone":
       if (values.cone_profile !== "gaussian" || zone === "beyond") return flat;
-      return flat * rangeWeight(s, z, half) * Math.exp(-8 * (theta / values.opening) ** 2);
+      return flat * rangeWeight(r, z, half) * Math.exp(-8 * (theta / values.opening) ** 2);
     case "moravec_elfes": {
       if (zone === "beyond") return 0;
       const off = theta / (values.opening / 2);
-      return flat * rangeWeight(s, z, half) * (1 - off * off);
+      return flat * rangeWeight(r, z, half) * (1 - off * off);
     }
     default:
       return flat;
   }
 }
 
-/** Index of the cell that contains distance `s`, for a sensor on the near border of cell 0. */
-export function cellIndexAt(s: number, resolution: number): number {
-  return Math.floor(s / resolution);
+/** Index of the cell that contains distance `r`, for a sensor on the near border of cell 0. */
+export function cellIndexAt(r: number, resolution: number): number {
+  return Math.floor(r / resolution);
 }
 
 /**

@@ -94,10 +94,10 @@ export function evidenceAlongBeam(
   let endFound = false;
   for (const cell of cellsAlong(geometry, pose, bearing, z + w / 2, config)) {
     const isEnd = cell.row === end.row && cell.col === end.col;
-    const s = w === 0 ? 0 : distance(geometry, pose, cell);
+    const r = w === 0 ? 0 : distance(geometry, pose, cell);
     if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
-    else if (w === 0 || s < z - w / 2) found.push({ cell, evidence: config.log_odds_miss });
-    else if (s <= z + w / 2) found.push({ cell, evidence: config.log_odds_hit });
+    else if (w === 0 || r < z - w / 2) found.push({ cell, evidence: config.log_odds_miss });
+    else if (r <= z + w / 2) found.push({ cell, evidence: config.log_odds_hit });
     endFound ||= isEnd;
   }
   if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });
@@ -169,12 +169,12 @@ export function inverseRangeSensorModel(
       for (let col = first; col <= last; col++) {
         const dCol = col + 0.5 - col0;
         if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
-        const s = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;
+        const r = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;
         const index = row * cols + col;
         if (free) {
-          if (s < zMax) found[index] = config.log_odds_miss;
-        } else if (s < z - w / 2) found[index] = config.log_odds_miss;
-        else if (w > 0 && s <= Math.min(zMax, z + w / 2)) found[index] = config.log_odds_hit;
+          if (r < zMax) found[index] = config.log_odds_miss;
+        } else if (r < z - w / 2) found[index] = config.log_odds_miss;
+        else if (w > 0 && r <= Math.min(zMax, z + w / 2)) found[index] = config.log_odds_hit;
       }
     }
   });

@@ -116,7 +116,7 @@ def test_the_lab(tab: Tab) -> None:
     tab.until(f"() => {STORE}.why.peek() !== null")
     tab.shows("[role=tabpanel] h3, [role=tabpanel] h2", "Why…")
     # 3D: viser's client connects and draws, or a sentence says why it cannot.
-    tab.open_group("Scene")
+    tab.open_group("3D view")
     inside = "document.querySelector('iframe.scene')?.contentDocument"
     if tab.driver.name == "firefox":
         tab.until(f"() => {inside}?.body?.innerText.includes('does not offer WebGL')")

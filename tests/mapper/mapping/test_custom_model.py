@@ -29,9 +29,9 @@ class Step:
     def reach(self) -> float:
         return self.model.window / 2
 
-    def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
-        assert (s[np.isinf(z)] <= range_max + 1.0).all()
-        return np.where(s < z - self.reach, self.model.log_odds_miss, self.model.log_odds_hit)
+    def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
+        assert (r[np.isinf(z)] <= range_max + 1.0).all()
+        return np.where(r < z - self.reach, self.model.log_odds_miss, self.model.log_odds_hit)
 
 
 class Says:
@@ -42,8 +42,8 @@ class Says:
     def __init__(self, answer: Any) -> None:
         self.answer = answer
 
-    def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> Any:
-        return self.answer(s) if callable(self.answer) else self.answer
+    def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> Any:
+        return self.answer(r) if callable(self.answer) else self.answer
 
 
 def fan(seed: int, n_beams: int = 60) -> LaserScan:
@@ -88,9 +88,9 @@ def test_a_model_is_called_with_distance_reading_and_greatest_range() -> None:
     class Ten:
         reach = 1.0
 
-        def increments(self, s: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
-            told.append((s.tolist(), z.tolist(), range_max))
-            return 10.0 * s
+        def increments(self, r: NDArray[np.float64], z: NDArray[np.float64], range_max: float) -> NDArray[np.float64]:
+            told.append((r.tolist(), z.tolist(), range_max))
+            return 10.0 * r
 
     grid = OccupancyGrid(GridGeometry(1.0, 3, 12))
     scan = LaserScan(np.array([3.2], dtype=np.float32), 0.0, 0.01, 0.0, 8.0)
@@ -120,14 +120,14 @@ def test_sonars_accept_custom_models() -> None:
 @pytest.mark.parametrize(
     ("answer", "sentence"),
     [
-        (0.5, r"must have the shape of s, \(\d+,\), not \(\)"),
-        (lambda s: s[:-1], r"must have the shape of s"),
-        (lambda s: s[:, np.newaxis], r"must have the shape of s"),
+        (0.5, r"must have the shape of r, \(\d+,\), not \(\)"),
+        (lambda r: r[:-1], r"must have the shape of r"),
+        (lambda r: r[:, np.newaxis], r"must have the shape of r"),
         (None, "finite log-odds|shape"),
-        (lambda s: ["high"] * len(s), "no array of numbers"),
-        (lambda s: np.where(s > 1.0, np.nan, 0.1), r"at s = 1\.\d+ m of a reading z = [\d.]+ m it says nan"),
-        (lambda s: np.full(len(s), np.inf), "it says inf"),
-        (lambda s: np.full(len(s), 1e300), "it says 1e\\+300"),
+        (lambda r: ["high"] * len(r), "no array of numbers"),
+        (lambda r: np.where(r > 1.0, np.nan, 0.1), r"at r = 1\.\d+ m of a reading z = [\d.]+ m it says nan"),
+        (lambda r: np.full(len(r), np.inf), "it says inf"),
+        (lambda r: np.full(len(r), 1e300), "it says 1e\\+300"),
     ],
 )
 def test_invalid_evidence_is_refused_and_changes_nothing(answer: Any, sentence: str) -> None:
@@ -143,7 +143,7 @@ def test_invalid_evidence_is_refused_and_changes_nothing(answer: Any, sentence: 
 
 @pytest.mark.parametrize("value", [-0.1, np.nan, np.inf, "far", None, True])
 def test_a_reach_that_is_none_is_refused(value: object) -> None:
-    model = Says(lambda s: s)
+    model = Says(lambda r: r)
     model.reach = value
     with pytest.raises(ConfigError, match="reach must be a finite number of metres"):
         integrate_scan(OccupancyGrid(GridGeometry(0.5, 4, 4)), fan(1), (0, 0, 0), MappingConfig(), model)

@@ -350,10 +350,10 @@ async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     corners = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
     zones = [{"width": 0.4, "erases": False, "points": [[9.0, 7.0], [9.5, 7.0]]}]
     zones.append(zones[0] | {"speed": 30})
-    assert lab.model._navigation.commands() == []
+    assert lab.model._navigation.history() == []
     lab.do(type="costmap", values={"inflation_radius": 0.8}, footprint=corners, keepout=zones)
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)
-    commands = lab.model._navigation.commands()
+    commands = lab.model._navigation.history()
     lab.do(type="costmap", value=False)
     assert not lab.costmap["is_on"]
     lab.model.resume({"navigation": commands})
@@ -389,18 +389,18 @@ async def test_the_potential_is_written_only_while_it_is_watched(registry: Sessi
 async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
     """Also of a layer that is off now, and values of the follower that no slider has."""
     lab.do(type="costmap")
-    assert [one["type"] for one in lab.model._navigation.commands()] == ["costmap"]
+    assert [one["type"] for one in lab.model._navigation.history()] == ["costmap"]
     lab.do(type="nav2")
     text = lab.answers[0]["text"].replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
     text = text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown").replace("/scan", "/front")
     lab.do(type="nav2", text=text)
     lab.do(type="costmap", values={"obstacle_layer": False, "inflation_radius": 0.8})
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])
-    commands = lab.model._navigation.commands()
+    commands = lab.model._navigation.history()
     lab.do(type="costmap", value=False)
     lab.model.resume({"navigation": commands})
     lab.model.draw(TickResult())
-    assert lab.model._navigation.commands() == commands
+    assert lab.model._navigation.history() == commands
     assert (lab.costmap["values"]["obstacle_layer"], lab.costmap["values"]["inflation_radius"]) == (False, 0.8)
     assert lab.path["goal"] == [BEYOND[0], BEYOND[1]]
     lab.do(type="costmap", values={"obstacle_layer": True})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 import pytest
@@ -13,19 +14,50 @@ from mapper.simulation import WORLDS
 from mapper.terrain import Patches, assess, find_ground
 from mapper.terrain.textbook import moments_of, plane_of
 from mapper.volume.scans.scan_sequence import ScanSequence
+from server.parts.terrain.assessment import TABLE, TerrainParameters, assessed, first_patch
+from server.parts.terrain.messages import TerrainCommand
+from server.parts.terrain.part import TerrainPart
+from server.parts.terrain.patch import first_asked, patch_at
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments
-from server.sessions.models.cloud_terrain import CloudPoints
-from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, first_patch, true_ground
-from server.sessions.models.terrain_patch import first_asked, patch_at
-from server.sessions.models.terrain_view import TerrainView
+from server.sessions.models.cloud_points import CloudPoints
+from server.sessions.models.lab_volume import true_ground
+from server.sessions.part import Offers
 from server.sessions.tick import TickResult
-from server.stream.commands import TerrainCommand
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
 
 LEVELS = WORLDS["levels"]
+
+
+class Host:
+    """What a terrain asks of the host: it may always continue."""
+
+    def cancellable(self, *, by_newer: bool) -> AbstractContextManager[None]:
+        assert not by_newer
+        return nullcontext()
+
+    def may_continue(self) -> bool:
+        return True
+
+
+def offers() -> Offers:
+    return Offers(Host())  # type: ignore[arg-type]
+
+
+class Later:
+    """A cloud whose points come after the part was made, as those of the lab."""
+
+    truth = None
+
+    def __init__(self, cloud: CloudPoints) -> None:
+        self.count = 0
+        self.points, self.read = cloud.points, cloud.read
+
+
+def terrain_of(lab: Lab) -> TerrainPart:
+    return next(part for part in lab.model.parts if isinstance(part, TerrainPart))
 
 
 def message_of(lab: Lab) -> dict[str, object]:
@@ -115,7 +147,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     lab.do(type="map3d")
     lab.look_around()
     lab.do(type="terrain")
-    made = lab.model._terrain._found
+    made = terrain_of(lab)._found
     assert made is not None
     n = made.terrain.patches.moments[..., 0]
     x, y = made.terrain.patches.geometry.cell_to_world(np.unravel_index(int(np.argmax(n)), n.shape))
@@ -136,8 +168,9 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     # As a layer: each cell has the cost of the patch around its centre, and says that patch's slope, roughness, step.
     assert "terrain_layer" in {layer.name for layer in lab.model.layers}
     lab.do(type="costmap", values={"map": "belief", "terrain_layer": True, "inflation_layer": False})
-    terrain, own = lab.model._terrain.terrain, costmap.geometry
-    assert terrain is not None
+    now = terrain_of(lab)._found
+    assert now is not None
+    terrain, own = now.terrain, costmap.geometry
     costs, hit = terrain.costs(), 0
     for at in np.random.default_rng(0).integers(0, own.shape, (300, 2)):
         patch = tuple(int(v) for v in terrain.patches.geometry.world_to_cell(own.cell_to_world(at)))
@@ -173,23 +206,24 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     scans = ScanSequence("pcd", points, np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3))
     low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
     source = CloudPoints(scans, low, high)
-    view = TerrainView(source, source.first)
-    assert view.table[1]["name"] == "patch"
-    assert view.table[1]["initial"] == first_patch(points[:, :2]) == 1.5
+    view = TerrainPart(offers(), source)
+    row = view.tables["map3d"][1]
+    assert row["name"] == "patch"
+    assert row["initial"] == first_patch(points[:, :2]) == 1.5
     result = TickResult()
     view.handle(TerrainCommand(values={"patch": 5.0}), result)
-    view.draw(result)
+    view.changed(result)
     message = result.slots["terrain"]
     assert message["points"] == len(points)
     assert message["kappa"] is None
     ground = points[find_ground(points).is_ground]
     expected = assess(Patches(np.zeros((11, 27, 10)), 5.0, np.array([low[0], low[1], 0.0])).with_points(ground))
     assert message["safe"] == pytest.approx(expected.counts()["safe"], abs=0.1 * expected.counts()["safe"])
-    nothing = TerrainView(CloudPoints(None, low, high))
+    nothing = TerrainPart(offers(), CloudPoints(None, low, high))
     with pytest.raises(ProtocolError, match="no points"):
         nothing.handle(TerrainCommand(), TickResult())
     view.handle(TerrainCommand(values={"patch": 0.1}), result)
-    view.draw(result)
+    view.changed(result)
     assert "take greater ones" in str(result.slots["terrain"]["problem"])
 
 
@@ -227,7 +261,7 @@ def test_clouds_of_any_extent_have_first_values(side: float) -> None:
         "pcd", points, np.array([0, 2000]), np.full((1, 3), np.nan), np.zeros(1, np.int64), np.zeros(3)
     )
     source = CloudPoints(scans, points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64))
-    assert row.low <= source.first.values["patch"] <= row.high
+    assert row.low <= TerrainParameters.for_cloud(source.points()).values["patch"] <= row.high
 
 
 def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> None:
@@ -271,14 +305,19 @@ def test_the_terrain_of_a_file_begins_with_an_unsafe_patch_that_is_explained() -
     class Points:
         count, truth = 1, None
 
+        def points(self) -> NDArray[np.float64]:
+            return points
+
         def read(self) -> tuple[NDArray[np.float64], tuple[float, float, float, float], None]:
             return points, (0.0, 0.0, 9.0, 9.0), None
 
-    first = TerrainParameters().with_values({"filter": False, "patch": 1.0})
     for asks_first in (True, False):
-        view, result = TerrainView(Points(), first, asks_first=asks_first), TickResult()
-        view.handle(TerrainCommand(), result)
-        view.draw(result)
+        source, result = Points(), TickResult()
+        source.count = int(asks_first)  # those of the lab come later
+        view = TerrainPart(offers(), source)
+        source.count = 1
+        view.handle(TerrainCommand(values={"filter": False, "patch": 1.0}), result)
+        view.changed(result)
         patch = view.message()["patch"]
         assert (patch and (patch["x"], patch["y"], patch["state"])) == ((4.5, 4.5, "unsafe") if asks_first else None)
         view.handle(TerrainCommand(x=8.5, y=8.5), result)
@@ -325,9 +364,11 @@ def test_the_patch_that_is_asked_about_is_marked_in_3d() -> None:
     scans = ScanSequence(
         "pcd", points.astype(np.float32), np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3)
     )
-    view, result = TerrainView(CloudPoints(scans, low, high)), TickResult()
+    source, result = Later(CloudPoints(scans, low, high)), TickResult()
+    view = TerrainPart(offers(), source)
+    source.count = 1
     view.handle(TerrainCommand(values={"filter": False}), result)
-    view.draw(result)
+    view.changed(result)
     assert view.drawings() == []
     view.handle(TerrainCommand(x=11.0, y=2.5), result)
     (mark,) = view.drawings()

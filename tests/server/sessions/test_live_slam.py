@@ -16,6 +16,7 @@ from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models.live_slam import LiveSlam, live_slam
 from server.sessions.models.slam_view import SlamView
+from server.sessions.tick import TickResult
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 
@@ -49,12 +50,12 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     made = OccupancyGrid(mapper.grid.geometry, mapper.config.log_odds_prior)
     integrate_log(made, mapper.logs()[-1], mapper.config, "slam")
     np.testing.assert_array_equal(mapper.grid.log_odds, made.log_odds)
-    view = SlamView()
-    view.draw(mapper)
+    view = SlamView(mapper)
+    view.changed(TickResult())
     path, graph = view.layers
     assert (graph.name, path.name) == ("slam", "true_path")
     mapper.set_up(mapper.config, Faults(drift=True))
-    view.draw(mapper)
+    view.changed(TickResult())
     assert view.layers == ()
 
 

@@ -14,12 +14,12 @@ from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
 from server.library.packs.given_map import GivenMap
+from server.parts.terrain.costs import TerrainMap
 from server.sessions import SessionRegistry
 from server.sessions.commands import UseTerrain
 from server.sessions.models import log_navigation
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.log import LogModel
-from server.sessions.models.terrain_map import TerrainMap
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
@@ -193,7 +193,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     log.do(type="costmap", value=False)
     log.do(type="costmap", values=only)
     assert (log.costs == 254).any()
-    assert log.model.navigation.commands()[-1] == {"type": "use_terrain", "log": "slopes"}
+    assert log.model.navigation.history()[-1] == {"type": "use_terrain", "log": "slopes"}
     far = GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
     log.take(UseTerrain(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]

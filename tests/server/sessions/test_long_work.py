@@ -226,7 +226,7 @@ async def test_the_progress_says_what_is_computed(
     def slow(*_: Any, **__: Any) -> None:
         assert released.wait(PATIENCE_S)
 
-    monkeypatch.setattr(LabNavigation, "draw", slow)
+    monkeypatch.setattr(LabNavigation, "changed", slow)
     monkeypatch.setattr(VolumeView, "handle", slow)
     monkeypatch.setattr(LogNavigation, "handle", slow)
     lab = await new_simulation(registry, "me", "room", seed=1, playing=False)

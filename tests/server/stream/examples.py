@@ -6,6 +6,7 @@ from typing import Any
 
 from msgspec import UNSET
 
+from server.parts.terrain import messages as terrain
 from server.stream import message_parts as parts
 from server.stream import messages, navigation_messages, volume_messages
 from server.stream.protocol import SUBPROTOCOL
@@ -215,7 +216,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),
     volume_messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
-    volume_messages.TerrainMessage(
+    terrain.TerrainMessage(
         True,
         {"patch": 0.25},
         900,
@@ -228,8 +229,8 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         90,
         30,
         0.25,
-        parts.TerrainCounts(["fit"], 390, 100, 30),
-        parts.TerrainPatch(
+        terrain.TerrainCounts(["fit"], 390, 100, 30),
+        terrain.TerrainPatch(
             1.0,
             2.0,
             (1.1, 1.9),
@@ -245,7 +246,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ),
         None,
     ),
-    volume_messages.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
+    terrain.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
     navigation_messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

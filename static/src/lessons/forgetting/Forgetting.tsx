@@ -94,7 +94,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
       </Plot>
       <div class="figure-controls no-print">
         <Slider
-          label="My guess, with the clamp"
+          label="My guess"
           sentence="Your guess: after how many scans the map with the clamp has forgotten the table."
           value={prediction.value}
           initial={20}

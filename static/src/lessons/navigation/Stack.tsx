@@ -42,7 +42,7 @@ export function Stack() {
       <ol class="production">
         {PARTS.map((part) => (
           <li key={part.phase} aria-current={part.phase === phase ? "step" : undefined}>
-            <button type="button" class="stack-part" onClick={() => go(begin(part.phase))}>
+            <button type="button" class="stack-part printed" onClick={() => go(begin(part.phase))}>
               {part.name}
             </button>
             <span>{part.text}</span>

@@ -17,6 +17,8 @@ import { STRETCH } from "./wall";
 export function World({ transform, scene, shown }: MarkProps) {
   const { conditions } = scene;
   const gone = shown.count > conditions.tableUntil;
+  // Values are written where the walls run.
+  if (scene.marks.includes("values")) return null;
   return (
     <>
       <Walls transform={transform} walls={WALLS} tone="wall faint" />

@@ -55,9 +55,9 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
     () =>
       effect(() => {
         void isDark.value;
-        if (canvas.current) paint(canvas.current, shown.value, scene.value, projection(view.value, map));
+        if (canvas.current) paint(canvas.current, shown.value, scene.value, projection(view.value, map), size.value);
       }),
-    [shown, scene, view, map.width, map.height],
+    [shown, scene, view, size, map.width, map.height],
   );
   const transform: StageTransform = {
     width: map.width,
@@ -151,8 +151,14 @@ function pictureOf(map: OccupancyGrid, trinary: boolean): Picture {
   return made;
 }
 
-/** The part of the map that is in view, enlarged without smoothing. */
-function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projection): void {
+/** The part of the map that is in view, enlarged without smoothing, as a share of its box, which has this size. */
+function paint(
+  canvas: HTMLCanvasElement,
+  shown: Shown,
+  scene: Scene,
+  at: Projection,
+  box: { readonly width: number; readonly height: number },
+): void {
   const context = canvas.getContext("2d");
   if (!context) return;
   const { rows, cols, resolution } = shown.map.geometry;
@@ -161,8 +167,9 @@ function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projec
   const { rect } = at;
   canvas.width = Math.round(rect.width * ratio);
   canvas.height = Math.round(rect.height * ratio);
-  canvas.style.width = `${rect.width}px`;
-  canvas.style.height = `${rect.height}px`;
+  // On paper the box has another size than on the screen, where it was measured.
+  canvas.style.width = `${(100 * rect.width) / box.width}%`;
+  canvas.style.height = `${(100 * rect.height) / box.height}%`;
   context.imageSmoothingEnabled = false;
   context.scale(ratio, ratio);
   context.fillStyle = ground;
@@ -244,7 +251,7 @@ function Handles({ transform, scene, shown, still }: PartProps & { transform: St
               ownCell.value = [limited(px, FLOOR.width), limited(py, FLOOR.height)];
             }}
           >
-            <path class="probe" d="M-13 0H-7M7 0H13M0 -13V-7M0 7V13" />
+            {!scene.marks.includes("values") && <path class="probe" d="M-13 0H-7M7 0H13M0 -13V-7M0 7V13" />}
           </DragHandle>
         </>
       )}

@@ -1,4 +1,7 @@
-/** The groups of the lab's dock. A new group is one entry of `GROUPS`. */
+/**
+ * The groups of the lab's dock, by what one does there: its first section maps, the others follow the parts of the
+ * lecture. A new group is one entry of `GROUPS`.
+ */
 
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
@@ -39,7 +42,7 @@ interface Group {
   readonly id: string;
   readonly title: string;
   /** The section that it shares with the groups beside it. */
-  readonly section?: string;
+  readonly section: string;
   /** What the group is for. */
   readonly purpose: string;
   readonly keeps?: boolean;
@@ -60,7 +63,7 @@ const changed =
 const GROUPS: readonly Group[] = [
   {
     id: "model",
-    title: "Model",
+    title: "Sensor model",
     section: "Mapping",
     purpose: "How a reading becomes evidence",
     badge: changed("model"),
@@ -75,7 +78,7 @@ const GROUPS: readonly Group[] = [
     id: "map",
     title: "Map",
     section: "Mapping",
-    purpose: "How evidence is added up, and the cells",
+    purpose: "How evidence is added up, and the size of the cells",
     badge: changed("update", "map"),
     content: ({ store }) => <MapSettings store={store} />,
   },
@@ -88,6 +91,20 @@ const GROUPS: readonly Group[] = [
     content: ({ store }) => <SensorSettings store={store} />,
   },
   {
+    id: "steps",
+    title: "Steps",
+    section: "Mapping",
+    purpose: "One scan cell by cell, with its numbers",
+    content: ({ store }) => <Steps store={store} />,
+  },
+  {
+    id: "why",
+    title: "Why",
+    section: "Mapping",
+    purpose: "Which beams made a cell what it is",
+    content: ({ store }) => <WhyGroup store={store} />,
+  },
+  {
     id: "world",
     title: "Draw",
     section: "World",
@@ -95,65 +112,58 @@ const GROUPS: readonly Group[] = [
     content: ({ store }) => <WorldGroup store={store} />,
   },
   {
+    id: "share",
+    title: "Share",
+    section: "World",
+    purpose: "Links, and the map as a file",
+    content: ({ store, session }) => <Downloads id={session} store={store} />,
+  },
+  {
     id: "faults",
     title: "Faults",
-    section: "World",
+    section: "Errors",
     purpose: "What goes wrong, and what it looks like in the map",
     badge: ({ store }) => (store.activeFaults.value.on.length > 0 ? String(store.activeFaults.value.on.length) : null),
     content: ({ store, comparison }) => <Faults store={store} comparison={comparison} />,
   },
   {
     id: "table",
-    title: "Table",
-    section: "World",
+    title: "Moving table",
+    section: "Errors",
     purpose: "A table that is moved: how long it stays in the map after it was removed",
     keeps: true,
     content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
   },
   {
-    id: "why",
-    title: "Why",
-    section: "Explain",
-    purpose: "Which beams made a cell what it is",
-    content: ({ store }) => <WhyGroup store={store} />,
-  },
-  {
-    id: "steps",
-    title: "Steps",
-    section: "Explain",
-    purpose: "One scan cell by cell, with its numbers",
-    content: ({ store }) => <Steps store={store} />,
+    id: "slam",
+    title: "SLAM",
+    section: "Errors",
+    purpose: "Drifting wheels, and their path corrected while the robot drives",
+    keeps: true,
+    content: ({ store }) => <SlamGroup store={store} />,
   },
   {
     id: "localize",
     title: "Localize",
-    section: "Pose",
+    section: "Using the map",
     purpose: "The robot’s pose by a particle filter; kidnap the robot",
     keeps: true,
     badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
     content: ({ store }) => <Localization store={store} />,
   },
   {
-    id: "slam",
-    title: "SLAM",
-    section: "Pose",
-    purpose: "Drifting wheels, and their path corrected while the robot drives",
-    keeps: true,
-    content: ({ store }) => <SlamGroup store={store} />,
+    id: "costmap",
+    title: "Costmap",
+    section: "Using the map",
+    purpose: "Layers of costs over the map, as in Nav2",
+    content: ({ store }) => <CostmapGroup store={store} />,
   },
   {
     id: "path",
     title: "Path",
-    section: "Navigate",
+    section: "Using the map",
     purpose: "A goal, and the cheapest way there around the obstacles",
     content: ({ store }) => <PathGroup store={store} />,
-  },
-  {
-    id: "costmap",
-    title: "Costmap",
-    section: "Navigate",
-    purpose: "Layers of costs over the map, as in Nav2",
-    content: ({ store }) => <CostmapGroup store={store} />,
   },
   {
     id: "map3d",
@@ -169,12 +179,12 @@ const GROUPS: readonly Group[] = [
     id: "terrain",
     title: "Terrain",
     section: "3D",
-    purpose: "Patches of the 3D map's points: planes, and where it is safe to drive",
+    purpose: "Planes of the 3D map's points, and where it is safe to drive",
     content: ({ store }) => <TerrainGroup store={store} asked={(message) => <AskedPatch message={message} />} />,
   },
   {
     id: "3d",
-    title: "Scene",
+    title: "3D view",
     section: "3D",
     purpose: "Map, robot and world in three dimensions",
     content: ({ store, session }) => (
@@ -184,12 +194,6 @@ const GROUPS: readonly Group[] = [
       </>
     ),
   },
-  {
-    id: "share",
-    title: "Share",
-    purpose: "Links, and the map as a file",
-    content: ({ store, session }) => <Downloads id={session} store={store} />,
-  },
 ];
 
 /** The groups that this view has, for the dock. */
@@ -198,7 +202,7 @@ export function groupsOf(view: LabView): readonly DockGroup[] {
     ({ id, title, section, purpose, keeps, badge, content }) => ({
       id,
       title,
-      ...(section ? { section } : {}),
+      section,
       purpose,
       keeps: keeps ?? false,
       badge: badge?.(view) ?? null,

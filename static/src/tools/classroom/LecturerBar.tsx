@@ -122,7 +122,7 @@ function Robot({ room }: { readonly room: Classroom }) {
   if (!state || (state.hands.length === 0 && state.driver === null)) return null;
   return state.driver === null ? (
     <label class="class-hands">
-      <span class="visually-hidden">Hand the robot to</span>
+      <span class="visually-hidden">Hand over the robot</span>
       <select
         class="select"
         value=""
@@ -133,7 +133,7 @@ function Robot({ room }: { readonly room: Classroom }) {
         }}
       >
         <option value="">
-          Hand the robot to … ({state.hands.length} {state.hands.length === 1 ? "asks" : "ask"})
+          Hand over the robot ({state.hands.length} {state.hands.length === 1 ? "request" : "requests"})
         </option>
         {state.hands.map((number) => (
           <option key={number} value={number}>

@@ -50,9 +50,17 @@ export function boundsOf(row: Parameter, values: Values): Range {
   }
 }
 
+/** Choices whose label is more than their words: the names of people, and a model by the name that the lecture uses. */
+const LABELS: Readonly<Record<string, string>> = {
+  step_window: "step window in probabilities",
+  moravec_elfes: "Moravec and Elfes 1985",
+  bresenham: "Bresenham",
+  amanatides_woo: "Amanatides and Woo",
+};
+
 /** The label of a choice: per_beam → per beam. */
 export function readable(choice: string): string {
-  return choice.replaceAll("_", " ");
+  return LABELS[choice] ?? choice.replaceAll("_", " ");
 }
 
 /** How many of the rows have another value than at first. */

@@ -27,7 +27,7 @@ export function PlacingHint({ store }: { readonly store: Store }) {
   if (tool !== null && store.navigation.costmap.value?.is_on) return <p class="hint">{MAP_TOOL_HINTS[tool]}</p>;
   return (
     <p class="hint">
-      Click to send the robot, or drag it
+      Click to teleport the robot, drag it
       <span class="hint-keys">
         , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
       </span>

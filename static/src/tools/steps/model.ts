@@ -14,7 +14,7 @@ import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 /** Why steps by cell and beam are not possible; null if they are. */
 export function whyNoSteps(values: Values): string | null {
   if (values.model !== "fixed_increments" && values.model !== "step_window") {
-    return "Steps by cell and beam need thin beams: choose the model fixed increments or step window.";
+    return "Steps by cell and beam need thin beams: choose the model “fixed increments” or “step window in probabilities”.";
   }
   if (values.update !== "per_beam")
     return "Steps by cell and beam need the update per beam: with the update per scan the beams have no order.";

@@ -56,6 +56,15 @@ def test_casts_are_the_textbooks(
     assert set(ends) >= ({HIT, TOO_FAR} if through_unknown else {HIT, UNKNOWN})
 
 
+def test_the_range_is_a_sum_in_float64() -> None:
+    """The centre at 0.7 m, whose squares add up to 0.48999999 in float64 and to 0.49000001 in float32, is in range."""
+    origin, away = np.array([[[0.25, 1.05, -0.85]], [[-0.35, -0.55, -0.95]]], dtype=np.float32)
+    volume = OccupancyVolume(CONFIG)
+    casts = cast(volume, origin, away, through_unknown=True, range_max=0.7)
+    ends, keys = textbook_casts(volume, origin, away, through_unknown=True, range_max=0.7)
+    assert (casts.ends.tolist(), casts.keys.tolist()) == (ends, keys) == ([TOO_FAR], [[32768, 32774, 32753]])
+
+
 def test_a_ray_without_a_limit_leaves_the_lattice_where_the_textbooks_does() -> None:
     volume = OccupancyVolume(CONFIG)
     corner = np.array([3270.03, -3271.07, 3265.01], dtype=np.float32)

@@ -2,6 +2,7 @@ import { logOdds, probability } from "../../../grid/logOdds";
 import { cellParameters, parameters, setParameter } from "../../../lessons/common/parameters";
 import { modelReading } from "../../../lessons/stage/controls";
 import { modelBeam } from "../../../lessons/stage/scenes";
+import { readable } from "../../../tools/parameters/parameters";
 import { Profile } from "../../../tools/profile/Profile";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
@@ -9,27 +10,20 @@ import { signed, written } from "../../../ui/numbers";
 import { OnStage } from "../OnStage";
 import { Section, type SectionHead } from "../Section";
 
-const MODELS = [
-  { value: "step_window", label: "step window in probabilities" },
-  { value: "fixed_increments", label: "fixed increments" },
-  { value: "smooth_ramp", label: "smooth ramp" },
-  { value: "sonar_cone", label: "sonar cone" },
-  { value: "moravec_elfes", label: "Moravec and Elfes 1985" },
-  { value: "hit_counting", label: "hit counting" },
-];
-
 /** Each model in one sentence. */
-const DESCRIPTIONS: Record<string, string> = {
-  fixed_increments:
-    "Two log-odds increments: one for the cells that a beam passed, one for the cell in which it ended.",
+const DESCRIPTIONS: Readonly<Record<string, string>> = {
   step_window:
     "Table 9.2 of Probabilistic Robotics: a probability before the window, one inside it, the prior behind it.",
+  fixed_increments:
+    "Two log-odds increments: one for the cells that a beam passed, one for the cell in which it ended.",
   smooth_ramp: "A reading has an uncertainty σ that grows with the range: the step becomes a ramp.",
   sonar_cone: "A wide beam, seen from above: the evidence depends on distance and angle.",
   moravec_elfes: "Two degrees of certainty instead of log-odds: empty and occupied.",
   hit_counting:
     "Counts how often a beam ended in a cell and how often one passed it; the curve shows the change by the first visit.",
 };
+
+const MODELS = Object.keys(DESCRIPTIONS).map((value) => ({ value, label: readable(value) }));
 
 export function ModelSection({ id, number, title }: SectionHead) {
   const { window: w, range_max, p_free, p_occ, log_odds_prior } = cellParameters.value;

@@ -101,7 +101,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
   },
   forgetting: {
-    question: "A table stood there for an hour and is taken away. When is it forgotten?",
+    question: "ℓ is clamped. A table is taken away after an hour. When is it forgotten?",
     options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
     // Computed by the figure (lessons/forgetting/model.ts); OctoMap 2013, section 5.1, on the clamp.
     right: 2,
@@ -149,7 +149,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall breaks up.",
   },
   endpoint: {
-    question: "A scan holds distances only. How does one of them become a row and a column?",
+    question: "A scan holds distances only. How does one become a row and a column?",
     answer: "Angle and range give a point, the pose moves it into the map, origin and resolution make it a cell.",
     notes:
       "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",

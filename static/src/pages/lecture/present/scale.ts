@@ -7,8 +7,11 @@ import { isPreview, presenting } from "./state";
  */
 export const SLIDE = { width: 1392, height: 783 } as const;
 
-/** Smaller windows are not projectors: their slides keep the sizes of the page, and may scroll. */
-const SMALLEST = 1120;
+/**
+ * Narrower windows are not projectors, of which the smallest have 1024 × 768: their slides keep the sizes of the page,
+ * and may scroll.
+ */
+const SMALLEST = 1000;
 
 const isProjector = (width: number, preview: boolean): boolean => width >= SMALLEST || preview;
 

@@ -1,4 +1,4 @@
-"""The points of an uploaded cloud or recording, as a terrain takes them, and which of them are ground."""
+"""The points of an uploaded cloud or recording, and which of them are ground."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from scipy.spatial import KDTree
 
 from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.sessions.models.lab_terrain import TerrainParameters
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -41,14 +40,13 @@ class CloudPoints:
         return int(self._scans is not None)
 
     @property
-    def first(self) -> TerrainParameters:
-        """The parameters to begin with, for this density of points."""
-        return TerrainParameters() if self._scans is None else TerrainParameters.for_cloud(self._inside()[0])
-
-    @property
     def truth(self) -> str | None:
         """Source of known ground points: the name of a file, or of classes; None if there is none."""
         return None if self._scans is None else self._known_ground[0]
+
+    def points(self) -> Float64Array:
+        """Return the points (n, 3) within the bounds."""
+        return self._inside()[0]
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
         """Return the points (n, 3), the bounds, and which points are ground, None where that is not known."""

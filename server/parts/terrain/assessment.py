@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,8 +14,6 @@ from mapper.core.errors import LimitError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap import CostmapConfig, Footprint, InflationConfig, InflationLayer, LayeredCostmap
 from mapper.grid import OccupancyGrid
-from mapper.simulation.sensors_3d import Scan3D
-from mapper.simulation.worlds import World
 from mapper.terrain import (
     GROUND_PARAMETERS,
     PATCH_PARAMETERS,
@@ -29,16 +27,14 @@ from mapper.terrain import (
     find_ground,
     fitted,
 )
-from server.sessions.models.lab_navigation_parameters import HEXAGON
+from server.sessions.part import HEXAGON
 
-MOST_POINTS = 150_000  #: of the scans that are assessed
 MOST_PATCHES = 250_000
 FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with at least that many points
 SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7))  #: metres: patches at first
 FINEST = 0.2  #: metres: a robot stands on as much; of a cloud that is small itself, a twentieth of its longer side
 LEAST_ACROSS = 10  #: patches along the longer side of a cloud, at first
 LARGEST_INDOORS = 0.3  #: metres: side of patches of clouds for which cells and discs are as in a room
-TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground
 SHOWN = ("costs", "costmap", "slope", "roughness", "step")
 #: In a room cells, discs and patches are smaller than outdoors.
 _INDOORS = {
@@ -175,31 +171,6 @@ def first_patch(places: NDArray[np.floating[Any]]) -> float:
         if counts[counts >= FIRST_POINTS].sum() >= FIRST_SHARE * len(places):
             break
     return SIDES[-1] if best is None else round(best, 3)
-
-
-def points_of(scans: Sequence[Scan3D]) -> Float64Array:
-    """Return at most :data:`MOST_POINTS` of the points (n, 3) that scans measured, the newest among them, metres."""
-    left, found = MOST_POINTS, []
-    for scan in reversed(scans):
-        points = scan.ends()[0][np.isfinite(scan.ranges)]
-        found.append(points[:left])
-        left -= len(found[-1])
-        if left <= 0:
-            break
-    return np.concatenate(found) if found else np.empty((0, 3))
-
-
-def true_ground(world: World, points: Float64Array) -> BoolArray:
-    """Return which points (n, 3) lie on the floor of a world or on one of its ramps."""
-    on_ground = np.abs(points[:, 2]) <= TRUE_WITHIN
-    for block in world.blocks:
-        a, b, c = block.top
-        if b == c == 0.0:
-            continue
-        low, high = block.outline.min(axis=0), block.outline.max(axis=0)
-        inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
-        on_ground |= inside & (np.abs(points[:, 2] - a - points[:, :2] @ (b, c)) <= TRUE_WITHIN)
-    return np.asarray(on_ground)
 
 
 def assessed(

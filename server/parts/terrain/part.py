@@ -1,65 +1,47 @@
-"""View of the terrain of a session's points: grids of patches, and a message with the numbers."""
+"""The terrain of a session's points: grids of patches, and a message with the numbers."""
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
-from mapper.terrain import Terrain
-from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed
-from server.sessions.models.terrain_mark import patch_mark
-from server.sessions.models.terrain_patch import first_asked, patch_at
+from server.parts.terrain.assessment import TABLE, Assessed, TerrainParameters, assessed
+from server.parts.terrain.messages import TerrainCommand
+from server.parts.terrain.patch import first_asked, patch_at, patch_mark
+from server.sessions.part import Cloud, Offers, Part
 from server.sessions.tick import TickResult
-from server.stream.commands import TerrainCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, place_of
 
 if TYPE_CHECKING:
     from server.sessions.drawings import Drawing
-    from server.sessions.hosting import ModelHost
 
 SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
 
 
-class TerrainPoints(Protocol):
-    """Points of which a terrain is made."""
+class TerrainPart(Part):
+    """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points.
 
-    @property
-    def count(self) -> int:
-        """Number of scans; 0 without points."""
+    Where there are points from the first, the parameters suit their density, and an unsafe patch is explained before a
+    visitor asks about one.
+    """
 
-    @property
-    def truth(self) -> str | None:
-        """Source of known ground points, None if there is none."""
+    commands = (TerrainCommand,)
+    subject = "terrain"
 
-    def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
-        """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
-
-
-class TerrainView:
-    """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points."""
-
-    def __init__(
-        self,
-        source: TerrainPoints,
-        first: TerrainParameters | None = None,
-        host: ModelHost | None = None,
-        *,
-        asks_first: bool = False,
-    ) -> None:
-        """``first`` are the parameters to begin with; a visitor can cancel the work of a session with a ``host``.
-
-        With ``asks_first`` it begins with an unsafe patch that is explained, before a visitor asks about one.
-        """
-        self._asks_first = asks_first
-        self._source, self._first, self._host = source, first or TerrainParameters(), host
-        self.share: float | None = None  #: of the present assessment that is done
+    def __init__(self, offers: Offers, source: Cloud) -> None:
+        self._host, self._source = offers.host, source
+        self._asks_first = source.count > 0
+        self._first = TerrainParameters.for_cloud(source.points()) if self._asks_first else TerrainParameters()
+        first = [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
+        self.tables = {"map3d": first}
+        offers.maps["terrain"] = lambda: self.grid
+        offers.costs["terrain_layer"] = lambda: None if self._found is None else self._found.terrain
+        self._share: float | None = None  #: of the present assessment that is done
         self._parameters: TerrainParameters | None = None
         self._costs = GridLayer("terrain_costs", "Terrain", "costs")
         self._values = GridLayer("terrain_values", "Property of the terrain")
@@ -72,14 +54,9 @@ class TerrainView:
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
 
     @property
-    def terrain(self) -> Terrain | None:
-        """Its patches, another object when they have changed; None for no terrain."""
-        return None if self._found is None else self._found.terrain
-
-    @property
-    def table(self) -> list[dict[str, Any]]:
-        """The rows of its parameters, with the values that they begin with."""
-        return [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
+    def progress(self) -> float | None:
+        """The share of the present assessment that is done."""
+        return self._share
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -105,8 +82,7 @@ class TerrainView:
     def handle(self, command: TerrainCommand, result: TickResult) -> None:
         """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""
         if not command.value:
-            self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
-            result.slot(self.message())
+            self._end(result)
             return
         if not self._source.count:
             raise ProtocolError("terrain.no_points", "There are no points yet: begin the 3D map first.")
@@ -114,7 +90,14 @@ class TerrainView:
         if parameters != self._parameters:
             self._note_change(parameters)
             self._parameters, self._taken = parameters, -1
-        self._asked = place_of(command) or self._asked
+        if (place := place_of(command)) is not None:
+            self._asked = place[0], place[1]
+        result.changed = True
+        result.slot(self.message())
+
+    def _end(self, result: TickResult) -> None:
+        self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
+        result.changed = True
         result.slot(self.message())
 
     def _note_change(self, parameters: TerrainParameters) -> None:
@@ -126,26 +109,25 @@ class TerrainView:
         if names:
             self._before = {"changed": names, **self._found.terrain.counts()}
 
-    def draw(self, result: TickResult) -> None:
+    def changed(self, result: TickResult) -> None:
         """Assess the terrain again if there are enough new scans or other parameters."""
         if self._parameters is None:
             return
         count = self._source.count
         if not count:
-            self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
-            result.slot(self.message())
+            self._end(result)
             return
         if self._taken >= 0 and 0 <= count - self._taken < SCANS_BETWEEN:
             return
         self._taken = count
         try:
-            with nullcontext() if self._host is None else self._host.cancellable(by_newer=False):
+            with self._host.cancellable(by_newer=False):
                 points, bounds, truth = self._source.read()
                 self._found = assessed(points, bounds, self._parameters, truth, self._note_share)
             self._problem = None
         except MapperError as error:
             self._found, self._problem = None, error.message
-        self.share = None
+        self._share = None
         self.grid = None if self._found is None else self._found.grid()
         if self._found is not None:
             if self._asks_first and self._asked is None:
@@ -156,8 +138,8 @@ class TerrainView:
 
     def _note_share(self, share: float) -> None:
         """Note the progress. Raises :class:`WorkCancelledError` once a visitor has cancelled it."""
-        self.share = share
-        if self._host is not None and not self._host.may_continue():
+        self._share = share
+        if not self._host.may_continue():
             raise WorkCancelledError(
                 "terrain.cancelled", "The assessment was cancelled; a change of a value begins it."
             )
@@ -170,6 +152,10 @@ class TerrainView:
         else:
             shown, most = found.shown(name)
             self._values.set(geometry, shown, 0.0, most)
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``terrain``."""
+        return [self.message()]
 
     def message(self) -> dict[str, Any]:
         """Return the message ``terrain``."""

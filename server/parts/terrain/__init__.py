@@ -1,0 +1,1 @@
+"""Terrain of points: where it is safe to drive, see :mod:`mapper.terrain`."""

@@ -1,0 +1,110 @@
+"""Terrains of the library as costs of a layer of a costmap: a map of classes, and the patches of a cloud."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import NO_INFORMATION
+from mapper.costmap.masks import mask_costs
+from mapper.grid import GridGeometry
+from server.library.packs.given_map import public_map
+from server.parts.terrain.assessment import TerrainParameters, assessed
+from server.sessions.parts import TerrainCosts
+
+if TYPE_CHECKING:
+    from mapper.terrain import Terrain
+    from server.library.packs.given_map import GivenMap
+    from server.sessions.part import Cloud
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TerrainMap:
+    """The costs of a map file, as ``gridbloom terrain`` writes it: safe patches are free, unsafe ones occupied.
+
+    A value v between 0 and 100 costs v · 254 / 100, rounded, as in a mask of Nav2's keepout filter.
+    """
+
+    log_id: str
+    given: GivenMap
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Geometry of the map."""
+        return self.given.geometry
+
+    def costs(self) -> UInt8Array:
+        """Return the costs (rows, cols)."""
+        return mask_costs(self.given.values)
+
+    def why(self, row: int, col: int) -> str:
+        """Say the class of a cell."""
+        value = int(self.given.values[row, col])
+        known = {-1: "unknown", 0: "safe", 100: "unsafe"}
+        return f"Terrain: {known.get(value, f'{value} of 100')}, in the map {self.given.title!r:.80}."
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
+        return self.given.public()
+
+
+def meets(terrain: TerrainCosts, geometry: GridGeometry) -> bool:
+    """Whether a known cell of a terrain is at the place of a cell of another geometry."""
+    rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
+    if not len(rows):
+        return False
+    step = max(1, len(rows) // 100_000)
+    centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
+    return bool(geometry.contains(geometry.world_to_cell(centres)).any())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TerrainOfCloud:
+    """The costs of the patches of a cloud. ``geometry`` has them in the file's own coordinates."""
+
+    log_id: str
+    title: str
+    geometry: GridGeometry
+    terrain: Terrain
+
+    @classmethod
+    def of(
+        cls,
+        log_id: str,
+        title: str,
+        cloud: Cloud,
+        offset: Float64Array,
+        progress: Callable[[float], None] | None = None,
+    ) -> TerrainOfCloud:
+        """Assess the points of ``cloud`` by the parameters that a cloud of their density has at first.
+
+        ``offset`` (3,) is what they have more in the file than here, metres.
+
+        ``progress`` is called with the share that is done, and may raise. Raises
+        :class:`mapper.core.errors.MapperError` for a cloud of which no patches can be made.
+        """
+        places, bounds, _ = cloud.read()
+        found = assessed(places, bounds, TerrainParameters.for_cloud(places), progress=progress)
+        if found is None:
+            raise ConfigError("terrain.few_points", "The cloud has fewer than three points: they make no terrain.")
+        geometry = found.terrain.geometry
+        x, y, yaw = geometry.origin
+        there = replace(geometry, origin=(x + float(offset[0]), y + float(offset[1]), yaw))
+        return cls(log_id, title, there, found.terrain)
+
+    def costs(self) -> UInt8Array:
+        """Return the costs (rows, cols), as :meth:`mapper.terrain.Terrain.costs` does."""
+        return self.terrain.costs()
+
+    def why(self, row: int, col: int) -> str:
+        """Say the class of a patch, and the slope, the roughness and the step that it comes from."""
+        return self.terrain.why(row, col)
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
+        return {**public_map(self.title, self.geometry), "classes": self.terrain.counts()}
