@@ -10,12 +10,12 @@ from server.downloads import Downloads
 from server.library.library import Library
 
 if TYPE_CHECKING:
-    from server.sessions.parts import UploadedTerrain
+    from server.sessions.parts import UploadedCosts
 
 MOST_CELLS = 1 << 24  #: of a map of a terrain
 
 
-async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, log_id: str) -> UploadedTerrain:
+async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, log_id: str) -> UploadedCosts:
     """Return the terrain of a map of ``owner``, or of a cloud, whose points are assessed on a worker thread.
 
     Raises :class:`mapper.core.errors.MapperError` for other logs, for a map with too many cells, and for a cloud of

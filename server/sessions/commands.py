@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from server.library.packs.course import Course
     from server.library.packs.given_map import GivenMap
     from server.library.processing.localization import LocalizeProgress
-    from server.sessions.parts import UploadedTerrain
+    from server.sessions.parts import UploadedCosts
     from server.sessions.view import LogView
 
 
@@ -66,4 +66,4 @@ class ShowCourse(Struct):
 class UseTerrain(Struct):
     """Take the costs of an upload for the terrain's layer of the costmap; None for none."""
 
-    terrain: UploadedTerrain | None
+    terrain: UploadedCosts | None

@@ -12,7 +12,7 @@ from mapper.core.array_types import BoolArray, Float64Array
 from mapper.grid import OccupancyGrid
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
-from server.sessions.parts import TerrainCosts
+from server.sessions.parts import LayerCosts
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 
@@ -94,4 +94,4 @@ class Offers:
     host: ModelHost
     cloud: Cloud | None = None
     maps: dict[str, Callable[[], OccupancyGrid | None]] = field(default_factory=dict)
-    costs: dict[str, Callable[[], TerrainCosts | None]] = field(default_factory=dict)
+    costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)

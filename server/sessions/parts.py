@@ -172,22 +172,22 @@ class Story(Protocol):
         """Return the story, between two ticks, of all that was asked of the session before."""
 
 
-class TerrainCosts(Protocol):
-    """Costs of a terrain on its own cells."""
+class LayerCosts(Protocol):
+    """Costs that another part, or an upload, has for a layer of a costmap, on cells of its own."""
 
     @property
     def geometry(self) -> GridGeometry:
         """Geometry of the map."""
 
     def costs(self) -> UInt8Array:
-        """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
+        """Return the costs (rows, cols): 254 where a robot must not be, 255 where that is unknown."""
 
     def why(self, row: int, col: int) -> str:
         """Say in one sentence why a cell has its cost."""
 
 
-class UploadedTerrain(TerrainCosts, Protocol):
-    """Costs of a terrain of the library."""
+class UploadedCosts(LayerCosts, Protocol):
+    """Such costs of an upload."""
 
     @property
     def log_id(self) -> str:

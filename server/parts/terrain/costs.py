@@ -15,7 +15,7 @@ from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
 from server.library.packs.given_map import public_map
 from server.parts.terrain.assessment import TerrainParameters, assessed
-from server.sessions.parts import TerrainCosts
+from server.sessions.parts import LayerCosts
 
 if TYPE_CHECKING:
     from mapper.terrain import Terrain
@@ -53,7 +53,7 @@ class TerrainMap:
         return self.given.public()
 
 
-def meets(terrain: TerrainCosts, geometry: GridGeometry) -> bool:
+def meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
     """Whether a known cell of a terrain is at the place of a cell of another geometry."""
     rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
     if not len(rows):

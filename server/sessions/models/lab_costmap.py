@@ -32,7 +32,7 @@ from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.sessions.models.painted_zones import SpeedZones, Stroke
-from server.sessions.parts import TerrainCosts
+from server.sessions.parts import LayerCosts
 from server.stream.layers import GridLayer, Layer
 
 
@@ -64,7 +64,7 @@ class LabCostmap:
         self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
         self._master = GridLayer("costmap", "Costmap", "costs")
         self._limits = GridLayer("speed_filter", "Speed limits", "speed")
-        self._terrain: TerrainCosts | None = None
+        self._terrain: LayerCosts | None = None
         self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
         self.begin(grid)
 
@@ -138,7 +138,7 @@ class LabCostmap:
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
 
-    def lay_terrain(self, terrain: TerrainCosts | None) -> None:
+    def lay_terrain(self, terrain: LayerCosts | None) -> None:
         """Take other costs for the terrain's layer; None for none."""
         self._terrain = terrain
         if terrain is None:

@@ -23,7 +23,7 @@ from server.sessions.models.lab_navigation_parameters import LabParameters, rows
 from server.sessions.models.navigation import Navigation
 from server.sessions.models.simulation_commands import act
 from server.sessions.part import Offers
-from server.sessions.parts import TerrainCosts
+from server.sessions.parts import LayerCosts
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
 from server.stream.commands import AutoCommand, DriveCommand, GoalCommand, RestartCommand, WorldCommand
@@ -59,7 +59,7 @@ class LabNavigation(Navigation):
         self._mapper = mapper
         self._others = offers.maps
         self._terrain = offers.costs.get("terrain_layer", lambda: None)
-        self._laid: TerrainCosts | None = None  #: the terrain in the costmap
+        self._laid: LayerCosts | None = None  #: the terrain in the costmap
         self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
         self._seen: RangeScan | None = None
         self._pose: PoseTuple | None = None

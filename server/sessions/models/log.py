@@ -141,7 +141,13 @@ class LogModel(SessionModel):
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
-        self.parts = (self.parameters, CellQuestions(self._explained), self._updates, self.navigation)
+        self.parts = (
+            self.parameters,
+            CellQuestions(self._explained),
+            self._updates,
+            self.localization,
+            self.navigation,
+        )
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
@@ -154,8 +160,8 @@ class LogModel(SessionModel):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map, the second map of a comparison, the pose graph, and what it is localized in."""
-        others = (self.comparison, self.graph, self.localization, self.navigation)
-        return (self._map, *(layer for one in others for layer in one.layers))
+        of_parts = (layer for part in self.parts for layer in part.layers)
+        return (self._map, *self.comparison.layers, *self.graph.layers, *of_parts)
 
     @property
     def title(self) -> str:
@@ -187,7 +193,7 @@ class LogModel(SessionModel):
         """The cells of both maps, and their logs."""
         other = self.comparison.footprint
         return Footprint(
-            int(self.grid.log_odds.size) + other.cells + self.localization.cells + self.navigation.cells,
+            int(self.grid.log_odds.size) + other.cells + sum(part.cells for part in self.parts),
             (self.recording.log, *other.logs),
         )
 
@@ -265,8 +271,7 @@ class LogModel(SessionModel):
 
     def messages(self) -> list[dict[str, Any]]:
         """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
-        first = [self._parameters_message(), self._trajectory_message(), self.localization.message()]
-        return [*first, *self.navigation.messages()]
+        return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
@@ -326,10 +331,6 @@ class LogModel(SessionModel):
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
         super().draw(result)
-        message = self.localization.draw()
-        if message is not None:
-            result.slot(message)
-            result.changed = True
 
     @property
     def is_catching_up(self) -> bool:

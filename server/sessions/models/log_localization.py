@@ -11,11 +11,13 @@ import numpy as np
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
-from server.sessions.commands import ShowCourse
+from server.sessions.commands import ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.models.localization_message import COLUMNS, OFF
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.part import Part
 from server.sessions.parts import GraphSource
+from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
@@ -25,8 +27,10 @@ if TYPE_CHECKING:
 MOST_POINTS = 1000  #: of the series that pages plot
 
 
-class LogLocalization:
+class LogLocalization(Part):
     """View of a running localization job, and of a trajectory from one."""
+
+    commands = (ShowGivenMap, ShowCourse)
 
     def __init__(self, host: ModelHost, recording: LogRecording) -> None:
         self._host, self._recording = host, recording
@@ -64,6 +68,16 @@ class LogLocalization:
         """The map that the log is localized in, None before one was shown."""
         return self._given
 
+    def handle(self, command: ShowGivenMap | ShowCourse, result: TickResult) -> None:
+        """Show a map, or the course that a trajectory comes with."""
+        result.changed = True
+        if isinstance(command, ShowCourse):
+            self._shown = (command.trajectory, command.course)
+            self._drawn = None
+            self.show_map(command.course.given)
+        else:
+            self.show_map(command.map)
+
     def show_map(self, given: GivenMap) -> None:
         """Write a map into its layer."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
@@ -83,27 +97,24 @@ class LogLocalization:
         self._report = None
         self._drawn = None
 
-    def show_course(self, trajectory: str, course: Course) -> None:
-        """Show the course that a trajectory comes with."""
-        self._shown = (trajectory, course)
-        self._drawn = None
-        self.show_map(course.given)
-
-    def draw(self) -> dict[str, Any] | None:
-        """Bring the particles to the newest scan; return the message ``localization`` where it changed."""
-        course = self._course
-        if self._report is not None:
-            return None
+    def changed(self, result: TickResult) -> None:
+        """Bring the particles to the newest scan."""
+        course, scan = self._course, max(self._recording.replay.index - 1, 0)
+        drawn, at = self._drawn or (None, scan)
+        if self._report is not None or (drawn is course and at == scan):
+            return
+        self._drawn = None if course is None else (course, scan)
+        result.changed = True
         if course is None:
-            was, self._drawn = self._drawn, None
-            return OFF if was is not None else None
-        scan = max(self._recording.replay.index - 1, 0)
-        if self._drawn is not None and self._drawn[0] is course and self._drawn[1] == scan:
-            return None
-        self._drawn = (course, scan)
+            result.slot(OFF)
+            return
         cloud = course.cloud(scan)
         self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
-        return self.message()
+        result.slot(self.message())
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``localization``."""
+        return [self.message()]
 
     def message(self) -> dict[str, Any]:
         """Return the message ``localization``."""

@@ -10,10 +10,11 @@ from mapper.grid import OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.maps.reading import grid_of_values
 from server.parts.terrain.costs import meets
+from server.sessions.commands import UseTerrain
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
-from server.sessions.models.navigation import Navigation
-from server.sessions.parts import UploadedTerrain
+from server.sessions.models.navigation import Navigation, OfNavigation
+from server.sessions.parts import UploadedCosts
 from server.sessions.tick import TickResult
 from server.stream.commands import GoalCommand
 
@@ -34,6 +35,8 @@ ROWS = rows_with(
 class LogNavigation(Navigation):
     """The costmap and the path of a log. The path begins at the robot of the newest scan in the map."""
 
+    commands = (*Navigation.commands, UseTerrain)
+
     def __init__(self, recording: LogRecording, given_map: Callable[[], GivenMap | None]) -> None:
         """``given_map`` returns the map that the log is localized in."""
         super().__init__()
@@ -41,8 +44,8 @@ class LogNavigation(Navigation):
         self._recording, self._given_map = recording, given_map
         self._given: GivenMap | None = None  #: which the static layer has
         self._index = -1  #: of the scan that the layers of obstacles saw last
-        self._terrain: UploadedTerrain | None = None
-        self._laid: UploadedTerrain | None = None  #: the terrain in the costmap
+        self._terrain: UploadedCosts | None = None
+        self._laid: UploadedCosts | None = None  #: the terrain in the costmap
 
     def _first_values(self) -> dict[str, Any]:
         """Return the given map as the static one, where the poses in use are those that were found in it."""
@@ -126,9 +129,13 @@ class LogNavigation(Navigation):
             result.slot(self._path.message())
         result.changed |= self._path.draw()
 
-    def use_terrain(self, terrain: UploadedTerrain | None, result: TickResult) -> None:
-        """Take the costs of an upload for the terrain's layer; None for none."""
-        self._terrain = terrain
+    def handle(self, command: OfNavigation | UseTerrain, result: TickResult) -> None:
+        """Carry out a command; of the service, take the costs of an upload for the terrain's layer."""
+        if not isinstance(command, UseTerrain):
+            super().handle(command, result)
+            return
+        result.changed = True
+        terrain = self._terrain = command.terrain
         costmap = self._costmap
         geometry = self._recording.replay.grid.geometry if costmap is None else costmap.geometry
         if terrain is not None and not meets(terrain, geometry):

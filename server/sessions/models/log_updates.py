@@ -14,16 +14,12 @@ from server.sessions.commands import (
     FollowPoses,
     PosesEnded,
     PosesSoFar,
-    ShowCourse,
-    ShowGivenMap,
     UpdateLog,
     UseSensor,
-    UseTerrain,
 )
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_localization import LogLocalization
-from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.models.solved_graph import ShowGraph
 from server.sessions.part import Part
@@ -41,7 +37,6 @@ class Updated(Protocol):
     recording: LogRecording
     graph: LogGraph
     localization: LogLocalization
-    navigation: LogNavigation
     playback: Playback
 
     @property
@@ -68,9 +63,6 @@ class LogUpdates(Part):
         FollowPoses,
         PosesSoFar,
         PosesEnded,
-        ShowGivenMap,
-        UseTerrain,
-        ShowCourse,
     )
 
     def __init__(self, model: Updated, healing: LogHealing) -> None:
@@ -96,12 +88,6 @@ class LogUpdates(Part):
                 self._show_poses(poses, report, result)
             case PosesEnded(trajectory=trajectory):
                 self._end_poses(trajectory, result)
-            case ShowGivenMap(map=given):
-                model.localization.show_map(given)
-            case UseTerrain(terrain=terrain):
-                model.navigation.use_terrain(terrain, result)
-            case ShowCourse(trajectory=trajectory, course=course):
-                model.localization.show_course(trajectory, course)
         result.changed = True
 
     def _show_poses(self, poses: NDArray[np.float64], report: LocalizeProgress | None, result: TickResult) -> None:

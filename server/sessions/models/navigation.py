@@ -5,7 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar, TypeAlias
+
+from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
 from mapper.costmap.nav2_parameters import costmap_of
@@ -32,10 +34,13 @@ from server.stream.protocol import ProtocolError, place_of
 _MOST_NAMES = 12  #: of parameters in one notice
 
 
+OfNavigation: TypeAlias = CostmapCommand | GoalCommand | CostCommand | Nav2Command
+
+
 class Navigation(Part, ABC):
     """The costmap and the path, from the command ``costmap`` on until the same command ends them."""
 
-    commands = (CostmapCommand, GoalCommand, CostCommand, Nav2Command)
+    commands: ClassVar[tuple[type[Struct], ...]] = (CostmapCommand, GoalCommand, CostCommand, Nav2Command)
     subject = "costmap"
 
     def __init__(self) -> None:
@@ -101,7 +106,7 @@ class Navigation(Part, ABC):
             for told in self.messages():
                 result.slot(told)
 
-    def handle(self, command: CostmapCommand | GoalCommand | CostCommand | Nav2Command, result: TickResult) -> None:
+    def handle(self, command: OfNavigation, result: TickResult) -> None:
         """Carry out a command for the costmap or the path.
 
         Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.

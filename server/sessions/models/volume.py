@@ -116,7 +116,7 @@ class VolumeModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map from above, and the terrain while it is on."""
+        """The map from above, and those of the parts."""
         return (self._layer, *(layer for part in self.parts for layer in part.layers))
 
     @property
@@ -332,7 +332,7 @@ class VolumeModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the wanted scans that is in the map, or of the terrain that is done."""
+        """The share of the wanted scans that is in the map, or what a part has done of its computation."""
         share = next((part.progress for part in self.parts if part.progress is not None), None)
         if share is not None:
             return share
@@ -342,7 +342,7 @@ class VolumeModel(SessionModel):
 
     @property
     def working_on(self) -> str:
-        """The answer about a voxel, the terrain, or else the map."""
+        """The answer about a voxel, or else the map or a part."""
         is_voxel = self._questions.is_busy or self._surface.is_busy
         return "voxel" if is_voxel else super().working_on
 

@@ -11,21 +11,26 @@ import { lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "
 export const UNITS = ["cell", "beam", "scan", "second"] as const;
 export type Unit = (typeof UNITS)[number];
 
-/** Timeout of the server's answer to a step. */
-const TIMEOUT_MS = 4000;
+/** Timeout of the server's answer to a step; a busy server, or a map that is made again, takes seconds. */
+const TIMEOUT_MS = 60_000;
 
-/** Wait until the number of scans in the map changes; false after the timeout. */
+/** Wait until the number of scans in the map changes; false when the server refuses, or after the timeout. */
 function indexChanged(store: Store): Promise<boolean> {
   const before = store.frame.peek()?.index;
+  const told = store.notice.peek();
   return new Promise((resolve) => {
     const done = (result: boolean): void => {
       clearTimeout(timer);
       queueMicrotask(() => stop());
       resolve(result);
     };
-    const timer = setTimeout(() => done(false), TIMEOUT_MS);
+    const timer = setTimeout(() => {
+      toast("The server has not answered the step. Please try again.");
+      done(false);
+    }, TIMEOUT_MS);
     const stop = effect(() => {
       if (store.frame.value?.index !== before) done(true);
+      else if (store.notice.value !== told && store.notice.value?.kind === "error") done(false);
     });
   });
 }
@@ -41,6 +46,7 @@ async function begin(store: Store, onwards: boolean): Promise<Stepping | null> {
     store.send({ type: "step", scans: 1 });
     if (!(await indexChanged(store))) return null;
   }
+  if (store.frame.peek()?.index === 0) return null;
   const frame = store.beliefFrame.peek();
   const pose = store.beliefPose.peek();
   store.send({ type: "step", scans: -1 });
