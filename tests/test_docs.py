@@ -8,6 +8,7 @@ import gzip
 import io
 import json
 import re
+import runpy
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -206,6 +207,17 @@ def test_the_picture_of_the_layers_is_that_of_the_contracts() -> None:
             assert set(rest[: len(layer)]) == layer, f"{column}: the next layer is {layer}"
             rest = rest[len(layer) :]
         assert rest == []
+
+
+def test_the_site_draws_every_package_of_the_layers() -> None:
+    hooks = runpy.run_path(str(DOCS / "hooks.py"))
+    picture = hooks["picture_of_layers"]()
+    named = set(re.findall(r"<title>([^:]+): [\d,]+ lines", picture))
+    packages = {path.name for path in (ROOT / "mapper").iterdir() if (path / "__init__.py").exists()}
+    assert named >= packages >= {"core", "volume"}
+    assert "0 lines" not in re.findall(r": (\d+ lines)", picture)
+    text = (DOCS / "architecture.md").read_text()
+    assert picture in hooks["on_page_markdown"](text)
 
 
 @cache
