@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import wrap_angle
-from mapper.diagnosis.consistency import Examined
+from mapper.diagnosis.consistency import Examined, counts
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.joint_log import is_measured, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
@@ -20,6 +20,7 @@ AT_LIMIT = 0.001  #: share of the stated range_max, from which a value is at it
 SELF_RANGE = 1.5  #: metres: parts of the robot are nearer
 SELF_SPREAD = 0.02  #: metres
 SELF_SHARE = 0.7  #: of a beam's readings
+PASSED = 0.6  #: share of the beams that reach a place of the robot's own parts, which pass it
 MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wall
 
 
@@ -97,6 +98,8 @@ def _of_itself(seen: Examined) -> list[Finding]:
         near = (np.abs(masked - middle) < SELF_SPREAD).mean(axis=0)
         itself = enough & (middle < SELF_RANGE) & (near > SELF_SHARE)
     beams = np.flatnonzero(itself)
+    if len(beams):
+        beams = beams[_passed(seen, bearings[beams], masked[:, beams]) > PASSED]
     if not len(beams):
         return []
     degrees = np.degrees(bearings[beams])
@@ -109,6 +112,35 @@ def _of_itself(seen: Examined) -> list[Finding]:
             0.95,
         )
     ]
+
+
+def _passed(seen: Examined, bearings: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how often beams passed the cells where each of some beams ends, of all that reached them: 0 … 1, (n,).
+
+    ``ranges`` (n_scans, n) are those of the beams at the ``bearings`` (n,); it is the median over the scans. The robot
+    drives through the places where its own parts are seen. A wall along which it drives at one distance is seen by
+    other beams too, and not passed. Of a cell and those beside it that counts which is passed least, for grazing beams
+    pass cells of a wall.
+    """
+    from scipy import ndimage  # noqa: PLC0415 - for few logs
+
+    grid = counts(seen)
+    if grid.cell_statistics is None:
+        return np.zeros(len(bearings))
+    hits, misses = grid.cell_statistics.astype(np.float64)
+    share = np.divide(misses, hits + misses, out=np.ones_like(hits), where=hits > 0.0)
+    least = ndimage.minimum_filter(share, 3)
+    poses = seen.log.sensor_poses()
+    passed = np.zeros(len(bearings))
+    for beam, (bearing, readings) in enumerate(zip(bearings, ranges.T, strict=True)):
+        known = np.isfinite(readings)
+        at = poses[known, 2] + bearing
+        ends = poses[known, :2] + readings[known, np.newaxis] * np.stack([np.cos(at), np.sin(at)], axis=-1)
+        cells = grid.geometry.world_to_cell(ends)
+        cells = cells[grid.geometry.contains(cells)]
+        if len(cells):
+            passed[beam] = np.median(least[cells[:, 0], cells[:, 1]])
+    return passed
 
 
 def _by_bearing(log: ScanLog) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

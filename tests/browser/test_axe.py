@@ -90,7 +90,8 @@ def told_sliders(page: Page) -> int:
 
 
 def nothing_wrong(page: Page, within: str = "html") -> None:
-    """Look at the page as it stands."""
+    """Look at the page as it stands, in its fonts."""
+    page.evaluate("document.fonts.ready.then(() => true)")
     page.evaluate(_FADED)
     assert violations(page, within) == []
     assert hidden_texts(page, within) == []

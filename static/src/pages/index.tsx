@@ -125,8 +125,8 @@ function Legend() {
     <ul class="map-legend" title="RViz and map.pgm draw free cells white and unknown ones grey.">
       <li class="occupied">occupied</li>
       <li class="free">free</li>
-      <li class="undecided">undecided</li>
-      <li class="unobserved">not seen</li>
+      <li class="undecided">unknown</li>
+      <li class="unobserved">never observed</li>
     </ul>
   );
 }

@@ -10,7 +10,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.diagnosis import Finding, clock, drift_finding, examine
+from mapper.diagnosis import Finding, clock, drift_finding, examine, readings
 from mapper.diagnosis.consistency import examined
 from mapper.diagnosis.finding import POSSIBLE
 from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
@@ -365,3 +365,26 @@ def test_a_log_that_is_too_short_is_not_judged(clean: ScanLog) -> None:
         examine(few)
     with pytest.raises(ConfigError, match="no trajectory"):
         examine(clean, "slam")
+
+
+@pytest.mark.parametrize("away", [0.25, 0.6, 1.4])
+@pytest.mark.parametrize("yaw", [0.0, 0.6])
+def test_a_wall_along_which_the_robot_drives_is_no_part_of_the_robot(away: float, yaw: float) -> None:
+    """A straight drive at one distance from the wall of a room of 10 × 7 m, all of whose beams abeam read the same."""
+    n, bearings = 80, np.radians(np.arange(-180.0, 180.0))
+    x = np.linspace(1.0, 8.5, n)[:, np.newaxis]
+    with np.errstate(divide="ignore"):
+        along = np.where(np.cos(bearings) > 0.0, 10.0 - x, -x) / np.cos(bearings)
+        across = np.where(np.sin(bearings) > 0.0, 7.0 - away, -away) / np.sin(bearings)
+    noise = np.random.default_rng(1).normal(0.0, 0.004, (n, 360))
+    poses = compose(np.array([0.0, 0.0, yaw]), np.column_stack([x, np.full(n, away), np.zeros(n)]))
+    log = ScanLog(
+        (np.minimum(along, across) + noise).astype(np.float32), -np.pi, np.radians(1.0), 0.05, 30.0,
+        (np.arange(n) * 2e8).astype(np.int64), {"odom": Trajectory(poses, frame_id="odom")},
+    )  # fmt: skip
+    assert readings.check(log, examined(log)) == []
+    ranges = log.ranges.copy()
+    ranges[:, 268:273] = 0.31
+    own = replace(log, ranges=ranges)
+    (found,) = readings.check(own, examined(own))
+    assert found.sentence.startswith("5 beams around 90° read 0.31 m")

@@ -202,7 +202,7 @@ function Belief({ x, values }: { x: Across; values: Float64Array }) {
     <>
       <path class="belief-area" d={`${line.join("")}L${x(LENGTH)} ${BELIEF.bottom}L${x(0)} ${BELIEF.bottom}Z`} />
       <path class="belief-line" d={line.join("")} />
-      <text x={x(LENGTH)} y={BELIEF.top + 10} text-anchor="end">
+      <text x={x(7.25)} y={BELIEF.top + 10} text-anchor="middle">
         the belief, exact
       </text>
     </>

@@ -41,7 +41,7 @@ export function SensorModels() {
       </div>
       <p class="legend">
         <Key tone="bayes">Bayes’ rule over all maps</Key>
-        <Key tone="mapper">this mapper’s increments</Key>
+        <Key tone="mapper">fixed increments</Key>
         <Key tone="backwards">logit of p(z | wall at r)</Key>
       </p>
       <div class="figure-controls no-print">

@@ -49,10 +49,10 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
             and over the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>
-            <b>Beam by beam</b> is the mapper’s reference implementation in Python, copied from its source file. Step
-            through it, and drag the <b class="noun-robot">robot</b>. The compiled code gives the same map to the last
-            bit. <b>One reading</b> follows a single distance through every step, to the character that a terminal would
-            print.
+            <b>Beam by beam</b> is the reference implementation of this service, in Python, copied from its source file.
+            Step through it, and drag the <b class="noun-robot">robot</b>. The compiled code gives the same map to the
+            last bit. <b>One reading</b> follows a single distance through every step, to the character that a terminal
+            would print.
           </p>
         </>
       }

@@ -285,8 +285,8 @@ export function CellSection({ id, number, title }: SectionHead) {
           <p>
             Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior is
             subtracted because the inverse model starts from it too: otherwise it would be counted again with every
-            reading. For p = 0.5 it is 0. The order of the readings does not matter, except at the dashed lines, where
-            the mapper <em>clamps</em> ℓ (<SectionLink to="forgetting" />
+            reading. For p = 0.5 it is 0. The order of the readings does not matter, except at the dashed lines, where ℓ
+            is <em>clamped</em> (<SectionLink to="forgetting" />
             ).
           </p>
         </>

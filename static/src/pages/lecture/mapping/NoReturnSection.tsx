@@ -52,9 +52,9 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
             Which is right depends on why nothing came back. <b>Free</b> is what table 9.2 of{" "}
             <cite>Probabilistic Robotics</cite> says: the reading is z<sub>max</sub>, so all cells up to it are free.
             That clears large halls; but drag the robot in front of the glass, and the beams that pass through it erase
-            it. <b>Ignored</b> adds no evidence and is this mapper’s default: in recorded logs a missing return often
-            means glass, a polished wall or black material, and wrong free space is the more dangerous error.{" "}
-            <b>A hit</b> is always wrong: it happens when a driver writes the max range where there was no echo.
+            it. <b>Ignored</b> adds no evidence and is the safer choice: in recorded logs a missing return often means
+            glass, a polished wall or black material, and wrong free space is the more dangerous error. <b>A hit</b> is
+            always wrong: it happens when a driver writes the max range where there was no echo.
           </p>
           <p>REP 117 therefore defines +∞ for no return.</p>
         </>

@@ -67,10 +67,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
       }
       sources={[["probabilistic-robotics", "chapter 6 and table 9.2"]]}
       after={
-        <p>
-          With cells of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window, so the mapper’s default
-          is 0.
-        </p>
+        <p>With cells of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window, and w is set to 0.</p>
       }
     >
       <p>

@@ -44,7 +44,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     right: 0,
     answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds goes on working.",
     notes:
-      "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With the mapper’s clamp none of the three fails: cost and simplicity remain as reasons.",
+      "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With a clamp none of the three fails: cost and simplicity remain as reasons.",
   },
   model: {
     question: "A beam measures one number, z. Which cells does it say something about?",

@@ -70,7 +70,7 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The mapper’s clamp keeps ℓ between{" "}
+        A clamp keeps ℓ between{" "}
         <DragNumber
           label="lower clamp"
           sentence="Lower limit of the log-odds of a cell."
