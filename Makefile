@@ -59,8 +59,9 @@ docs: $(VENV)/.docs ## the documentation as a site in build/docs, which needs no
 pages: $(VENV)/.installed ## static/dist, where its sources changed
 	$(NPM)
 
-wire: setup ## renew what is generated from the messages of the stream
+wire: setup ## renew what is generated from the messages of the stream and the answers of the HTTP interface
 	$(BIN)/python -m server.stream.generate
+	$(BIN)/python -m server.http_types
 
 check: check-python check-pages ## lint, types, import rule: Python and TypeScript
 
@@ -70,6 +71,7 @@ check-python: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m server.stream.generate --check
+	$(BIN)/python -m server.http_types --check
 
 check-pages: setup
 	$(NPM) run check

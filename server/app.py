@@ -51,7 +51,7 @@ from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
 from server.http.sign_ins import SignIns
-from server.library import Library
+from server.library.library import Library
 from server.scenes import Scenes
 from server.sessions import KINDS, Kind, SessionRegistry
 from server.settings import Settings

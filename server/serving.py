@@ -28,11 +28,12 @@ from server.app import create_app
 from server.http.connections import Connections, Listener
 from server.http.uvicorn_protocol import HttpProtocol
 from server.imports import UNUSED_BY_ROUTES, fast_imports
-from server.library import StorageError, check_stores, claimed
+from server.library.store_check import check_stores
 from server.logging import configure_logging
 from server.network_address import reachable
 from server.sessions import KINDS, Kind
 from server.settings import Settings
+from server.storage import StorageError, claimed
 from server.stream.frames import EXTENSION
 from server.warm_up import WarmUp
 

@@ -29,11 +29,12 @@ def fleet(
     as_json: AsJson = False,
 ) -> None:
     """Read, examine and map many logs; OUT/index.html shows the maps as they are made."""
-    from server.fleet import Fleet, FleetLimits, Result, workers_at  # noqa: PLC0415 - start-up
+    from server.fleet import Fleet, Result, workers_at  # noqa: PLC0415 - start-up
     from server.fleet.page import PAGE, write_page  # noqa: PLC0415 - start-up
+    from server.library.processing.fleet.fleet_job import LIMITS  # noqa: PLC0415
 
     began = time.monotonic()
-    limits = FleetLimits()
+    limits = LIMITS
     whole = Fleet(logs, out, limits)
     with refusing(out), whole.held():
         before = len(whole.results)

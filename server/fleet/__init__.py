@@ -1,6 +1,6 @@
 """Many log files read, examined and mapped into a folder, on this machine or on a Dask cluster."""
 
 from server.fleet.run import Fleet, Result, workers_at
-from server.library.fleet_job import FleetJob, FleetLimits
+from server.library.processing.fleet.fleet_job import FleetJob
 
-__all__ = ["Fleet", "FleetJob", "FleetLimits", "Result", "workers_at"]
+__all__ = ["Fleet", "FleetJob", "Result", "workers_at"]

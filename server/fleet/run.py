@@ -20,16 +20,17 @@ from typing import Any
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
-from server.library.cluster import Cluster
-from server.library.cluster_worker import ClusterWorker
-from server.library.fleet_job import DIED, RUNS, ClusterLostError, FleetJob, FleetLimits, fleet_facts
-from server.library.storage import StorageError, claimed
-from server.library.workers import PoolWorker, Worker
+from server.jobs.process import JobLimits
+from server.jobs.workers import PoolWorker, Worker
+from server.library.processing.fleet.cluster import Cluster
+from server.library.processing.fleet.cluster_worker import ClusterWorker
+from server.library.processing.fleet.fleet_job import DIED, LIMITS, RUNS, ClusterLostError, FleetJob, fleet_facts
+from server.storage import StorageError, claimed
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of one log: ``facts`` as :func:`server.library.fleet_job.do_fleet_job` returns them, or an error."""
+    """Result of one log: ``facts`` as :func:`do_fleet_job` of the library returns them, or an error."""
 
     key: str
     log: str
@@ -53,10 +54,10 @@ class Result:
 class Fleet:
     """The logs at ``paths`` and their results in ``folder``; used by one process at a time, see :meth:`held`."""
 
-    def __init__(self, paths: Sequence[Path], folder: Path, limits: FleetLimits | None = None) -> None:
+    def __init__(self, paths: Sequence[Path], folder: Path, limits: JobLimits = LIMITS) -> None:
         self.folder = folder
         self.logs = {key_of(path): path.absolute() for path in paths}
-        self._limits = limits or FleetLimits()
+        self._limits = limits
         self.results: dict[str, Result] = {}
 
     @contextmanager

@@ -21,16 +21,13 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.classes import ClassBudgetError, ClassNotFoundError, ClassRightError
 from server.downloads import MapSnapshotGoneError
 from server.http.page_files import missing_page
-from server.library import (
-    LinkGoneError,
-    LogNotFoundError,
-    LogReadOnlyError,
-    StorageError,
-    TrajectoryNotFoundError,
-)
-from server.library.notes import NoteNotFoundError, NoteReadOnlyError
-from server.library.puzzles import PuzzleGoneError
+from server.library.annotations.added import TrajectoryNotFoundError
+from server.library.annotations.links import LinkGoneError
+from server.library.annotations.notes import NoteNotFoundError, NoteReadOnlyError
+from server.library.annotations.puzzles import PuzzleGoneError
+from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
 from server.sessions import SessionBudgetError, SessionNotFoundError
+from server.storage import StorageError
 from server.stream.close_codes import REFUSED
 from server.work.memory_reserve import MemoryReserve, is_out_of_memory
 

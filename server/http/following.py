@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
 from server.http.routes.trajectories import update_sessions
-from server.library import Library
-from server.library.localize_jobs import NAME as LOCALIZED
-from server.library.pose_jobs import PoseJobs
-from server.library.slam_job import NAME as SLAM
+from server.library.library import Library
+from server.library.processing.localization import NAME as LOCALIZED
+from server.library.processing.log_jobs import AnyLogJobs, LogJobs
+from server.library.processing.slam import NAME as SLAM
 from server.sessions import SessionRegistry
 from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
-    from server.library.localize_job import LocalizeProgress
+    from server.library.processing.localization import LocalizeProgress
     from server.sessions import SessionHost
 
 _tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
@@ -34,17 +34,20 @@ class Report(Protocol):
         """Progress of the job, from 0 to 1."""
 
     @property
+    def stage(self) -> str:
+        """What is done now."""
+
+    @property
     def poses(self) -> NDArray[Any]:
         """The poses."""
 
 
 R = TypeVar("R", bound=Report)
-T = TypeVar("T")
 
 
 def _follow(
     session: SessionHost,
-    jobs: PoseJobs[R, T],
+    jobs: LogJobs[Any, R, Any, Any],
     log_id: str,
     name: str,
     shown: Callable[[R], LocalizeProgress | None] = lambda _: None,
@@ -73,14 +76,11 @@ def join_jobs(library: Library, sessions: SessionRegistry, session: SessionHost)
         return
     owner, log_id = session.owner, recording.log_id
 
-    def is_under_way(jobs: PoseJobs[R, T]) -> bool:
-        return jobs.state(owner, log_id)["state"] in ("queued", "running")
-
     with suppress(MapperError):  # the log was deleted meanwhile
-        if is_under_way(library.slam):
+        if library.slam.is_under_way(owner, log_id):
             follow_slam(session, library, log_id)
             tell_at_end(library, sessions, library.slam, owner, log_id)
-        if is_under_way(library.localization):
+        if library.localization.is_under_way(owner, log_id):
             follow_localization(session, library, log_id)
             tell_at_end(library, sessions, library.localization, owner, log_id)
 
@@ -95,12 +95,12 @@ def follow_localization(session: SessionHost, library: Library, log_id: str) -> 
     _follow(session, library.localization, log_id, LOCALIZED, lambda report: report)
 
 
-def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T], owner: str, log_id: str) -> None:
+def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, owner: str, log_id: str) -> None:
     """Give the owner's sessions on the log the trajectory of the ended job; those that follow show it."""
 
     async def tell() -> None:
-        found = jobs.state(owner, log_id)
-        trajectory = found["result"]["trajectory"] if found["state"] == "done" else None
+        result = jobs.result(owner, log_id)
+        trajectory = None if result is None else result.trajectory
         if trajectory is None:  # first back to the poses from before: those of the job are none of the library's
             end(None)
         await update_sessions(library, sessions, owner, log_id)
@@ -119,7 +119,7 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T
         except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
             return
 
-    def notify(report: R | None) -> None:
+    def notify(report: object) -> None:
         if report is None:
             task = asyncio.create_task(quietly())
             _tasks.add(task)

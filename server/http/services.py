@@ -14,7 +14,7 @@ from server.downloads import Downloads
 from server.http.brake import Brake, CodeGuesses
 from server.http.metrics import Metrics
 from server.http.sign_ins import SignIns
-from server.library import Library
+from server.library.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings

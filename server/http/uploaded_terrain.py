@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError, LimitError
 from server.downloads import Downloads
-from server.library import Library
+from server.library.library import Library
 
 if TYPE_CHECKING:
     from server.sessions.parts import UploadedCosts

@@ -15,38 +15,57 @@ from typing import TYPE_CHECKING
 from mapper.io.contents.model import Contents
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
-from server.library.blobs import Blobs
-from server.library.cache import LogCache
-from server.library.catalogue import Catalogue
-from server.library.common_files import CommonFiles
-from server.library.inspections import Inspections
-from server.library.jobs import Jobs
-from server.library.leases import Leases
+from server.jobs.leases import Leases
+from server.jobs.record import Failure
+from server.jobs.workers import Worker, worker_at
+from server.library.annotations.added import Added
+from server.library.annotations.links import Links
+from server.library.annotations.notes import Notes
+from server.library.annotations.puzzles import MadePuzzles
+from server.library.annotations.tags import Tags
+from server.library.annotations.trajectories import NewTrajectory, Trajectories, text_of
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
-from server.library.log_errors import LogReadOnlyError
-from server.library.log_reader import Reader
-from server.library.moment_pictures import MomentPicture, MomentPictures
-from server.library.old_pictures import OldPictures
-from server.library.records import Failure, Record
-from server.library.relation_scores import RelationScores
-from server.library.sample import SAMPLE_ID, Sample
+from server.library.logs.cache import LogCache
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.errors import LogReadOnlyError
+from server.library.logs.records import Record
+from server.library.logs.rows import LogRows
+from server.library.logs.sample import SAMPLE_ID, Sample
+from server.library.packs.given_map import GivenMap
+from server.library.processing.fleet.cluster import Cluster
+from server.library.processing.fleet.fleet_jobs import FleetJobs
+from server.library.processing.given_maps import GivenMaps
+from server.library.processing.inspections import Inspections
+from server.library.processing.job_rows import JobRowsOfLogs
+from server.library.processing.localization import LocalizationKind
+from server.library.processing.log_jobs import LogJobs
+from server.library.processing.merging import MergeKind
+from server.library.processing.moment_pictures import MomentPicture, MomentPictures
+from server.library.processing.reader import Reader
+from server.library.processing.reading_jobs import Jobs
+from server.library.processing.relation_scores import RelationScores
+from server.library.processing.slam import SlamKind
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
-from server.library.standing import Standing
-from server.library.storage import private_folder
-from server.library.upload_receiver import Part, UploadReceiver
-from server.library.upload_slots import UploadSlots
-from server.library.uploads import Declared, Places, Sender, Uploads
+from server.library.store.availability import Standing
+from server.library.store.blobs import Blobs
+from server.library.store.changes import Changes
+from server.library.store.common_files import CommonFiles
+from server.library.store.database import Database
+from server.library.store.identity import belong_together
+from server.library.store.lease_rows import LeaseRows
+from server.library.store.sign_in_ends import SignInEnds
+from server.library.uploads.receiver import Part, UploadReceiver
+from server.library.uploads.slots import UploadSlots
+from server.library.uploads.uploads import Declared, Places, Sender, Uploads
 from server.library.visible_logs import VisibleLogs
-from server.library.workers import Worker, worker_at
 from server.settings import Settings
+from server.storage import private_folder
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
-    from server.library.added import Added
-    from server.library.given_map import GivenMap
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
 
 
 class Library:
@@ -58,24 +77,6 @@ class Library:
     """
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
-        from server.library.changes import Changes  # noqa: PLC0415
-        from server.library.cluster import Cluster  # noqa: PLC0415
-        from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
-        from server.library.fleet_jobs import FleetJobs  # noqa: PLC0415
-        from server.library.given_maps import GivenMaps  # noqa: PLC0415
-        from server.library.lease_rows import LeaseRows  # noqa: PLC0415
-        from server.library.links import Links  # noqa: PLC0415
-        from server.library.localize_jobs import LocalizationKind  # noqa: PLC0415
-        from server.library.log_rows import LogRows  # noqa: PLC0415
-        from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
-        from server.library.notes import Notes  # noqa: PLC0415
-        from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
-        from server.library.puzzles import MadePuzzles  # noqa: PLC0415
-        from server.library.sign_in_ends import SignInEnds  # noqa: PLC0415
-        from server.library.slam_jobs import SlamKind  # noqa: PLC0415
-        from server.library.tags import Tags  # noqa: PLC0415
-        from server.library.trajectories import Trajectories  # noqa: PLC0415
-
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
@@ -116,14 +117,15 @@ class Library:
         self._jobs = Jobs(self._catalogue, self._reader, self._room, leases)
         places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
-        self.slam = PoseJobs(self._database, leases, self, new_worker, root / "slam", SlamKind())
+        rows = JobRowsOfLogs(self._database, self.get)
+        self.slam = LogJobs(rows, leases, self, new_worker, root / "slam", SlamKind())
         self.maps = GivenMaps(self, new_worker, root / "maps", self._room, common)
         kind = LocalizationKind(self.maps)
-        self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
-        self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
+        self.localization = LogJobs(rows, leases, self, new_worker, root / "localization", kind)
+        self.merges = LogJobs(rows, leases, self, new_worker, root / "merges", MergeKind())
         cluster = None if settings.fleet_executor is None else Cluster(settings.fleet_executor)
         at_once = settings.fleet_workers
-        self.fleet = FleetJobs(self._database, leases, self._catalogue, self.get, new_worker, at_once, cluster)
+        self.fleet = FleetJobs(rows, leases, self._catalogue, new_worker, at_once, cluster)
         self._job_queues = (self.slam, self.merges, self.localization, self.fleet)
         self._changes = Changes(
             self._database,
@@ -132,10 +134,7 @@ class Library:
             puzzles=self.puzzles.follow,
             log_tags=self.tags.follow,
             trajectories=self.trajectories.follow,
-            slam_jobs=self.slam.follow,
-            localization_jobs=self.localization.follow,
-            merge_jobs=self.merges.follow,
-            fleet_jobs=self.fleet.follow,
+            jobs=self._follow_jobs,
             ended_sign_ins=self.sign_in_ends.follow,
         )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
@@ -145,7 +144,6 @@ class Library:
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
-        self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
@@ -154,8 +152,6 @@ class Library:
 
         Raises :class:`StorageError`.
         """
-        from server.library.store_identity import belong_together  # noqa: PLC0415
-
         await self._folder.look()
         stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
         await self._catalogue.start(stores_match=stores_match)
@@ -169,14 +165,12 @@ class Library:
         for queue in self._job_queues:
             await queue.start()
         self._folder.begin_survey()
-        self._old_pictures.begin()
         self._changes.begin()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._changes.close()
         await self._folder.close()
-        await self._old_pictures.close()
         for queue in self._job_queues:
             await queue.close()
         await self.maps.close()
@@ -202,6 +196,11 @@ class Library:
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
         self.puzzles.drop(log_id)
+
+    async def _follow_jobs(self, log_ids: set[str] | None) -> None:
+        """Take over what other services have changed of the jobs on some logs, None: of any."""
+        for queue in self._job_queues:
+            await queue.follow(log_ids)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
@@ -373,10 +372,8 @@ class Library:
     ) -> tuple[Added, Sequence[str]]:
         """Add the TUM file that ``chunks`` are as one more trajectory of a log; return its record, and notes.
 
-        Raises as :meth:`load`, and :func:`text_of` and :meth:`Trajectories.put` of :mod:`server.library.trajectories`.
+        Raises as :meth:`load`, and :func:`text_of` and :meth:`Trajectories.put` of its module.
         """
-        from server.library.trajectories import NewTrajectory, text_of  # noqa: PLC0415
-
         log = await self.load(owner, log_id)
         async with self._slots.take(owner, address) as slot:
             text = await text_of(slot.read(chunks))

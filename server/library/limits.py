@@ -18,7 +18,7 @@ class LibraryLimits:
     max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
     keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
     idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
-    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.processing.reader.Reader`
     read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
     lease_s: float = 15.0  #: for which a service that was killed or cut off keeps its jobs from others

@@ -12,21 +12,21 @@ from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.scan import ScanLog
-from server.library.cache import LogCache
-from server.library.catalogue import Catalogue
-from server.library.costmap_pack import read_costmap_pack
-from server.library.given_map import GivenMap, read_given_map
-from server.library.jobs import Jobs, unstored
 from server.library.limits import DAY_S
-from server.library.log_pack import StalePackError
-from server.library.log_reader import Reader
-from server.library.records import Record
-from server.library.sample import Sample
+from server.library.logs.cache import LogCache
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.records import Record
+from server.library.logs.sample import Sample
+from server.library.packs.costmaps import read_costmap_pack
+from server.library.packs.given_map import GivenMap, read_given_map
+from server.library.packs.log import StalePackError
+from server.library.processing.reader import Reader
+from server.library.processing.reading_jobs import Jobs, unstored
 from server.library.scans import Scans
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
 
 MAX_TOGETHER = 32  #: sensors of one log that are mapped together
 SONAR = "sensor_msgs/Range"
@@ -135,7 +135,7 @@ class Loading:
             record = await self._settled(owner, log_id)
             if topic is not None or (record.summary is not None and not record.summary.clouds):
                 return await self.scans.of_clouds(record, topic)
-            from server.library.volume_pack import read_volume_pack  # noqa: PLC0415 - few logs are clouds
+            from server.library.packs.volume import read_volume_pack  # noqa: PLC0415 - few logs are clouds
 
             await self.catalogue.fetch(record.id)
             try:

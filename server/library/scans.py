@@ -13,15 +13,15 @@ from mapper.core.errors import MapperError
 from mapper.io.logs.summary import summarise
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
-from server.library.cache import LogCache
-from server.library.catalogue import Catalogue
-from server.library.jobs import unstored, without_paths
-from server.library.log_pack import NotPackedError, StalePackError, read_pack
-from server.library.log_reader import Reader
-from server.library.records import Record
+from server.library.logs.cache import LogCache
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.records import Record
+from server.library.packs.log import NotPackedError, StalePackError, read_pack
+from server.library.processing.reader import Reader
+from server.library.processing.reading_jobs import unstored, without_paths
 
 if TYPE_CHECKING:
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
 
 
 class Scans:
@@ -54,7 +54,7 @@ class Scans:
 
         Raises :class:`ReadError` for a file without any.
         """
-        from server.library.volume_pack import read_volume_pack  # noqa: PLC0415 - few logs have clouds
+        from server.library.packs.volume import read_volume_pack  # noqa: PLC0415 - few logs have clouds
 
         async with self._reader.turn(record.owner):
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"

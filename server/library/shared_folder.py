@@ -7,12 +7,12 @@ import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 
-from server.library.catalogue import Catalogue
-from server.library.folder import FolderLog, LogFolder
-from server.library.jobs import Jobs
-from server.library.names import display_name
-from server.library.records import Record
-from server.library.storage import StorageError
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.folder import FolderLog, LogFolder
+from server.library.logs.names import display_name
+from server.library.logs.records import Record
+from server.library.processing.reading_jobs import Jobs
+from server.storage import StorageError
 
 
 class SharedFolder:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from server.library.blobs import Blobs
-from server.library.cluster import require_dask
-from server.library.storage import private_folder
-from server.library.workers import worker_at
+from server.jobs.workers import worker_at
+from server.library.processing.fleet.cluster import require_dask
+from server.library.store.blobs import Blobs
 from server.settings import Settings
+from server.storage import private_folder
 
 
 def check_stores(settings: Settings) -> None:
     """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
-    from server.library.database import Database  # noqa: PLC0415
-    from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
+    from server.library.store.database import Database  # noqa: PLC0415
+    from server.library.store.identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
     root = settings.data_dir / "library"
     private_folder(root)

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from server.library.catalogue import Catalogue
-from server.library.jobs import Jobs
-from server.library.log_errors import LogNotFoundError
-from server.library.log_reader import Reader
-from server.library.records import Record
-from server.library.sample import SAMPLE_ID, Sample
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import Record
+from server.library.logs.sample import SAMPLE_ID, Sample
+from server.library.processing.reader import Reader
+from server.library.processing.reading_jobs import Jobs
 from server.library.shared_folder import SharedFolder
 
 if TYPE_CHECKING:
-    from server.library.tags import Tags
-    from server.library.trajectories import Trajectories
+    from server.library.annotations.tags import Tags
+    from server.library.annotations.trajectories import Trajectories
 
 
 class VisibleLogs:
@@ -79,7 +79,7 @@ class VisibleLogs:
 
         Raises :class:`LogNotFoundError`, also where there is no picture.
         """
-        from server.library.log_picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
+        from server.library.packs.picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
 
         record = self.get(owner, log_id)
         await self._catalogue.fetch(record.id)

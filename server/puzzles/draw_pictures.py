@@ -6,7 +6,7 @@ Run it after a change of a puzzle, of the simulation or of the mapping; the test
 from __future__ import annotations
 
 from mapper.puzzles import RECIPES
-from server.library.log_picture import write_codes
+from server.library.packs.picture import write_codes
 from server.puzzles.pictures import FOLDER, codes_of
 
 

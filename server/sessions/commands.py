@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from mapper.sensors.scan import ScanLog
-    from server.library.course_file import Course
-    from server.library.given_map import GivenMap
-    from server.library.localize_job import LocalizeProgress
+    from server.library.packs.course import Course
+    from server.library.packs.given_map import GivenMap
+    from server.library.processing.localization import LocalizeProgress
     from server.sessions.parts import UploadedCosts
     from server.sessions.view import LogView
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.sensors.scan import ScanLog
-from server.library import Library
+from server.library.library import Library
 from server.sessions.making import Making
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ import structlog
 from mapper.core.errors import MapperError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.sensors.scan import ScanLog
-from server.library import Library
+from server.library.library import Library
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching

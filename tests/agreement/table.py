@@ -375,7 +375,7 @@ SHARED: dict[str, tuple[str, ...]] = {
     "mapper.mapping.sensor_model": _MODELS,  # tests/mapper/mapping compares the models with their formulas
     "mapper.mapping.update_plan": ("scan by scan",),
     "mapper.matching.beams": _MATCHED,  # the scans of a case
-    "mapper.matching.fields": ("score field",),
+    "mapper.matching.fields": _MATCHED,
     "mapper.matching.prepare": _MATCHED,
     "mapper.simulation.changed_plan": ("rays in a world in 3D",),  # the heights of the world's things
     "mapper.simulation.space": ("rays in a world in 3D",),

@@ -16,7 +16,7 @@ from distributed import LocalCluster
 from mapper.io.export import write_mcap
 from mapper.simulation import sample_log
 from server.fleet import Fleet, workers_at
-from server.library.workers import Worker
+from server.jobs.workers import Worker
 
 LOGS = 8  #: of the fleet that is timed
 SCANS = 100  #: of each log

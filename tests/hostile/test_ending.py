@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from server.library import claimed
-from server.library.database import Database
+from server.library.store.database import Database
+from server.storage import claimed
 from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]

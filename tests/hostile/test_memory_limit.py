@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from server.library.sample import SAMPLE_ID
+from server.library.logs.sample import SAMPLE_ID
 from server.work.memory_reserve import LEAST_BYTES
 from tests.hostile.test_crash import opens, put, served, settled, uploads
 from tests.server.library.small_logs import carmen

@@ -8,8 +8,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from server.library.standing import Standing
-from server.library.storage import StorageError
+from server.library.store.availability import Standing
+from server.storage import StorageError
 from tests.server.service import Service, once_read, running, settings_for
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 import pytest
 
-from server.library.sample import SAMPLE_ID
+from server.library.logs.sample import SAMPLE_ID
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, until
 

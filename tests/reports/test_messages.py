@@ -663,7 +663,7 @@ def test_livox_messages_are_clouds(tmp_path, ros):
 
 def test_scans_of_two_resolutions_survive_the_pack_and_are_mapped_as_one(tmp_path):
     from mapper.io.logs import open_robot_log
-    from server.library.log_pack import read_pack, write_pack
+    from server.library.packs.log import read_pack, write_pack
 
     robot = open_robot_log(written(tmp_path, drive(turned), "mcap"))
     write_pack(robot, tmp_path / "pack.npz")

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 FOLDER = "from server.process_folder import process_folder as used; print(used(), flush=True); input()"
 #: A job's process, and a server of 3D drawings.
 SOCKETS = """
-from server.library.workers import PoolWorker
+from server.jobs.workers import PoolWorker
 from server.scenes.viser_server import ViserServer
 from os import getpid
 worker, viser = PoolWorker(1 << 30), ViserServer()

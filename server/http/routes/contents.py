@@ -20,7 +20,7 @@ from server.http.request_work import in_turn
 from server.http.routes.clients import client_address, while_connected
 from server.http.series_answer import BUCKETS, Buckets, Seconds, series_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
-from server.library import Library
+from server.library.library import Library
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.http.services import Logs, Visitor
-from server.library import Library, Record
+from server.library.library import Library
+from server.library.logs.records import Record
+from server.library.processing.fleet.fleet_jobs import FleetState
 
 router = APIRouter(prefix="/api/fleet", tags=["fleet"])
 
@@ -20,6 +23,13 @@ class Wanted(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     again: bool = Field(False, description="Map the logs again that failed.")
+
+
+@dataclass(frozen=True, slots=True)
+class QueuedLogs:
+    """How many logs were queued."""
+
+    queued: int
 
 
 def _logs(library: Library, visitor: str) -> Sequence[Record]:
@@ -36,7 +46,7 @@ async def state(
     library: Logs,
     visitor: Visitor,
     since: Annotated[int, Query(ge=0, description="Revision from an earlier answer; 0: all logs.")] = 0,
-) -> dict[str, Any]:
+) -> FleetState:
     """Return how many logs of this visitor and of the shared folder are mapped, and those that changed."""
     if since == 0:
         await library.list(visitor)  # which looks into the folder
@@ -44,10 +54,10 @@ async def state(
 
 
 @router.post("", status_code=202)
-async def begin(library: Logs, visitor: Visitor, wanted: Wanted) -> dict[str, int]:
+async def begin(library: Logs, visitor: Visitor, wanted: Wanted) -> QueuedLogs:
     """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
     await library.list(visitor)
-    return {"queued": await library.fleet.begin(_logs(library, visitor), again=wanted.again)}
+    return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=wanted.again))
 
 
 @router.delete("", status_code=204)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -20,7 +20,9 @@ from server.http.routes.sessions import public
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
 from server.http.uploaded_terrain import uploaded_terrain
-from server.library import Library, Link, LinkGoneError, LogNotFoundError
+from server.library.annotations.links import Link, LinkGoneError
+from server.library.library import Library
+from server.library.logs.errors import LogNotFoundError
 from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
 from server.sessions.commands import ShowGivenMap, UseTerrain
 from server.stream.commands import CostmapCommand
@@ -53,25 +55,52 @@ class NewLink(BaseModel):
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
 
 
-def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class LinkAnswer:
+    """A link as its owner sees it: the view that it opens, and how many are ``watching``.
+
+    ``count`` is the number of scans of the log, ``index`` how many of them the map has; ``changed`` names the
+    parameters with other values than at first.
+    """
+
+    token: str
+    address: str
+    created_s: float
+    log: str
+    topic: str | None
+    trajectory: str | None
+    index: int
+    count: int
+    changed: list[str]
+    watching: int
+
+
+@dataclass(frozen=True, slots=True)
+class LinkList:
+    """Links to a log, newest first."""
+
+    links: list[LinkAnswer]
+
+
+def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
     """Return what the owner of a link sees of it."""
     view = link.view["view"]
-    return {
-        "token": link.token,
-        "address": f"/shared/{link.token}",
-        "created_s": link.created_s,
-        "log": link.log_id,
-        "topic": view["topic"],
-        "trajectory": view["trajectory"],
-        "index": view["index"],
-        "count": link.view["count"],
-        "changed": link.view["changed"],
-        "watching": sum(session.link == link.token for session in sessions.all()),
-    }
+    return LinkAnswer(
+        token=link.token,
+        address=f"/shared/{link.token}",
+        created_s=link.created_s,
+        log=link.log_id,
+        topic=view["topic"],
+        trajectory=view["trajectory"],
+        index=view["index"],
+        count=link.view["count"],
+        changed=link.view["changed"],
+        watching=sum(session.link == link.token for session in sessions.all()),
+    )
 
 
 @router.post("/api/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, Any]:
+async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer:
     """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
@@ -93,16 +122,16 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, 
 @router.get("/api/links")
 async def mine(
     sessions: Sessions, library: Logs, visitor: Visitor, log: Annotated[str, Query(max_length=200)]
-) -> dict[str, Any]:
+) -> LinkList:
     """List the links of this visitor to a log, newest first."""
-    return {"links": [_public(sessions, link) for link in library.links.of(visitor, log)]}
+    return LinkList([_public(sessions, link) for link in library.links.of(visitor, log)])
 
 
 @router.get("/api/sessions/{session_id}/links")
-async def of_session(sessions: Sessions, library: Logs, session_id: str) -> dict[str, Any]:
+async def of_session(sessions: Sessions, library: Logs, session_id: str) -> LinkList:
     """List the links to a session's log of the visitor who began the session, newest first."""
     session, viewed = shareable_session(sessions, session_id)
-    return {"links": [_public(sessions, link) for link in library.links.of(session.owner, viewed.log_id)]}
+    return LinkList([_public(sessions, link) for link in library.links.of(session.owner, viewed.log_id)])
 
 
 @router.delete("/api/sessions/{session_id}/links/{token}", status_code=204)

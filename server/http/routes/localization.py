@@ -18,11 +18,18 @@ from server.http.request_work import in_turn
 from server.http.routes.clients import client_address
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
-from server.library.localize_jobs import parameter_table
+from server.library.library import Library
+from server.library.processing.localization import (
+    LocalizationParameters,
+    LocalizationRequest,
+    LocalizationStatus,
+    changed_values,
+    parameter_table,
+)
 from server.sessions.commands import ShowGivenMap
 
 if TYPE_CHECKING:
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
     from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
@@ -76,7 +83,6 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict
 
     def read() -> dict[str, Any]:
         from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
-        from server.library.localize_jobs import changed_values  # noqa: PLC0415
 
         found = parse_amcl_yaml(bytes(text))
         values = changed_values(found.config.as_dict())
@@ -118,7 +124,7 @@ async def map_of_log(
 ) -> dict[str, Any]:
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
-    _check_idle(library.localization.state(of_log.owner, of_log.log_id))
+    _check_idle(library, of_log.owner, of_log.log_id)
     made = await library.maps.of_log(
         of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory, address=client_address(request)
     )
@@ -138,7 +144,7 @@ async def map_of_files(
     Or a map of CMU's course.
     """
     of_log = writable_session(sessions, session_id)
-    _check_idle(library.localization.state(of_log.owner, of_log.log_id))
+    _check_idle(library, of_log.owner, of_log.log_id)
     try:
         made = await library.choose_map(
             of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
@@ -161,7 +167,7 @@ async def given_map(library: Logs, sessions: Sessions, session_id: str) -> dict[
 
 
 @router.post("/sessions/{session_id}/localization", status_code=202)
-async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewLocalization) -> dict[str, Any]:
+async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewLocalization) -> LocalizationStatus:
     """Find the robot of the session's log in the map that was chosen, as a job, and show the poses so far.
 
     A job that is under way goes on, and the session follows it. The log then has a trajectory ``localized``.
@@ -169,23 +175,23 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     of_log = writable_session(sessions, session_id)
     owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
     await library.maps.get(owner, log_id)
-    values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
-    view = of_log.recording.view()
-    state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut, view.values)
+    view, values = of_log.recording.view(), LocalizationParameters(wanted.parameters, wanted.initial_pose)
+    request = LocalizationRequest(view.topic, wanted.odometry, view.cut, view.values, values)
+    state = await library.localization.begin(owner, log_id, request)
     follow_localization(session, library, log_id)
     tell_at_end(library, sessions, library.localization, owner, log_id)
     return state
 
 
 @router.get("/sessions/{session_id}/localization")
-async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def state(library: Logs, sessions: Sessions, session_id: str) -> LocalizationStatus:
     """Return the progress and the result of the localization of the session's log."""
     of_log = writable_session(sessions, session_id)
     return library.localization.state(of_log.owner, of_log.log_id)
 
 
 @router.delete("/sessions/{session_id}/localization")
-async def cancel(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def cancel(library: Logs, sessions: Sessions, session_id: str) -> LocalizationStatus:
     """Cancel the localization of the session's log, if it is queued or running."""
     of_log = writable_session(sessions, session_id)
     return await library.localization.cancel(of_log.owner, of_log.log_id)
@@ -210,8 +216,8 @@ async def course(library: Logs, sessions: Sessions, session_id: str) -> dict[str
     return {"course": None if localization is None else await localization.public(source)}
 
 
-def _check_idle(job: dict[str, Any]) -> None:
-    if job["state"] in ("queued", "running"):
+def _check_idle(library: Library, owner: str, log_id: str) -> None:
+    if library.localization.is_under_way(owner, log_id):
         raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
@@ -13,9 +14,10 @@ from starlette.requests import ClientDisconnect
 from mapper.core.errors import ReadError
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Part, Record
-from server.library.listing import Order, Wanted, listed
-from server.library.tags import MAX_TAGS
+from server.library.annotations.tags import MAX_TAGS
+from server.library.logs.listing import Order, Wanted, listed
+from server.library.logs.records import LogAnswer, Record
+from server.library.uploads.receiver import Part
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 
@@ -25,9 +27,27 @@ Digest = Annotated[str, StringConstraints(pattern=r"^[0-9A-Fa-f]{64}$")]
 _CONTENT_RANGE = re.compile(r"bytes ([0-9]{1,15})-([0-9]{1,15})/([0-9]{1,15})")
 
 
-@router.put("", status_code=202)
+@dataclass(frozen=True, slots=True)
+class UploadOffset:
+    """How many bytes of an upload have arrived: the next part starts there; the ``total`` is known with the first."""
+
+    offset: int
+    total: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LogList:
+    """The logs of one page of a list, how many were found, and the visitor's tags with the number of logs of each."""
+
+    logs: list[LogAnswer]
+    total: int
+    tags: dict[str, int]
+
+
+@router.put("", status_code=202, response_model=LogAnswer)
 async def upload(
     request: Request,
+    response: Response,
     library: Logs,
     visitor: Visitor,
     name: Annotated[str, Query(max_length=1000)] = "log",
@@ -35,7 +55,7 @@ async def upload(
         Key | None, Query(description="Key of an upload that is sent in parts, chosen by the sender.")
     ] = None,
     sha256: Annotated[Digest | None, Query(description="Digest of the whole log, which is checked.")] = None,
-) -> Response:
+) -> LogAnswer | Response:
     """Store the raw body of the request as a log of this visitor and queue it for reading.
 
     With ``upload``, a key of the sender's choice, and the header ``Content-Range: bytes FIRST-LAST/TOTAL`` the body is
@@ -58,7 +78,8 @@ async def upload(
     if record is None:
         assert part is not None  # noqa: S101 - for the type checker: without parts an upload is whole
         return JSONResponse({"offset": library.uploaded(visitor, part.key), "total": part.total})
-    return JSONResponse(record.public(), status_code=202, headers={"Location": f"/api/logs/{record.id}"})
+    response.headers["Location"] = f"/api/logs/{record.id}"
+    return record.public()
 
 
 def _part(key: str, content_range: str) -> Part:
@@ -71,10 +92,10 @@ def _part(key: str, content_range: str) -> Part:
     return Part(key, first, total)
 
 
-@router.get("/uploads/{key}")
-async def uploaded(library: Logs, visitor: Visitor, key: Key) -> dict[str, int]:
+@router.get("/uploads/{key}", response_model_exclude_none=True)
+async def uploaded(library: Logs, visitor: Visitor, key: Key) -> UploadOffset:
     """Return how many bytes of an upload have arrived: the next part starts there."""
-    return {"offset": library.uploaded(visitor, key)}
+    return UploadOffset(library.uploaded(visitor, key))
 
 
 @router.delete("/uploads/{key}", status_code=204)
@@ -92,18 +113,18 @@ async def list_logs(
     order: Order = "newest",
     offset: Annotated[int, Query(ge=0, le=1_000_000)] = 0,
     limit: Annotated[int | None, Query(ge=1, le=500, description="Most logs of the answer.")] = None,
-) -> dict[str, Any]:
+) -> LogList:
     """List the logs that this visitor may open: their uploads, newest first, the folder of the server, the sample.
 
     ``total`` is the number of logs that were found; ``tags`` are this visitor's, with the number of logs of each.
     """
     wanted = Wanted(q, tuple(tag or ()), order, offset, limit)
     found = listed(await library.list(visitor), wanted)
-    return {"logs": [record.public() for record in found.records], "total": found.total, "tags": found.tags}
+    return LogList([record.public() for record in found.records], found.total, dict(found.tags))
 
 
 @router.get("/{log_id}")
-async def one(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+async def one(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
     """Return the state of one log and, once it was read, a summary of its contents."""
     return library.get(visitor, log_id).public()
 
@@ -127,20 +148,20 @@ class TagsOfLog(BaseModel):
 
 
 @router.put("/{log_id}/tags")
-async def put_tags(library: Logs, visitor: Visitor, log_id: str, wanted: TagsOfLog) -> dict[str, Any]:
+async def put_tags(library: Logs, visitor: Visitor, log_id: str, wanted: TagsOfLog) -> LogAnswer:
     """Give a log these tags, in the place of those that this visitor has given it."""
     await library.tags.put(visitor, library.get(visitor, log_id), wanted.tags)
     return library.get(visitor, log_id).public()
 
 
 @router.post("/{log_id}/cancel")
-async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+async def cancel(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
     """Stop reading an uploaded log, which is kept and can be read again."""
     return (await library.cancel(visitor, log_id)).public()
 
 
 @router.post("/{log_id}/read", status_code=202)
-async def read_again(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+async def read_again(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
     """Read an uploaded log again after a failure."""
     return library.read_again(visitor, log_id).public()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -14,6 +14,7 @@ from server.downloads import Content, Download, file_stem
 from server.http.routes.clients import client_address
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
+from server.library.logs.records import LogAnswer
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -50,9 +51,9 @@ async def _pieces(data: bytes) -> AsyncIterator[bytes]:
 @router.post("/{session_id}/edited-map", status_code=201)
 async def keep(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
-) -> dict[str, Any]:
+) -> LogAnswer:
     """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
-    from server.library.map_files import archived  # noqa: PLC0415 - few visitors edit maps
+    from server.library.packs.map_files import archived  # noqa: PLC0415 - few visitors edit maps
 
     files = await _edited(sessions.get(session_id)).files(file_stem(wanted.name))
     data = archived(files)
@@ -84,12 +85,12 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 @router.post("/{session_id}/kept-map", status_code=201)
 async def keep_present(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
-) -> dict[str, Any]:
+) -> LogAnswer:
     """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
-    from server.library.given_map_job import MOST_CELLS  # noqa: PLC0415
-    from server.library.map_files import archived  # noqa: PLC0415
+    from server.library.packs.map_files import archived  # noqa: PLC0415
+    from server.library.processing.given_maps import MOST_CELLS  # noqa: PLC0415
 
     session = sessions.get(session_id)
     stem, frame = file_stem(wanted.name), session.model.frame_id

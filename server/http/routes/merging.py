@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import Any
 
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -13,6 +12,7 @@ from mapper.core.errors import MapperError
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions
 from server.http.session_access import writable_session
+from server.library.processing.merging import MergeReport, MergeRequest, MergeStatus
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -34,7 +34,7 @@ class Other(BaseModel):
 
 
 @router.post("/{session_id}/merge", status_code=202)
-async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Other) -> dict[str, Any]:
+async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Other) -> MergeStatus:
     """Begin to align the session's log and another one of the same place, as a job.
 
     Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
@@ -43,31 +43,36 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
     """
     of_log = writable_session(sessions, session_id)
     view = of_log.recording.view()
-    owner, first = of_log.owner, (of_log.log_id, view.topic)
+    owner, first = of_log.owner, of_log.log_id
 
     async def tell() -> None:
         with suppress(MapperError):  # a log was deleted meanwhile
-            for log_id in (first[0], wanted.log):
+            for log_id in (first, wanted.log):
                 await update_sessions(library, sessions, owner, log_id)
 
-    def done() -> None:
+    def notify(report: MergeReport | None) -> None:
+        if report is not None:
+            return
         task = asyncio.create_task(tell())
         _tasks.add(task)
         task.add_done_callback(_tasks.discard)
 
-    cuts = (view.cut, view.cut if wanted.cut is None else wanted.cut)
-    return await library.merges.begin(owner, first, (wanted.log, wanted.topic), done, cuts=cuts)
+    cut = view.cut if wanted.cut is None else wanted.cut
+    request = MergeRequest(wanted.log, view.topic, wanted.topic, view.cut, cut)
+    state = await library.merges.begin(owner, first, request)
+    library.merges.listen(owner, first, notify)
+    return state
 
 
 @router.get("/{session_id}/merge")
-async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def state(library: Logs, sessions: Sessions, session_id: str) -> MergeStatus:
     """Return the progress and the result of the merge of the session's log."""
     of_log = writable_session(sessions, session_id)
     return library.merges.state(of_log.owner, of_log.log_id)
 
 
 @router.delete("/{session_id}/merge")
-async def cancel(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def cancel(library: Logs, sessions: Sessions, session_id: str) -> MergeStatus:
     """Cancel the merge of the session's log, if it is queued or running."""
     of_log = writable_session(sessions, session_id)
     return await library.merges.cancel(of_log.owner, of_log.log_id)

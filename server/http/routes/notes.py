@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from fastapi import APIRouter
-from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
 
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
-from server.library import Library
-from server.library.notes import Pin
-from server.library.records import Record
+from server.library.annotations.notes import NoteAnswer, Pin
+from server.library.library import Library
+from server.library.logs.records import Record
 from server.sessions import SessionRegistry
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -51,29 +51,36 @@ def _announce(sessions: SessionRegistry, log_id: str) -> None:
             session.announce({"type": "notes", "changed_s": time.time()})
 
 
+@dataclass(frozen=True, slots=True)
+class NoteList:
+    """The notes on a log, oldest first."""
+
+    notes: list[NoteAnswer]
+
+
 @router.get("/{session_id}/notes")
 @guests_may(GuestRight.LINKED_SESSION)
-async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> dict[str, Any]:
+async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> NoteList:
     """Return the notes on the session's log, oldest first; ``mine`` are those that this visitor may change."""
     of_log = session_of_log(sessions, session_id)
     found = await library.notes.of(of_log.log_id)
     is_guest = of_log.session.link is not None
-    return {"notes": [note.public("" if is_guest else visitor) for note in found]}
+    return NoteList([note.public("" if is_guest else visitor) for note in found])
 
 
 @router.post("/{session_id}/notes", status_code=201)
-async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: Written) -> Response:
+async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: Written) -> NoteAnswer:
     """Pin a note to a time of the session's log, to a place on its map, or to both."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.add(visitor, record, written.text, written.pin())
     _announce(sessions, record.id)
-    return JSONResponse(note.public(visitor), status_code=201)
+    return note.public(visitor)
 
 
 @router.put("/{session_id}/notes/{note_id}")
 async def change(
     sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str, written: Written
-) -> dict[str, Any]:
+) -> NoteAnswer:
     """Change the text and the pin of one's own note."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.change(visitor, record.id, note_id, written.text, written.pin())

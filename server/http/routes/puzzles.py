@@ -20,8 +20,8 @@ from server.http.routes.clients import chosen_place, client_address, while_conne
 from server.http.routes.sessions import public
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session
-from server.library import Library
-from server.library.puzzles import MadePuzzle, PuzzleGoneError
+from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
+from server.library.library import Library
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost, SessionRegistry

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Request
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
-from server.library.relation_scores import relations_text
+from server.library.processing.relation_scores import relations_text
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 

@@ -9,15 +9,17 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.http.routes import trajectories
-from server.http.routes.trajectories import Name
+from server.http.routes.trajectories import AddedTrajectory, Name
 from server.http.services import Logs, Sessions
 from server.http.session_access import writable_session
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-@router.put("/{session_id}/trajectories/{name}", status_code=201)
-async def put(request: Request, library: Logs, sessions: Sessions, session_id: str, name: Name) -> Response:
+@router.put("/{session_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
+async def put(
+    request: Request, library: Logs, sessions: Sessions, session_id: str, name: Name
+) -> AddedTrajectory | Response:
     """Add a trajectory to the session's log: the body is the text of a TUM file, joined to the scans by their stamps.
 
     It replaces the trajectory of that name of the visitor who began the session.

@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from server.http.errors import error_response
 from server.http.services import services_of
 from server.http.sign_ins import SIGNED_IN_COOKIE, TOKEN_COOKIE
-from server.library import StorageError
+from server.storage import StorageError
 
 router = APIRouter(include_in_schema=False)
 

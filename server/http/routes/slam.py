@@ -13,8 +13,9 @@ from server.http.following import follow_slam, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Library
-from server.library.slam_jobs import parameter_table
+from server.library.library import Library
+from server.library.logs.records import TrajectoryAnswer
+from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
@@ -81,23 +82,21 @@ async def parameters(_visitor: Visitor) -> dict[str, Any]:
 
 
 @router.post("/logs/{log_id}/slam", status_code=202)
-async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
+async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> SlamStatus:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(
-        visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut, wanted.mapping
-    )
+    state = await library.slam.begin(visitor, log_id, SlamRequest(**wanted.model_dump()))
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 
 
 @router.get("/logs/{log_id}/slam")
-async def state(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+async def state(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
     """Return the progress and the result of the visitor's newest SLAM of a log."""
     return library.slam.state(visitor, log_id)
 
 
 @router.delete("/logs/{log_id}/slam")
-async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
+async def cancel(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
     """Cancel SLAM of a log, if it is queued or running."""
     return await library.slam.cancel(visitor, log_id)
 
@@ -105,7 +104,7 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]
 @router.post("/sessions/{session_id}/heal", status_code=202)
 async def heal(
     library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[Healing | None, Body()] = None
-) -> dict[str, Any]:
+) -> SlamStatus:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
     SLAM uses the mount and the time offset of the session's map.
@@ -116,21 +115,22 @@ async def heal(
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
     view = recording.view()
-    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut, mapping=view.values)
+    request = SlamRequest(topic=view.topic, parameters=values, cut=view.cut, mapping=view.values)
+    state = await library.slam.begin(owner, log_id, request)
     follow_slam(session, library, log_id)
     tell_at_end(library, sessions, library.slam, owner, log_id)
     return state
 
 
 @router.get("/sessions/{session_id}/heal")
-async def healing(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def healing(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Return the progress and the result of SLAM of the session's log."""
     session, recording = _healed(sessions, session_id)
     return library.slam.state(session.owner, recording.log_id)
 
 
 @router.delete("/sessions/{session_id}/heal")
-async def stop_healing(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def stop_healing(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Cancel SLAM of the session's log, if it is queued or running."""
     session, recording = _healed(sessions, session_id)
     return await library.slam.cancel(session.owner, recording.log_id)
@@ -227,7 +227,7 @@ async def candidate(library: Logs, sessions: Sessions, session_id: str, candidat
 
 
 @router.post("/sessions/{session_id}/graph/keep")
-async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> dict[str, Any]:
+async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
     """Keep the changed graph and its poses in the place of those that SLAM made."""
     session, found, source = _graph(library, sessions, session_id)
     recording = session.model.recording

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
 
 from server.downloads.names import disposition, file_name, file_stem
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Library
+from server.library.library import Library
+from server.library.logs.records import TrajectoryAnswer
 from server.sessions import SessionRegistry
 from server.sessions.commands import UpdateLog
 from server.stream.protocol import ProtocolError
@@ -22,10 +24,17 @@ router = APIRouter(prefix="/api/logs", tags=["logs"])
 Name = Annotated[str, Path(max_length=400, description="Name of the trajectory.")]
 
 
-@router.put("/{log_id}/trajectories/{name}", status_code=201)
+@dataclass(frozen=True, slots=True)
+class AddedTrajectory(TrajectoryAnswer):
+    """A trajectory that was added, with notes on how it was joined to the scans."""
+
+    notes: tuple[str, ...] = ()
+
+
+@router.put("/{log_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
 async def put(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, name: Name
-) -> Response:
+) -> AddedTrajectory | Response:
     """Add a trajectory to a log: the body is the text of a TUM file, joined to the scans by their stamps.
 
     It replaces the visitor's trajectory of that name. Only the visitor sees it, and guests of the visitor's links.
@@ -38,7 +47,7 @@ async def put(
     except ClientDisconnect:
         return Response(status_code=400)  # the client has gone
     await update_sessions(library, sessions, visitor, log_id)
-    return JSONResponse(added.public() | {"notes": list(notes)}, status_code=201)
+    return AddedTrajectory(**asdict(added.public()), notes=tuple(notes))
 
 
 @router.get("/{log_id}/trajectories/{name}")

@@ -13,13 +13,13 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import NO_INFORMATION
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
-from server.library.given_map import public_map
+from server.library.packs.given_map import public_map
 from server.parts.terrain.assessment import TerrainParameters, assessed
 from server.sessions.parts import LayerCosts
 
 if TYPE_CHECKING:
     from mapper.terrain import Terrain
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
     from server.sessions.part import Cloud
 
 

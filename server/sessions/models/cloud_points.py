@@ -12,7 +12,7 @@ from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.volume.scans.scan_sequence import ScanSequence
 
 if TYPE_CHECKING:
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
 
 MOST_POINTS = 2_000_000  #: of a larger cloud every second point is taken, or fewer
 SAME_M = 0.002  #: two points so near are one: float32 in two files has other last digits

@@ -27,7 +27,7 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
 
     Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
     """
-    from server.library.graph_file import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
+    from server.library.packs.graph import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
     from server.sessions.models.solved_graph import SolvedGraph  # noqa: PLC0415
 
     graph, candidates = read_graph(data)
@@ -39,7 +39,7 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
 def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
     """Return the present poses of a graph as TUM lines of ``log``, and the graph as a file (worker thread)."""
     from mapper.io.export import tum_text  # noqa: PLC0415 - imports the writers
-    from server.library.graph_file import graph_bytes  # noqa: PLC0415
+    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
     graph = replace(solved.graph, poses=solved.node_poses)
     text = tum_text(solved.in_log(log), solved.trajectory)

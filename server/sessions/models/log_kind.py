@@ -15,7 +15,7 @@ from server.sessions.view import LogView
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mapper.mapping.parameters import MappingConfig
-from server.library.course_file import Course, read_course
-from server.library.given_map import GivenMap
+from server.library.packs.course import Course, read_course
+from server.library.packs.given_map import GivenMap
 from server.sessions.commands import ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.models.localization_message import COLUMNS, OFF
@@ -22,7 +22,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
 if TYPE_CHECKING:
-    from server.library.localize_job import LocalizeProgress
+    from server.library.processing.localization import LocalizeProgress
 
 MOST_POINTS = 1000  #: of the series that pages plot
 

@@ -19,7 +19,7 @@ from server.sessions.tick import TickResult
 from server.stream.commands import GoalCommand
 
 if TYPE_CHECKING:
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
     from server.sessions.models.log_recording import LogRecording
 
 LOCALIZED = "localized"  #: the trajectory of poses that were found in the given map

@@ -28,7 +28,7 @@ from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
 
 if TYPE_CHECKING:
-    from server.library.localize_job import LocalizeProgress
+    from server.library.processing.localization import LocalizeProgress
 
 
 class Updated(Protocol):

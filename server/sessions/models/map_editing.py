@@ -20,7 +20,7 @@ from mapper.grid import TILE, CellBox, GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED
 from mapper.io.maps.reading import grid_of_values
 from mapper.mapping.parameters import MappingConfig
-from server.library.given_map import GivenMap
+from server.library.packs.given_map import GivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel

@@ -54,7 +54,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
     from server.sessions.hosting import ModelHost
 
 SLICE_S = 0.1  #: of inserting scans, after which the map is shown

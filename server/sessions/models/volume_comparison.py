@@ -13,7 +13,7 @@ from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.replayed import ReplayedVolume
 
 if TYPE_CHECKING:
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
     from server.sessions.models.volume_drawings import VolumeDrawings
     from server.sessions.tick import TickResult
 

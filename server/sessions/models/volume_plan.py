@@ -10,7 +10,7 @@ from server.sessions.kind import Plan, Resources
 from server.sessions.making import Making
 
 if TYPE_CHECKING:
-    from server.library.volume_pack import VolumeSource
+    from server.library.packs.volume import VolumeSource
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
 

@@ -10,7 +10,7 @@ import httpx
 import numpy as np
 import pytest
 
-from server.library.sample import SAMPLE_ID
+from server.library.logs.sample import SAMPLE_ID
 from server.stream.protocol import command_of
 from tests.server.service import Service, running, settings_for
 

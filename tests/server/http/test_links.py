@@ -343,7 +343,7 @@ def test_the_page_of_a_secret_that_is_gone_says_so_by_its_status(
 
 
 def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.library.links.MAX_LINKS_PER_OWNER", 2)
+    monkeypatch.setattr("server.library.annotations.links.MAX_LINKS_PER_OWNER", 2)
     with running(settings_for(tmp_path)) as first:
         log_id = uploaded(first.http)
         link = linked(first.http, opened(first.http, log_id))

@@ -19,13 +19,13 @@ from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from server.library import given_map_job, localize_job
-from server.library.course_file import read_course
+from server.library.packs.course import read_course
+from server.library.processing import given_maps, localization
 from server.sessions.parts import Recording
 from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
-from tests.server.library import slam_stand_ins as stand_ins
+from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.service import Service, once_read, running, settings_for, until
 
 FEW = {"global_particles": 8000}
@@ -40,7 +40,7 @@ def drive() -> ScanLog:
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service whose jobs run on threads of this process, without its limits, but for the reading of logs."""
     with pytest.MonkeyPatch.context() as patch:
-        worker_at = __import__("server.library.workers", fromlist=["worker_at"]).worker_at
+        worker_at = __import__("server.jobs.workers", fromlist=["worker_at"]).worker_at
         made: list[Any] = []
 
         def first_a_real_one(*given: Any) -> Any:
@@ -48,9 +48,9 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.localize_job.do_localize_job", localize_job._localize)
-        patch.setattr("server.library.localize_job.EVERY_S", 0.0)
-        patch.setattr("server.library.given_map_job.do_given_map_job", given_map_job._made)
+        patch.setattr("server.library.processing.localization.do_localize_job", localization._localize)
+        patch.setattr("server.library.processing.localization.EVERY_S", 0.0)
+        patch.setattr("server.library.processing.given_maps.do_given_map_job", given_maps._made)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 

@@ -19,7 +19,7 @@ from mapper.editing.areas import BAND_CELLS
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
-from server.library.given_map import GivenMap
+from server.library.packs.given_map import GivenMap
 from server.sessions.models.map_editing import MapModel, operation_of
 from server.sessions.models.painted_zones import painted_filters
 from server.sessions.tick import TickResult

@@ -10,8 +10,8 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from server.library.library import Library
-from server.library.merge_job import MergeJob, MergeOutcome
-from tests.server.library import slam_stand_ins as stand_ins
+from server.library.processing.merging import MergeJob, MergeOutcome
+from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 
@@ -23,7 +23,7 @@ def apart(job: MergeJob) -> MergeOutcome:
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with pytest.MonkeyPatch.context() as patch:
-        worker_at: Callable[..., Any] = __import__("server.library.workers", fromlist=["worker_at"]).worker_at
+        worker_at: Callable[..., Any] = __import__("server.jobs.workers", fromlist=["worker_at"]).worker_at
         made: list[Any] = []
 
         def first_a_real_one(*given: Any) -> Any:
@@ -31,7 +31,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.merge_job.do_merge_job", stand_ins.quick_merge)
+        patch.setattr("server.library.processing.merging.do_merge_job", stand_ins.quick_merge)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 
@@ -88,7 +88,7 @@ def test_what_cannot_be_merged_is_said(
     address = f"/api/sessions/{session}/merge"
     assert http.post(address, json={"log": logs[0]}).json()["code"] == "merge.same"
     assert http.post(address, json={"log": "nothing"}).status_code == 404
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", apart)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", apart)
     http.post(address, json={"log": logs[1]})
     assert ended(http, session)["error"] == {
         "code": "merge.apart", "message": "The two logs do not show the same place."
@@ -100,7 +100,7 @@ def test_what_cannot_be_merged_is_said(
 
 
 def test_a_merge_is_cancelled(service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.endless_merge)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.endless_merge)
     session = service.begin(kind="log", log=logs[1], playing=False)
     address = f"/api/sessions/{session}/merge"
     service.http.post(address, json={"log": logs[0]})
@@ -122,7 +122,7 @@ def test_scans_are_cut_as_in_the_session(
     http, low = service.http, {"min_height": 0.3}
     session = service.begin(kind="log", log=logs[0], cut=low, playing=False)
     monkeypatch.setattr(Library, "load", seen)
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", apart)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", apart)
     address = f"/api/sessions/{session}/merge"
     assert http.post(address, json={"log": logs[1], "cut": {"height": 1.0}}).status_code in (400, 422)
     http.post(address, json={"log": logs[1]})

@@ -115,7 +115,7 @@ def test_bad_notes(service: Service, body: dict[str, object], code: str) -> None
 
 
 def test_one_visitor_leaves_room_for_others(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.library.notes.MAX_NOTES_OF_AUTHOR", 2)
+    monkeypatch.setattr("server.library.annotations.notes.MAX_NOTES_OF_AUTHOR", 2)
     _, session = opened(service)
     answers = [
         service.http.post(f"/api/sessions/{session}/notes", json={"text": str(n), **PLACE}).status_code

@@ -18,7 +18,7 @@ from PIL import Image
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.puzzles import CAUSES, RECIPES
 from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
-from server.library.log_picture import DARK, LIGHT
+from server.library.packs.picture import DARK, LIGHT
 from server.puzzles.pictures import FOLDER, codes_of, picture_codes
 from tests.marks import also_long
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for

@@ -10,8 +10,9 @@ import pytest
 import pytest_asyncio
 
 from mapper.simulation import sample_log
-from server.library import Library, LibraryLimits
-from server.library.log_reader import Reader
+from server.library.library import Library
+from server.library.limits import LibraryLimits
+from server.library.processing.reader import Reader
 from server.settings import Settings
 from tests.server.library.postgresql import Cluster, running_postgresql
 

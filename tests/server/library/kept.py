@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from server.library import Library, Record
+from server.library.library import Library
+from server.library.logs.records import Record
 from server.settings import Settings
 from tests.server.service import eventually
 

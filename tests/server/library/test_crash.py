@@ -13,10 +13,13 @@ from typing import Any
 import pytest
 
 from mapper.core.errors import LimitError
-from server.library import Library, Record, StorageError, jobs
-from server.library.jobs import MOST_ATTEMPTS
-from server.library.log_reader import Reader
+from server.library.library import Library
+from server.library.logs.records import Record
+from server.library.processing import reading_jobs as jobs
+from server.library.processing.reader import Reader
+from server.library.processing.reading_jobs import MOST_ATTEMPTS
 from server.settings import Settings
+from server.storage import StorageError
 from tests.server.library import writes
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually

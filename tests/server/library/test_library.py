@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import LimitError, ReadError
-from server.library import Library, LogNotFoundError
+from server.library.library import Library
+from server.library.logs.errors import LogNotFoundError
 from server.settings import Settings
-from tests.server.library import bad_readers
 from tests.server.library.kept import files, settled
+from tests.server.library.processing import bad_readers
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
 
@@ -39,10 +40,10 @@ async def test_an_upload_is_read_and_loaded(library: Library) -> None:
     np.testing.assert_array_equal(log.ranges[0], np.array([1, 2, 3], dtype=np.float32))
     np.testing.assert_array_equal(log.trajectory().poses[:, 0], np.arange(5.0))
     public = library.get("ann", record.id).public()
-    assert public["state"] == "ready"
-    assert (public["scans"], public["beams"], public["duration_s"]) == (5, 3, 4.0)
-    assert public["trajectories"][0]["name"] == log.default_trajectory
-    assert public["error"] is None
+    assert public.state == "ready"
+    assert (public.scans, public.beams, public.duration_s) == (5, 3, 4.0)
+    assert public.trajectories[0].name == log.default_trajectory
+    assert public.error is None
 
 
 async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Callable[..., Library]) -> None:
@@ -123,7 +124,7 @@ async def test_delete_leaves_nothing_and_open_logs_go_on(library: Library, setti
 async def test_delete_while_the_log_is_queued_or_read(
     make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
     library = make_library(own_reader=True)
     await library.start()
     records = [await library.put("ann", "x", in_pieces(data)) for data in (bad_readers.BAD, carmen(20), carmen(21))]
@@ -175,7 +176,7 @@ async def test_a_truncated_log_is_read_up_to_its_end(library: Library) -> None:
     record = await library.put("ann", "cut.log.gz", in_pieces(gzip.compress(carmen(500))[:1500]))
     log = await library.load("ann", record.id)
     assert 0 < log.n_scans < 500
-    assert library.get("ann", record.id).public()["notes"]
+    assert library.get("ann", record.id).public().notes
 
 
 async def test_a_gzip_bomb_is_stopped(library: Library) -> None:
@@ -192,7 +193,7 @@ async def test_a_gzip_bomb_is_stopped(library: Library) -> None:
 async def test_a_killed_worker_fails_its_own_job_only(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.job.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
     library = make_library(own_reader=True)
     await library.start()
     first = await library.put("ann", "first", in_pieces(bad_readers.BAD))

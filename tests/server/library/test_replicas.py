@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -10,31 +11,39 @@ from typing import Any
 import numpy as np
 import pytest
 import pytest_asyncio
-from sqlalchemy import Connection, select, text
+from sqlalchemy import Connection, insert, select, text
 
 from mapper.core.errors import ConfigError, MapperError
 from mapper.editing import EditedMap
 from mapper.editing.files import map_files
 from mapper.grid import GridGeometry
 from mapper.simulation import sample_log
-from server.library import Library, LibraryLimits, StorageError
-from server.library import leases as leasing
-from server.library.database import Database
-from server.library.fleet_job import FleetJob
-from server.library.given_map import GivenMap, read_given_map
-from server.library.job_record import put_job_record
-from server.library.lease_rows import LeaseRows
-from server.library.leases import Lease, LeaseLostError, Leases, Once
-from server.library.localize_job import LocalizeJob, LocalizeOutcome
-from server.library.map_files import archived
-from server.library.pose_job_record import PoseJobRecord
-from server.library.slam_job import SlamJob
-from server.library.tables import leases, localization_jobs, logs
+from server.jobs import leases as leasing
+from server.jobs.leases import Lease, LeaseLostError, Leases, Once
+from server.jobs.record import JobRecord
+from server.library.library import Library
+from server.library.limits import LibraryLimits
+from server.library.packs.given_map import GivenMap, read_given_map
+from server.library.packs.map_files import archived
+from server.library.processing.fleet.fleet_job import FleetJob
+from server.library.processing.job_rows import JobRowsOfLogs
+from server.library.processing.localization import (
+    LocalizationKind,
+    LocalizationRequest,
+    LocalizationResult,
+    LocalizeJob,
+    LocalizeOutcome,
+)
+from server.library.processing.slam import SlamJob
+from server.library.store.database import Database
+from server.library.store.lease_rows import LeaseRows
+from server.library.store.tables import jobs, leases, logs
 from server.settings import Settings
+from server.storage import StorageError
 from server.work.fair_lock import FairLock
-from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.kept import settled
 from tests.server.library.postgresql import Cluster
+from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import eventually
 
@@ -126,12 +135,12 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     def quickly(job: Any) -> Any:
         done.append(type(job).__name__)
         if isinstance(job, FleetJob):
-            return {"picture": False}
+            return stand_ins.FACTS
         return stand_ins.quick(job) if isinstance(job, SlamJob) else stand_ins.quick_merge(job)
 
-    monkeypatch.setattr("server.library.slam_job.do_slam_job", quickly)
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", quickly)
-    monkeypatch.setattr("server.library.fleet_job.do_fleet_job", quickly)
+    monkeypatch.setattr("server.library.processing.slam.do_slam_job", quickly)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", quickly)
+    monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", quickly)
     for library in (two.first, two.second):
         for queue in (library.slam, library.merges, library.fleet):
             monkeypatch.setattr(queue, "_make_worker", stand_ins.ThreadWorker)
@@ -143,31 +152,30 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     await eventually(lambda: known(two.second, "ann", ids[1]) == "ready")
 
     # What a service that was killed in the middle leaves: rows of jobs that run, and leases that nobody renews.
-    rows = {"slam": "slam_jobs", "merge": "merge_jobs", "fleet": "fleet_jobs"}
+    requests = {"slam": "{}", "merge": json.dumps({"other": ids[1]}), "fleet": "{}"}
 
     def leave(connection: Connection) -> None:
-        for name, table in rows.items():
-            more = f", other) VALUES (:log, 'ann', 'running', 1, 1, '{ids[1]}')" if name == "merge" else None
-            values = more or ") VALUES (:log, 'ann', 'running', 1, 1)"
+        for name, request in requests.items():
             connection.execute(
                 text("INSERT INTO leases SELECT :name, 'gone', extract(epoch from now()) + 0.3, 0.5"),
                 {"name": f"{name} {ids[0]} ann"},
             )
-            connection.execute(
-                text(f"INSERT INTO {table} (log_id, owner, state, created_s, attempts{values}"), {"log": ids[0]}
-            )
+            running = {"state": "running", "created_s": 1.0, "attempts": 1, "request": request}
+            connection.execute(insert(jobs).values(kind=name, log_id=ids[0], owner="ann", **running))
 
     two.now(leave)
     for queue in (two.second.slam, two.second.merges, two.second.fleet):
         await queue.follow(None)
     states = (two.second.slam.state, two.second.merges.state)
-    await eventually(lambda: all(state("ann", ids[0])["state"] == "done" for state in states))
+    await eventually(lambda: all(state("ann", ids[0]).state == "done" for state in states))
     mapped = [two.second.get("ann", ids[0])]
-    await eventually(lambda: two.second.fleet.state(mapped)["counts"]["done"] == 1)
+    await eventually(lambda: two.second.fleet.state(mapped).counts["done"] == 1)
     assert sorted(done) == ["FleetJob", "MergeJob", "SlamJob"], "each once"
-    await eventually(lambda: two.first.slam.state("ann", ids[0])["state"] == "done")
-    stored = [two.now(lambda c, t=t: c.execute(text(f"SELECT state, attempts FROM {t}")).all()) for t in rows.values()]
-    assert stored == [[("done", 0)]] * 3
+    await eventually(lambda: two.first.slam.state("ann", ids[0]).state == "done")
+    stored = two.now(
+        lambda c: sorted(tuple(row) for row in c.execute(select(jobs.c.kind, jobs.c.state, jobs.c.attempts)))
+    )
+    assert stored == [("fleet", "done", 0), ("merge", "done", 0), ("slam", "done", 0)]
 
 
 async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_over(
@@ -179,7 +187,7 @@ async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_o
         given.append(read_given_map(Path(job.given)))
         raise ConfigError("test.enough", "This is enough.")
 
-    monkeypatch.setattr("server.library.localize_job.do_localize_job", quickly)
+    monkeypatch.setattr("server.library.processing.localization.do_localize_job", quickly)
     for library in (two.first, two.second):
         monkeypatch.setattr(library.localization, "_make_worker", stand_ins.ThreadWorker)
     record = await two.first.put("ann", "a.log", chunks(carmen(9)))
@@ -188,21 +196,21 @@ async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_o
     chosen = await two.first.maps.of_log("ann", record.id, record.id, None, None)
 
     # What a service that was killed in the middle leaves: the row of a job that runs, and a lease that nobody renews.
-    asked: dict[str, Any] = {"values": {}, "initial_pose": None}
-    job = PoseJobRecord(
-        log_id=record.id, owner="ann", topic=None, state="running", created_s=1.0, attempts=1, parameters=asked
-    )
+    job: JobRecord[LocalizationRequest, LocalizationResult] = JobRecord(
+        log_id=record.id, owner="ann", request=LocalizationRequest(), state="running", created_s=1.0, attempts=1
+    )  # fmt: skip
     held = "INSERT INTO leases SELECT :name, 'gone', extract(epoch from now()) + 0.3, 0.5"
 
     def leave(connection: Connection) -> None:
         connection.execute(text(held), {"name": f"localization {record.id} ann"})
-        put_job_record(connection, localization_jobs, record, job)
+        JobRowsOfLogs(two.second._database, lambda *_: record).writing(LocalizationKind.jobs, job)(connection)
 
     two.now(leave)
     await two.second.localization.follow(None)
-    await eventually(lambda: two.second.localization.state("ann", record.id)["state"] == "failed")
-    error = two.second.localization.state("ann", record.id)["error"]
-    assert error["code"] == "test.enough", error
+    await eventually(lambda: two.second.localization.state("ann", record.id).state == "failed")
+    error = two.second.localization.state("ann", record.id).error
+    assert error is not None
+    assert error.code == "test.enough", error
     assert (given[0].values == chosen.values).all()
 
     # The one that was chosen last is valid for all, whoever had another one before.

@@ -19,7 +19,7 @@ from unittest.mock import patch
 import obstore
 from sqlalchemy import Engine, event
 
-from server.library import Library
+from server.library.library import Library
 from server.settings import Settings
 from tests.server.library.small_logs import in_pieces
 
@@ -78,8 +78,8 @@ def counted(then: Callable[[], object]) -> Iterator[Writes]:
         with (
             patch("obstore.open_writer_async", lambda *a, **k: _Writer(open_writer(*a, **k), writes)),
             patch("obstore.rename_async", counted_rename),
-            patch("server.library.upload_receiver.BATCH_BYTES", 10_000),
-            patch("server.library.blobs.LOCAL_PART_BYTES", 10_000),
+            patch("server.library.uploads.receiver.BATCH_BYTES", 10_000),
+            patch("server.library.store.blobs.LOCAL_PART_BYTES", 10_000),
         ):
             yield writes
     finally:

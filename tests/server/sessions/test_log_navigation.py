@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
-from server.library.given_map import GivenMap
+from server.library.packs.given_map import GivenMap
 from server.parts.terrain.costs import TerrainMap
 from server.sessions import SessionRegistry
 from server.sessions.commands import UseTerrain

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mapper.sensors.scan import ScanLog
-from server.library import Library
-from server.library.sample import SAMPLE_ID
+from server.library.library import Library
+from server.library.logs.sample import SAMPLE_ID
 from server.sessions import SessionRegistry
 from server.sessions.models.log_kind import LOG, NewLog
 from tests.server.service import eventually, settings_for

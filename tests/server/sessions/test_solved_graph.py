@@ -10,12 +10,12 @@ from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates
-from server.library.graph_file import graph_bytes, read_graph
+from server.library.packs.graph import graph_bytes, read_graph
 from server.sessions.models.loop_hill import hill_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
 from tests.mapper.slam.worlds import drive
-from tests.server.library.slam_stand_ins import chain
+from tests.server.library.processing.slam_stand_ins import chain
 
 HEALED = np.stack([np.arange(6) * 0.95, 0.1 * np.arange(6), np.zeros(6)], axis=1)  #: not the graph's solution
 

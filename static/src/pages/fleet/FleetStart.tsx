@@ -4,7 +4,7 @@ import { Button } from "../../ui/Button";
 import { run } from "../logs/library/describeLog";
 import { LogPicture } from "../logs/library/LogPicture";
 import type { LogRecord } from "../logs/library/library";
-import { request } from "../logs/request";
+import { ask } from "../logs/request";
 
 const SAMPLE = "sample-office";
 /** Time between two questions whether the sample was made. */
@@ -46,7 +46,7 @@ function Example() {
     let isGone = false;
     const look = async (): Promise<void> => {
       // without an answer the page says so above
-      sample.value = await request<LogRecord>(`/api/logs/${SAMPLE}`).catch(() => null);
+      sample.value = await ask("GET /api/logs/{log_id}", { log_id: SAMPLE }).catch(() => null);
       if (!isGone && !sample.value?.has_picture) timer = setTimeout(() => void look(), AGAIN_MS);
     };
     void look();

@@ -23,7 +23,10 @@ const mapped = (name: string, scans: number, ...sentences: string[]): FleetLog =
       contrast: 0.5,
       findings: sentences.map((sentence) => ({ check: "mount", sentence, possible: false })),
       picture: true,
+      trajectory: "odom",
+      cpu_s: 1,
       seconds: 1,
+      runs: 1,
     },
   });
 

@@ -1,60 +1,13 @@
 /** The logs of the fleet as the service tells them, and which of them are shown in what order. */
 
 import { plural } from "../../ui/numbers";
+import type { ClusterState, FleetFacts, FleetFinding, FleetLog, FleetState } from "../../wire/http";
 
-export interface Finding {
-  readonly check: string;
-  readonly sentence: string;
-  readonly possible: boolean;
-}
-
-export interface Facts {
-  readonly scans: number;
-  readonly beams: number;
-  readonly rows: number;
-  readonly cols: number;
-  readonly resolution: number;
-  readonly contrast: number | null;
-  readonly findings: readonly Finding[];
-  readonly picture: boolean;
-  readonly seconds: number;
-}
-
-export interface FleetLog {
-  readonly id: string;
-  readonly name: string;
-  readonly state: "none" | "queued" | "running" | "done" | "failed";
-  readonly fraction: number;
-  readonly error: { readonly code: string; readonly message: string } | null;
-  readonly facts: Facts | null;
-}
-
-export interface Counts {
-  readonly none: number;
-  readonly queued: number;
-  readonly running: number;
-  readonly done: number;
-  readonly failed: number;
-}
-
-/** The Dask cluster that maps the logs. */
-export interface Cluster {
-  readonly workers: number;
-  readonly threads: number;
-  /** Why it maps no logs, or fewer; empty where it is well. */
-  readonly error: string;
-}
-
-export interface FleetAnswer {
-  readonly revision: number;
-  /** Whether all logs are in it, not only those that have changed. */
-  readonly whole: boolean;
-  readonly workers: number;
-  /** null: processes of the service's machine map the logs. */
-  readonly cluster: Cluster | null;
-  readonly counts: Counts;
-  readonly logs: readonly FleetLog[];
-}
+export type { FleetFinding as Finding, FleetLog };
+export type Facts = FleetFacts;
+export type Counts = FleetState["counts"];
+export type Cluster = ClusterState;
+export type FleetAnswer = FleetState;
 
 /** The logs after an answer: those of an earlier one with what has changed. */
 export function merged(known: ReadonlyMap<string, FleetLog> | null, answer: FleetAnswer): Map<string, FleetLog> {

@@ -1,8 +1,8 @@
 /** The state of the fleet, asked for while it changes. */
 
 import { signal } from "@preact/signals";
-import { request } from "../logs/request";
-import { type Cluster, type Counts, type FleetAnswer, type FleetLog, merged } from "./fleetLogs";
+import { ask, request } from "../logs/request";
+import { type Cluster, type Counts, type FleetLog, merged } from "./fleetLogs";
 
 /** Time between two requests while logs are being mapped, and while none are. */
 const BUSY_MS = 700;
@@ -26,7 +26,7 @@ async function refresh(): Promise<void> {
   clearTimeout(timer);
   let again = 3000;
   try {
-    const answer = await request<FleetAnswer>(`/api/fleet?since=${revision}`);
+    const answer = await ask("GET /api/fleet", {}, { query: { since: revision } });
     const next = merged(fleetLogs.peek(), answer);
     fleetLogs.value = next;
     counts.value = answer.counts;
@@ -55,7 +55,7 @@ export function watchFleet(): () => void {
 
 /** Map what was not mapped yet; `again`: also what failed. Rejects with the server's sentence. */
 export async function mapAll(again: boolean): Promise<void> {
-  const asked = request("/api/fleet", "POST", { again });
+  const asked = ask("POST /api/fleet", {}, { body: { again } });
   await refresh();
   await asked;
   await refresh();

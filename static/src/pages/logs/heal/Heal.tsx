@@ -10,7 +10,7 @@ import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
 import { trajectoryLabel } from "../library/describeLog";
 import { ParameterDetails } from "../ParameterDetails";
-import type { SlamState } from "./api";
+import type { SlamStatus } from "./api";
 import { Graph } from "./Graph";
 import type { Healing } from "./healing";
 import "./heal.css";
@@ -94,10 +94,10 @@ const STAGES: Readonly<Record<string, string>> = {
 const LONG_S = 3;
 
 /** Without compiled functions, a first report comes late. */
-const beginning = (job: SlamState): string =>
+const beginning = (job: SlamStatus): string =>
   (job.elapsed_s ?? 0) < LONG_S ? "Beginning" : "Compiling SLAM, which this server does once";
 
-function Progress({ job, healing }: { readonly job: SlamState; readonly healing: Healing }) {
+function Progress({ job, healing }: { readonly job: SlamStatus; readonly healing: Healing }) {
   const count = healing.store.frame.value?.count ?? 0;
   const percent = Math.floor(100 * job.fraction);
   return (
@@ -124,7 +124,7 @@ function Progress({ job, healing }: { readonly job: SlamState; readonly healing:
   );
 }
 
-function Outcome({ job }: { readonly job: SlamState }) {
+function Outcome({ job }: { readonly job: SlamStatus }) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
   if (job.state === "failed")
     return (
@@ -195,7 +195,7 @@ function Figure({ name, title, values, form }: FigureProps) {
 }
 
 interface ResultsProps extends Omit<HealProps, "isGuest"> {
-  readonly job: SlamState | null;
+  readonly job: SlamStatus | null;
 }
 
 /** Look at the healed map, alone or beside the one from before. */

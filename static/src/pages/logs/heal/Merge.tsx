@@ -9,7 +9,7 @@ import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
 import { type ChosenLog, LogChoice } from "../LogChoice";
-import { cancelMerge, type MergeState, mergeState, mergeWith } from "./api";
+import { cancelMerge, type MergeStatus, mergeState, mergeWith } from "./api";
 
 interface MergeProps {
   readonly store: Store;
@@ -29,19 +29,19 @@ const STAGES: Readonly<Record<string, string>> = {
 };
 
 /** The page of the log of both. */
-const pageOf = ({ log, topic }: NonNullable<MergeState["result"]>): string => {
+const pageOf = ({ log, topic }: NonNullable<MergeStatus["result"]>): string => {
   const query = new URLSearchParams({ log });
   if (topic !== null) query.set("topic", topic);
   return `/logs.html?${query}`;
 };
-const isUnderWay = (job: MergeState | null): boolean => job?.state === "queued" || job?.state === "running";
+const isUnderWay = (job: MergeStatus | null): boolean => job?.state === "queued" || job?.state === "running";
 
 export function Merge({ store, session, comparison }: MergeProps) {
   const own = store.hello.value?.log?.id ?? "";
   const chosen = useSignal<ChosenLog | null>(null);
-  const job = useSignal<MergeState | null>(null);
+  const job = useSignal<MergeStatus | null>(null);
   const failure = useSignal<string | null>(null);
-  const ask = async (what: Promise<MergeState>): Promise<void> => {
+  const ask = async (what: Promise<MergeStatus>): Promise<void> => {
     failure.value = null;
     try {
       job.value = await what;
@@ -63,7 +63,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
     const timer = setTimeout(() => void ask(mergeState(session)), EVERY_MS);
     return () => clearTimeout(timer);
   });
-  const showBoth = async (result: NonNullable<MergeState["result"]>): Promise<void> => {
+  const showBoth = async (result: NonNullable<MergeStatus["result"]>): Promise<void> => {
     store.send({ type: "trajectory", name: result.trajectory });
     comparison.mode.value = "merge";
     failure.value = await compareWith(session, {

@@ -3,86 +3,38 @@
 import type { ScanPair } from "../../../store/sessionSignals";
 import type { LoopHill } from "../../../tools/heal/hill";
 import type { Candidate, Edge, Place, PoseGraph } from "../../../tools/heal/model";
+import type { MergeStatus, SlamStatus } from "../../../wire/http";
 import type { Parameter, Values } from "../../../wire/protocol";
-import { request } from "../request";
+import { ask, request } from "../request";
 
-/** SLAM of a log: its progress or its result. */
-export interface SlamState {
-  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
-  readonly fraction: number;
-  readonly stage: string | null;
-  /** Scans whose poses are corrected. */
-  readonly scans: number;
-  readonly loops: number;
-  readonly elapsed_s: number | null;
-  /** Jobs that are begun before this one. */
-  readonly ahead: number;
-  /** Parameters that differ from the first values. */
-  readonly parameters: Values;
-  readonly error: { readonly code: string; readonly message: string } | null;
-  readonly result: {
-    readonly trajectory: string;
-    readonly odometry: string | null;
-    readonly loops: number;
-    readonly nodes: number;
-    readonly cpu_s: number;
-    /** Of the map, before and after: metres, share, 0 … 1. A result that was kept by an older service has only the last. */
-    readonly drift_m?: readonly [number | null, number | null];
-    readonly contradicted?: readonly [number | null, number | null];
-    readonly sharpness: readonly [number | null, number | null];
-    readonly notes: readonly string[];
-  } | null;
-}
+export type { MergeStatus, SlamStatus };
 
 const session = (id: string): string => `/api/sessions/${encodeURIComponent(id)}`;
-const healing = (id: string): string => `${session(id)}/heal`;
 
-export const heal = (id: string, parameters: Values): Promise<SlamState> =>
-  request(healing(id), "POST", { parameters });
+export const heal = (id: string, parameters: Values): Promise<SlamStatus> =>
+  ask("POST /api/sessions/{session_id}/heal", { session_id: id }, { body: { parameters } });
 
 export const slamParameters = async (): Promise<readonly Parameter[]> =>
   (await request<{ table: readonly Parameter[] }>("/api/slam/parameters")).table;
 
-export const slamState = (id: string): Promise<SlamState> => request(healing(id));
+export const slamState = (id: string): Promise<SlamStatus> =>
+  ask("GET /api/sessions/{session_id}/heal", { session_id: id });
 
-export const cancelSlam = (id: string): Promise<SlamState> => request(healing(id), "DELETE");
+export const cancelSlam = (id: string): Promise<SlamStatus> =>
+  ask("DELETE /api/sessions/{session_id}/heal", { session_id: id });
 
 /** The graph of the trajectory in use; null where it has none. */
 export const poseGraph = async (id: string): Promise<PoseGraph | null> =>
   (await request<{ graph: PoseGraph | null }>(`${session(id)}/graph`)).graph;
 
-/** The merge of two logs of one place: its progress or its result. */
-export interface MergeState {
-  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
-  readonly other: string | null;
-  readonly fraction: number;
-  /** What is done now: "first log", "second log", "maps", "loops", "refinement" or "writing". */
-  readonly stage: string | null;
-  readonly elapsed_s: number | null;
-  readonly error: { readonly message: string } | null;
-  readonly result: {
-    readonly trajectory: string;
-    /** The log of both: its id, its name, and its sensors where they are several. */
-    readonly log: string;
-    readonly name: string;
-    readonly topic: string | null;
-    /** Whether a clock was set in it; empty where none was. */
-    readonly note: string;
-    readonly loops: number;
-    readonly tried: number;
-    readonly score: number;
-    readonly cpu_s: number;
-  } | null;
-}
+export const mergeState = (id: string): Promise<MergeStatus> =>
+  ask("GET /api/sessions/{session_id}/merge", { session_id: id });
 
-const merging = (id: string): string => `${session(id)}/merge`;
+export const mergeWith = (id: string, log: string, topic: string | null): Promise<MergeStatus> =>
+  ask("POST /api/sessions/{session_id}/merge", { session_id: id }, { body: { log, topic } });
 
-export const mergeState = (id: string): Promise<MergeState> => request(merging(id));
-
-export const mergeWith = (id: string, log: string, topic: string | null): Promise<MergeState> =>
-  request(merging(id), "POST", { log, topic });
-
-export const cancelMerge = (id: string): Promise<MergeState> => request(merging(id), "DELETE");
+export const cancelMerge = (id: string): Promise<MergeStatus> =>
+  ask("DELETE /api/sessions/{session_id}/merge", { session_id: id });
 
 /** Mean errors over relations. */
 export interface ScoreFigures {

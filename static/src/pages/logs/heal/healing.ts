@@ -16,11 +16,11 @@ const EVERY_MS = 400;
 /** A pointer that rests so long on an edge asks for its scans. */
 const REST_MS = 60;
 
-const isUnderWay = (job: api.SlamState | null): boolean => job?.state === "queued" || job?.state === "running";
+const isUnderWay = (job: api.SlamStatus | null): boolean => job?.state === "queued" || job?.state === "running";
 
 export class Healing {
   /** The newest job; null where there was none. */
-  readonly job = signal<api.SlamState | null>(null);
+  readonly job = signal<api.SlamStatus | null>(null);
   /** The pose graph of the trajectory in use; null where it has none. */
   readonly graph = signal<PoseGraph | null>(null);
   readonly edge = signal<Edge | null>(null);

@@ -2,6 +2,9 @@ import { expect, test } from "vitest";
 import { file, inside, readingText, remedy, run, sentence, topic, trajectoryLabel } from "./describeLog";
 import type { LogRecord, Topic } from "./library";
 
+const OWN = { source: "log", created_s: null, has_graph: false } as const;
+const CENTRE = [0, 0, 0] as const;
+
 const intel: LogRecord = {
   id: "folder-1",
   name: "intel.log.gz",
@@ -22,8 +25,8 @@ const intel: LogRecord = {
   duration_s: 2650.86,
   format: "CARMEN FLASER",
   trajectories: [
-    { name: "scan", description: "the pose in each FLASER line", length_m: 501.1 },
-    { name: "wheel", description: "the ODOM messages at the time of each scan", length_m: 501.1 },
+    { ...OWN, name: "scan", description: "the pose in each FLASER line", length_m: 501.1 },
+    { ...OWN, name: "wheel", description: "the ODOM messages at the time of each scan", length_m: 501.1 },
   ],
   time: { start_s: 1_000_000_000, rate_hz: 3.35, gaps: 2, longest_gap_s: 61.5, longest_gap_at_s: 125 },
   mount: [0.2, -0.1, Math.PI],
@@ -44,7 +47,7 @@ test("a map is told by its size", () => {
 });
 
 test("what a log does not tell is not told", () => {
-  const still = { ...intel, duration_s: 0, trajectories: [{ name: "scan", description: "", length_m: 0 }] };
+  const still = { ...intel, duration_s: 0, trajectories: [{ ...OWN, name: "scan", description: "", length_m: 0 }] };
   expect(run(still)).toEqual(["13,631 scans"]);
   const unread = { ...intel, scans: null, beams: null, duration_s: null, format: null, trajectories: [] };
   expect(run(unread)).toEqual([]);
@@ -63,7 +66,7 @@ test("what is inside is told in plain words", () => {
     "3.4 scans a second; 2 gaps, the longest of 61.5 s at 2:05",
     "Sensor 0.20 m ahead, 0.10 m to the right, turned by 180°, upside-down",
   ]);
-  const plain = { ...intel, time: null, mount: [0, 0, 0], upside_down: false };
+  const plain = { ...intel, time: null, mount: CENTRE, upside_down: false };
   expect(inside(plain)).toEqual(["Sensor at the robot's centre"]);
   expect(inside({ ...intel, time: null, mount: null })).toEqual([]);
 });
@@ -80,7 +83,7 @@ test("a topic is told in a line", () => {
     mount: null,
     chosen: true,
   };
-  const unplaced = { ...intel, time: null, mount: [0, 0, 0], topics: [scan] };
+  const unplaced = { ...intel, time: null, mount: CENTRE, topics: [scan] };
   expect(inside(unplaced)).toEqual(["Sensor mount not stated in the file; the robot's centre is assumed"]);
   expect(topic(scan)).toBe("1,200 × LaserScan, 360 beams, 359°, 10.0 Hz, frame laser");
   const imu = { ...scan, type: "sensor_msgs/Imu", frame: null, beams: null, field_of_view_deg: null, rate_hz: null };

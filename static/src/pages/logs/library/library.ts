@@ -2,67 +2,10 @@
 
 import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../../ui/reducedMotion";
+import type { LogAnswer, LogList, Topic } from "../../../wire/http";
 import { followMaking, type Making, newName } from "../../making";
 
-/** One stream of messages in a log's file. */
-export interface Topic {
-  readonly name: string;
-  readonly type: string;
-  readonly count: number;
-  readonly frame: string | null;
-  readonly beams: number | null;
-  readonly field_of_view_deg: number | null;
-  readonly rate_hz: number | null;
-  readonly mount: readonly number[] | null;
-  readonly chosen: boolean;
-}
-
-/** A log as the server lists it. Facts are null until the log was read. */
-export interface LogRecord {
-  readonly id: string;
-  readonly name: string;
-  readonly source: "upload" | "folder" | "sample";
-  readonly state: "queued" | "reading" | "ready" | "failed";
-  readonly bytes: number;
-  readonly progress: number;
-  /** Seconds since its reading began; null while it is not being read. */
-  readonly reading_s: number | null;
-  readonly error: { readonly code: string; readonly message: string } | null;
-  /** Whether the server has a picture of its map. */
-  readonly has_picture: boolean;
-  /** The visitor's own. */
-  readonly tags: readonly string[];
-  readonly scans: number | null;
-  /** How many, of a recording without scans. */
-  readonly costmaps: number;
-  /** Scans in 3D, of a file without planar ones; an octree counts as one. */
-  readonly clouds: number;
-  /** Of these, or leaves of the octree. */
-  readonly points: number;
-  /** The size in cells and the side of a cell in m, of map files. */
-  readonly map: { readonly rows: number; readonly cols: number; readonly resolution: number } | null;
-  readonly beams: number | null;
-  readonly duration_s: number | null;
-  readonly format: string | null;
-  readonly time: {
-    /** Seconds since 1970, null where the clock began elsewhere. */
-    readonly start_s: number | null;
-    readonly rate_hz: number | null;
-    readonly gaps: number;
-    readonly longest_gap_s: number;
-    readonly longest_gap_at_s: number;
-  } | null;
-  readonly mount: readonly number[] | null;
-  readonly upside_down: boolean;
-  /** The streams of messages in the file, its sensors first; those have the figures after `count`. */
-  readonly topics: readonly Topic[];
-  readonly trajectories: readonly {
-    readonly name: string;
-    readonly description: string;
-    readonly length_m: number;
-  }[];
-  readonly notes: readonly string[];
-}
+export type { LogAnswer as LogRecord, Topic };
 
 /** Which logs are listed: words and tags that they have, their order, and how many. */
 export interface Wanted {
@@ -86,7 +29,7 @@ export const EVERYTHING: Wanted = { words: "", tags: [], order: "newest", limit:
 
 export const wanted = signal<Wanted>(EVERYTHING);
 /** The logs that were found; null until they were first fetched. */
-export const logs = signal<readonly LogRecord[] | null>(null);
+export const logs = signal<readonly LogAnswer[] | null>(null);
 /** How many there are of them, also beyond the page. */
 export const total = signal(0);
 /** The visitor's tags, each with the number of its logs. */
@@ -115,9 +58,9 @@ export async function sentence(answer: Response): Promise<string> {
 
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-export const isMoving = (log: LogRecord): boolean => log.state === "queued" || log.state === "reading";
+export const isMoving = (log: LogAnswer): boolean => log.state === "queued" || log.state === "reading";
 
-const isUnknown = (log: LogRecord): boolean => isMoving(log) || (log.state === "ready" && log.scans === null);
+const isUnknown = (log: LogAnswer): boolean => isMoving(log) || (log.state === "ready" && log.scans === null);
 
 let isWatched = false;
 let isWhole = false;
@@ -161,7 +104,7 @@ export async function refresh(): Promise<void> {
   try {
     const answer = await fetch(isWhole ? "/api/logs" : address(wanted.peek()));
     if (!answer.ok) throw new Error(await sentence(answer));
-    const body = (await answer.json()) as { logs: LogRecord[]; total: number; tags: Record<string, number> };
+    const body = (await answer.json()) as LogList;
     if (own !== asked) return; // another list was asked for meanwhile
     logs.value = body.logs;
     total.value = body.total;
@@ -208,7 +151,7 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
   try {
     const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/${what}`, { method: "POST" });
     if (!answer.ok) return await sentence(answer);
-    const fresh = (await answer.json()) as LogRecord;
+    const fresh = (await answer.json()) as LogAnswer;
     logs.value = (logs.value ?? []).map((log) => (log.id === id ? fresh : log));
     void refresh();
     return null;

@@ -1,9 +1,12 @@
 /** Requests about the localization of a log in a map. Each rejects with the server's sentence. */
 
+import type { LocalizationStatus } from "../../../wire/http";
 import type { Pose, Values } from "../../../wire/protocol";
 import { AWAY, sentence } from "../library/library";
 import { tarred } from "../library/tar";
-import { request } from "../request";
+import { ask, request } from "../request";
+
+export type { LocalizationStatus };
 
 /** The map that a log is localized in. */
 export interface GivenMap {
@@ -14,30 +17,6 @@ export interface GivenMap {
   readonly resolution: number;
   readonly origin: Pose;
   readonly notes: readonly string[];
-}
-
-/** A localization: its progress or its result. */
-export interface LocalizationState {
-  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
-  readonly fraction: number;
-  readonly scans: number;
-  readonly is_converged: boolean;
-  readonly n_particles: number;
-  readonly elapsed_s: number | null;
-  readonly ahead: number;
-  readonly error: { readonly code: string; readonly message: string } | null;
-  readonly parameters: { readonly values?: Values; readonly initial_pose?: Pose | null };
-  readonly result: {
-    readonly trajectory: string;
-    readonly map_title: string;
-    readonly odometry: string;
-    readonly first_converged: number | null;
-    readonly converged: number;
-    readonly is_converged: boolean;
-    readonly updates: number;
-    readonly median_fit: number;
-    readonly cpu_s: number;
-  } | null;
 }
 
 /** How certain the poses in use are along the log. */
@@ -55,14 +34,17 @@ export interface Course {
 
 const of = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/localization`;
 
-export const localizationState = (session: string): Promise<LocalizationState> => request(of(session));
+export const localizationState = (session: string): Promise<LocalizationStatus> =>
+  ask("GET /api/sessions/{session_id}/localization", { session_id: session });
 
 export const localize = (
   session: string,
   wanted: { readonly initial_pose: Pose | null; readonly odometry: string | null; readonly parameters: Values },
-): Promise<LocalizationState> => request(of(session), "POST", wanted);
+): Promise<LocalizationStatus> =>
+  ask("POST /api/sessions/{session_id}/localization", { session_id: session }, { body: wanted });
 
-export const cancelLocalization = (session: string): Promise<LocalizationState> => request(of(session), "DELETE");
+export const cancelLocalization = (session: string): Promise<LocalizationStatus> =>
+  ask("DELETE /api/sessions/{session_id}/localization", { session_id: session });
 
 export const courseOf = async (session: string): Promise<Course | null> =>
   (await request<{ course: Course | null }>(`${of(session)}/course`)).course;

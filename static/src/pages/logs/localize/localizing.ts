@@ -15,11 +15,11 @@ const MAP_AGAIN_MS = 2000;
 
 export type MapSource = "own" | "other" | "files";
 
-const isUnderWay = (job: api.LocalizationState | null): boolean => job?.state === "queued" || job?.state === "running";
+const isUnderWay = (job: api.LocalizationStatus | null): boolean => job?.state === "queued" || job?.state === "running";
 
 export class Localizing {
   /** The newest job; null until the server has told. */
-  readonly job = signal<api.LocalizationState | null>(null);
+  readonly job = signal<api.LocalizationStatus | null>(null);
   readonly map = signal<api.GivenMap | null>(null);
   readonly course = signal<api.Course | null>(null);
   readonly failure = signal<string | null>(null);

@@ -4,7 +4,7 @@ import { mapAddress } from "../../../tools/mapediting/EditMap";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import type { LogRecord } from "../library/library";
-import { request } from "../request";
+import { ask } from "../request";
 
 interface SavingProps {
   readonly store: Store;
@@ -20,12 +20,13 @@ export function Saving({ store, session }: SavingProps) {
   const failure = useSignal<string | null>(null);
   const name = typed.value ?? `${title}, edited`.slice(0, 100);
   const address = `/api/sessions/${encodeURIComponent(session)}/edited-map`;
+  const at = { session_id: session };
   const { edits } = store.mapEditing;
   const save = async (): Promise<void> => {
     isBusy.value = true;
     failure.value = saved.value = null;
     try {
-      saved.value = await request<LogRecord>(address, "POST", { name: name.trim() });
+      saved.value = await ask("POST /api/sessions/{session_id}/edited-map", at, { body: { name: name.trim() } });
     } catch (error) {
       failure.value = (error as Error).message;
     }

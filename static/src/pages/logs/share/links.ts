@@ -2,28 +2,13 @@
 
 import type { SharedView } from "../../../render/view";
 import { reducedMotion } from "../../../ui/reducedMotion";
+import type { LinkAnswer as Link } from "../../../wire/http";
 import { followMaking, newName } from "../../making";
 import { trajectoryLabel } from "../library/describeLog";
 import { opening } from "../library/library";
-import { request } from "../request";
+import { ask, request } from "../request";
 
-/** A link as its owner sees it. */
-export interface Link {
-  readonly token: string;
-  readonly address: string;
-  /** Seconds since 1970. */
-  readonly created_s: number;
-  readonly log: string;
-  readonly topic: string | null;
-  readonly trajectory: string;
-  /** Scans in the map, of all. */
-  readonly index: number;
-  readonly count: number;
-  /** Names of the parameters that differ from the defaults. */
-  readonly changed: readonly string[];
-  /** Number of sessions that are open with it. */
-  readonly watching: number;
-}
+export type { Link };
 
 /** A link as everyone who has it sees it. */
 export interface Shared {
@@ -34,13 +19,13 @@ export interface Shared {
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
 export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
-  request("/api/links", "POST", { session, look });
+  ask("POST /api/links", {}, { body: { session, look } });
 
 const linksAddress = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/links`;
 
 /** The links to the log of a session that its visitor has made, the newest first. */
 export const linksOf = async (session: string): Promise<readonly Link[]> =>
-  (await request<{ links: readonly Link[] }>(linksAddress(session))).links;
+  (await ask("GET /api/sessions/{session_id}/links", { session_id: session })).links;
 
 export const revokeLink = (session: string, token: string): Promise<void> =>
   request(`${linksAddress(session)}/${encodeURIComponent(token)}`, "DELETE");
@@ -84,7 +69,7 @@ export function described(link: Link, unit: "scan" | "costmap" = "scan"): string
   const { index, count, changed, topic, trajectory, watching } = link;
   return [
     unit === "costmap" ? `costmap ${index} of ${count}` : scansOf(index, count),
-    trajectoryLabel(trajectory),
+    ...(trajectory === null ? [] : [trajectoryLabel(trajectory)]),
     ...(topic === null ? [] : [topic]),
     ...(changed.length === 0 ? [] : [counted(changed.length, "changed parameter", "changed parameters")]),
     ...(watching === 0 ? [] : [`${counted(watching, "viewer", "viewers")} now`]),

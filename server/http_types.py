@@ -1,0 +1,127 @@
+"""Generate ``static/src/wire/http.ts``: the types of the answers of the HTTP interface, from its OpenAPI document.
+
+``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date. Answers that are
+not models yet, and files, have no type there.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import textwrap
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from server.app import create_app
+from server.settings import Settings
+
+FILE = Path(__file__).parents[1] / "static" / "src" / "wire" / "http.ts"
+COMMAND = "python -m server.http_types"
+_REFERENCE = "#/components/schemas/"
+_SCALARS = {"string": "string", "integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
+
+Schema = Mapping[str, Any]
+"""A JSON Schema, as the OpenAPI document has it."""
+
+
+def _name(reference: str) -> str:
+    """Return the TypeScript name of a referenced schema; generic models have brackets in theirs."""
+    return re.sub(r"\W", "", reference.removeprefix(_REFERENCE))
+
+
+def _typescript(schema: Schema) -> str:
+    """Return a schema as a type."""
+    if "$ref" in schema:
+        return _name(schema["$ref"])
+    if "anyOf" in schema or "oneOf" in schema:
+        return " | ".join(dict.fromkeys(map(_typescript, schema.get("anyOf") or schema["oneOf"])))
+    if "enum" in schema or "const" in schema:
+        return " | ".join(json.dumps(value) for value in schema.get("enum", [schema.get("const")]))
+    kind = schema.get("type")
+    if kind == "array" and "prefixItems" in schema:
+        return f"readonly [{', '.join(map(_typescript, schema['prefixItems']))}]"
+    if kind == "array":
+        item = _typescript(schema.get("items", {}))
+        return f"readonly ({item})[]" if " " in item else f"readonly {item}[]"
+    if kind == "object":
+        value = schema.get("additionalProperties", True)
+        key = _typescript(schema.get("propertyNames", {"type": "string"}))
+        return f"Readonly<Record<{key}, {_typescript(value) if isinstance(value, Mapping) else 'unknown'}>>"
+    return _SCALARS.get(kind or "", "unknown")
+
+
+def _references(schema: object) -> Iterator[str]:
+    """Yield the names of the schemas that one refers to."""
+    if isinstance(schema, Mapping):
+        for key, value in schema.items():
+            if key == "$ref":
+                yield value.removeprefix(_REFERENCE)
+            else:
+                yield from _references(value)
+    elif isinstance(schema, list):
+        for one in schema:
+            yield from _references(one)
+
+
+def _answers(document: Schema) -> dict[str, str]:
+    """Return the model of each answer, by method and address; an answer that is no model is left out."""
+    found = {}
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            for status, answer in operation["responses"].items():
+                schema = answer.get("content", {}).get("application/json", {}).get("schema", {})
+                if status.startswith("2") and "$ref" in schema:
+                    found[f"{method.upper()} {path}"] = schema["$ref"].removeprefix(_REFERENCE)
+    return found
+
+
+def _comment(text: str, indent: str = "") -> list[str]:
+    whole = f"{indent}/** {' '.join(text.replace('``', '`').replace('None', 'null').split())} */"
+    if len(whole) <= 120:
+        return [whole]
+    lines = textwrap.wrap(whole.strip()[4:-3], 117 - len(indent))
+    return [f"{indent}/**", *(f"{indent} * {line}" for line in lines), f"{indent} */"]
+
+
+def _interface(name: str, schema: Schema) -> list[str]:
+    described = _comment(schema["description"]) if "description" in schema else []
+    if schema.get("type") != "object" or "properties" not in schema:
+        return [*described, f"export type {_name(name)} = {_typescript(schema)};", ""]
+    lines = [*described, f"export interface {_name(name)} {{"]
+    for field, of in schema["properties"].items():
+        if "description" in of:
+            lines += _comment(of["description"], "  ")
+        lines.append(f"  readonly {field}: {_typescript(of)};")
+    return [*lines, "}", ""]
+
+
+def typescript(document: Schema) -> str:
+    """Return the file for an OpenAPI document."""
+    schemas, answers = document["components"]["schemas"], _answers(document)
+    wanted, left = set(), [*answers.values()]
+    while left:
+        name = left.pop()
+        if name not in wanted:
+            wanted.add(name)
+            left += _references(schemas[name])
+    lines = [f"// Written by `{COMMAND}` from the answers of the routes in server/http/routes: change those.", ""]
+    for name in sorted(wanted):
+        lines += _interface(name, schemas[name])
+    lines += ["/** The answer to each request, by method and address. */", "export interface Answers {"]
+    lines += [f"  {json.dumps(request)}: {_name(model)};" for request, model in sorted(answers.items())]
+    return "\n".join([*lines, "}", ""])
+
+
+def main() -> None:
+    """Write the file, or check it."""
+    text = typescript(create_app(Settings()).openapi())
+    if "--check" not in sys.argv[1:]:
+        FILE.write_text(text, encoding="utf-8")
+    elif not FILE.exists() or FILE.read_text(encoding="utf-8") != text:
+        sys.exit(f"{FILE.name} is out of date: run `make wire`.")
+
+
+if __name__ == "__main__":
+    main()

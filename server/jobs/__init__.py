@@ -1,0 +1,1 @@
+"""Jobs: processes with limits, workers that have them, leases among services."""

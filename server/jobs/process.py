@@ -1,0 +1,166 @@
+"""The process of a job: its limits of memory, processor time and elapsed time, and its progress.
+
+A malicious file that is read can harm only this process, which has limits of memory, processor time and elapsed time,
+and ends with the server.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import multiprocessing
+import multiprocessing.connection
+import os
+import resource
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from multiprocessing.sharedctypes import Synchronized
+from typing import Any, Protocol, TypeVar
+
+from mapper.core.errors import LimitError
+
+T = TypeVar("T")
+R_co = TypeVar("R_co", covariant=True)
+
+NICENESS = 10  #: added to that of the service by jobs in the background, so that sessions are computed first
+READING = "Reading this log"  #: what most jobs do, in their errors
+
+
+@dataclass(frozen=True, slots=True)
+class JobLimits:
+    """Limits of one job: seconds of elapsed and of processor time, bytes of address space."""
+
+    timeout_s: float = 3600.0
+    cpu_s: float = 7200.0
+    memory_bytes: int = 6 << 30
+
+
+class WorkerJob(Protocol[R_co]):
+    """A job of a worker process, within limits of elapsed and processor time and of address space."""
+
+    @property
+    def timeout_s(self) -> float:
+        """Longest elapsed time, seconds."""
+
+    @property
+    def memory_bytes(self) -> int:
+        """Largest address space of the process, bytes."""
+
+    @property
+    def work(self) -> Callable[[Any], R_co]:
+        """The function that does the job, which is its only argument."""
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that took too long."""
+
+
+_report: Callable[[float], None] | None = None  #: reports the progress of this process
+
+
+def start_worker(progress: Synchronized[float], pid: Synchronized[int], memory_bytes: int) -> None:
+    """Initialize a process of a pool: its limit of address space, its id, and where it reports progress."""
+    pid.value = os.getpid()
+    threading.Thread(target=_end_with_server, name="end with the server", daemon=True).start()
+
+    def report(fraction: float) -> None:
+        progress.value = fraction
+
+    begin(memory_bytes, report)
+
+
+def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
+    """Limit this process permanently, and report its progress to ``report``."""
+    global _report  # noqa: PLW0603 - a worker process has no other place that outlives a job
+    _report = report
+    # Ctrl-C, and a service manager that stops all processes of the service, signal this one too. The server ends its
+    # workers itself: a worker that ended first would count as a log that cannot be read.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    with contextlib.suppress(ValueError, OSError):  # not every system can limit it
+        given = resource.getrlimit(resource.RLIMIT_AS)[1]
+        # The limit of `ulimit -v` stays if it is the lower one: root could raise it.
+        most = memory_bytes if given == resource.RLIM_INFINITY else min(memory_bytes, given)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def note_progress(fraction: float) -> None:
+    """Report the progress of this process's job, from 0 to 1."""
+    if _report is not None:
+        _report(min(max(float(fraction), 0.0), 1.0))
+
+
+def _end_with_server() -> None:
+    """End this process when the server is gone, also if the server was killed."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        multiprocessing.connection.wait([server.sentinel])
+        os._exit(1)
+
+
+class _OutOfTime(BaseException):
+    """The job's time is over: no ``Exception``, so that no reader catches it."""
+
+
+def _out_of_time(number: int, _: object) -> None:
+    for other in (signal.SIGALRM, signal.SIGPROF):  # the other one may be due as well, while this one is handled
+        signal.signal(other, signal.SIG_IGN)
+    raise _OutOfTime(number)
+
+
+@contextlib.contextmanager
+def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) -> Iterator[None]:
+    """Interrupt the block after ``timeout_s`` seconds of elapsed time or ``cpu_s`` of processor time.
+
+    It raises the first of ``over``, or the second.
+
+    What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again and at
+    least one second, in which a process with little time can still say that it is over.
+    """
+    alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    with contextlib.suppress(ValueError, OSError):
+        last = math.ceil(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1  # whole seconds, as the kernel counts them
+        resource.setrlimit(resource.RLIMIT_CPU, (last, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    try:
+        for number, timer, seconds in alarms:
+            signal.signal(number, _out_of_time)
+            signal.setitimer(timer, seconds)
+        yield
+    except _OutOfTime as caught:
+        raise over[0] if caught.args[0] == signal.SIGALRM else over[1] from None
+    finally:
+        for _, timer, _ in alarms:
+            signal.setitimer(timer, 0.0)
+
+
+def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = READING, code: str = "log") -> T:
+    """Return what ``work`` returns; raise :class:`LimitError` where it needs more time or memory than it may have.
+
+    ``doing`` is what the errors say that it does, and ``code`` the first part of their codes.
+    """
+    note_progress(0.0)
+    more = LimitError(f"{code}.time", f"{doing} takes more than the {cpu_s:.3g} s of processor time it may have.")
+    try:
+        with _timed(timeout_s, cpu_s, (time_error(timeout_s, doing, code), more)):
+            return work()
+    except (MemoryError, ImportError) as error:
+        # Where memory runs out in an import, the loader of shared libraries says so as an ImportError.
+        if isinstance(error, ModuleNotFoundError):
+            raise
+        raise LimitError(f"{code}.memory", f"{doing} needs more memory than the server gives to one log.") from None
+
+
+def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:
+    """Return the error for a job that took too long; as :func:`bounded`."""
+    return LimitError(f"{code}.time", f"{doing} takes longer than the {timeout_s:.3g} s that the server allows.")
+
+
+def lower_priority() -> None:
+    """Let the sessions be computed first; a process of a pool does it once."""
+    if sys.platform == "linux":
+        wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))

@@ -1,0 +1,1 @@
+"""What visitors add to logs: notes, tags, links, trajectories, puzzles."""

@@ -1,0 +1,103 @@
+"""Links: each opens a read-only view of its owner's log until the owner revokes it.
+
+The library stores the view without interpreting it.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, delete, insert, select
+
+from mapper.core.errors import LimitError, MapperError
+from server.library.logs.records import Record
+from server.library.logs.rows import ensure_log
+from server.library.store.database import Database
+from server.library.store.tables import links
+
+MAX_LINKS_PER_OWNER = 100
+
+
+class LinkGoneError(MapperError):
+    """There is no such link: it never existed, or was revoked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A link of ``owner`` to a log. Knowing the ``token`` permits to open it."""
+
+    token: str
+    owner: str
+    log_id: str
+    created_s: float
+    view: dict[str, Any]
+
+
+class Links:
+    """All links, in memory and in the database. Used from the event loop only."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._links: dict[str, Link] = {}
+
+    async def follow(self, _: object = None) -> None:
+        """Load the stored links. Raises ``StorageError``."""
+        self._links = {link.token: link for link in await self._database.run(_load)}
+
+    async def make(self, owner: str, record: Record, view: dict[str, Any]) -> Link:
+        """Return a new link of ``owner`` to a view of a log that ``owner`` may open.
+
+        Raises :class:`LimitError` for one too many, and ``StorageError``.
+        """
+        if sum(link.owner == owner for link in self._links.values()) >= MAX_LINKS_PER_OWNER:
+            message = f"You have {MAX_LINKS_PER_OWNER} links, the most there can be: revoke one."
+            raise LimitError("link.too_many", message)
+        link = Link(secrets.token_urlsafe(24), owner, record.id, time.time(), view)
+
+        def work(connection: Connection) -> None:
+            ensure_log(connection, record)
+            values = {"token": link.token, "owner": owner, "log_id": record.id, "created_s": link.created_s}
+            connection.execute(insert(links).values(**values, view=json.dumps(view)))
+
+        await self._database.run(work)
+        self._links[link.token] = link
+        return link
+
+    def get(self, token: str) -> Link:
+        """Return a link. Raises :class:`LinkGoneError`."""
+        link = self._links.get(token)
+        if link is None:
+            raise LinkGoneError("link.gone", "This link was revoked, or there never was one: ask for another.")
+        return link
+
+    def of(self, owner: str, log_id: str) -> Sequence[Link]:
+        """Return the links of ``owner`` to a log, the newest first."""
+        found = [link for link in self._links.values() if link.owner == owner and link.log_id == log_id]
+        return sorted(found, key=lambda link: link.created_s, reverse=True)
+
+    async def revoke(self, owner: str, token: str) -> None:
+        """Revoke a link of ``owner``. Raises :class:`LinkGoneError`, and ``StorageError``."""
+        if self.get(token).owner != owner:
+            raise LinkGoneError("link.gone", "There is no such link of yours.")
+        await self._database.run(lambda connection: _delete(connection, token))
+        self._links.pop(token, None)
+
+    def drop(self, log_id: str) -> Sequence[str]:
+        """Forget the links to a deleted log, whose rows were deleted with it; return their tokens."""
+        gone = [link.token for link in self._links.values() if link.log_id == log_id]
+        for token in gone:
+            del self._links[token]
+        return gone
+
+
+def _load(connection: Connection) -> Sequence[Link]:
+    return [Link(**{**row._mapping, "view": json.loads(row.view)}) for row in connection.execute(select(links))]  # noqa: SLF001 - SQLAlchemy's public name for it
+
+
+def _delete(connection: Connection, token: str) -> None:
+    connection.execute(delete(links).where(links.c.token == token))

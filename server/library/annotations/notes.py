@@ -1,0 +1,171 @@
+"""Notes on logs: each is pinned to a time of the log, to a place on its map, or to both. Used from the event loop."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from sqlalchemy import Connection, delete, func, insert, select, update
+
+from mapper.core.errors import LimitError, MapperError
+from server.library.logs.records import Record
+from server.library.logs.rows import upsert_log
+from server.library.store.database import Database
+from server.library.store.tables import logs, notes
+
+MAX_NOTES_OF_LOG = 500
+MAX_NOTES_OF_AUTHOR = 100  #: on one log, so that one visitor leaves room for others
+
+
+class NoteNotFoundError(MapperError):
+    """There is no such note on the log."""
+
+
+class NoteReadOnlyError(MapperError):
+    """The note is another visitor's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """Place of a note: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
+    ``x``, ``y`` on the map, metres, or both. Raises :class:`MapperError` for neither.
+    """
+
+    at_s: float | None = None
+    scan: int | None = None
+    x: float | None = None
+    y: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):
+            raise MapperError("note.pin", "A note's place has an x and a y, and its time the seconds and the scan.")
+        if self.at_s is None and self.x is None:
+            raise MapperError("note.pin", "A note is pinned to a time, to a place, or to both.")
+
+
+@dataclass(frozen=True, slots=True)
+class NoteAnswer:
+    """A note as the HTTP interface shows it, with the fields of its :class:`Pin`; ``mine`` is the asking visitor's."""
+
+    id: str
+    text: str
+    at_s: float | None
+    scan: int | None
+    x: float | None
+    y: float | None
+    created_s: float
+    changed_s: float
+    mine: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A note of ``author`` on a log."""
+
+    id: str
+    author: str
+    log_id: str
+    created_s: float
+    changed_s: float
+    text: str
+    pin: Pin
+
+    def public(self, visitor: str) -> NoteAnswer:
+        """Return what the HTTP interface shows to a visitor."""
+        pin = self.pin
+        return NoteAnswer(
+            self.id, self.text, pin.at_s, pin.scan, pin.x, pin.y, self.created_s, self.changed_s, self.author == visitor
+        )
+
+
+class Notes:
+    """The notes on all logs, in the database. Whoever may open a log sees all notes on it and changes their own.
+
+    All methods raise ``StorageError``.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def of(self, log_id: str) -> Sequence[Note]:
+        """Return the notes on a log, oldest first."""
+        return await self._database.run(lambda connection: _load(connection, log_id))
+
+    async def add(self, author: str, record: Record, text: str, pin: Pin) -> Note:
+        """Return a new note of ``author`` on a log. Raises :class:`LimitError` for one too many."""
+        now = time.time()
+        note = Note(secrets.token_hex(10), author, record.id, now, now, _plain(text), pin)
+
+        def work(connection: Connection) -> None:
+            if connection.execute(select(logs.c.id).where(logs.c.id == record.id)).first() is None:
+                upsert_log(connection, record)  # of the sample there is no row otherwise
+            of_log = notes.c.log_id == record.id
+            count = select(func.count()).select_from(notes)
+            if connection.execute(count.where(of_log)).scalar_one() >= MAX_NOTES_OF_LOG:
+                raise _too_many(f"The log has {MAX_NOTES_OF_LOG} notes")
+            if connection.execute(count.where(of_log, notes.c.author == author)).scalar_one() >= MAX_NOTES_OF_AUTHOR:
+                raise _too_many(f"You have {MAX_NOTES_OF_AUTHOR} notes on this log")
+            connection.execute(insert(notes).values(_row(note)))
+
+        await self._database.run(work)
+        return note
+
+    async def change(self, author: str, log_id: str, note_id: str, text: str, pin: Pin) -> Note:
+        """Return a note of ``author`` with another text and pin; raises as :meth:`remove`."""
+
+        def work(connection: Connection) -> Note:
+            note = _own(connection, author, log_id, note_id)
+            changed = replace(note, text=_plain(text), pin=pin, changed_s=time.time())
+            connection.execute(update(notes).where(notes.c.id == note_id).values(_row(changed)))
+            return changed
+
+        return await self._database.run(work)
+
+    async def remove(self, author: str, log_id: str, note_id: str) -> None:
+        """Delete a note of ``author``.
+
+        Raises :class:`NoteNotFoundError`, and :class:`NoteReadOnlyError` for another visitor's.
+        """
+
+        def work(connection: Connection) -> None:
+            _own(connection, author, log_id, note_id)
+            connection.execute(delete(notes).where(notes.c.id == note_id))
+
+        await self._database.run(work)
+
+
+def _too_many(count: str) -> LimitError:
+    return LimitError("note.too_many", f"{count}, the most there can be: delete one.")
+
+
+def _load(connection: Connection, log_id: str) -> Sequence[Note]:
+    rows = connection.execute(select(notes).where(notes.c.log_id == log_id).order_by(notes.c.created_s, notes.c.id))
+    return [_note(dict(row._mapping)) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name for it
+
+
+def _own(connection: Connection, author: str, log_id: str, note_id: str) -> Note:
+    row = connection.execute(select(notes).where(notes.c.id == note_id, notes.c.log_id == log_id)).first()
+    if row is None:
+        raise NoteNotFoundError("note.not_found", "There is no such note on this log; it may have been deleted.")
+    note = _note(dict(row._mapping))  # noqa: SLF001 - SQLAlchemy's public name for it
+    if note.author != author:
+        raise NoteReadOnlyError("note.read_only", "This note is another visitor's.")
+    return note
+
+
+def _note(row: dict[str, Any]) -> Note:
+    return Note(pin=Pin(**{name: row.pop(name) for name in ("at_s", "scan", "x", "y")}), **row)
+
+
+def _row(note: Note) -> dict[str, Any]:
+    values = asdict(note)
+    pin: dict[str, Any] = values.pop("pin")
+    return values | pin
+
+
+def _plain(text: str) -> str:
+    """Return a text as every database takes it."""
+    return text.encode("utf-8", "replace").decode().replace("\0", "")

@@ -1,0 +1,112 @@
+"""Puzzles that visitors made: what each is made of, kept until its owner removes it.
+
+The library stores what it is made of without interpreting it.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, delete, insert, select
+
+from mapper.core.errors import LimitError, MapperError
+from server.library.logs.records import Record
+from server.library.logs.rows import ensure_log
+from server.library.store.database import Database
+from server.library.store.tables import puzzles
+
+MAX_PUZZLES_PER_OWNER = 50
+MAX_SPEC_BYTES = 1 << 20  #: a story has at most a thousand actions
+
+
+class PuzzleGoneError(MapperError):
+    """There is no such puzzle: it never existed, or was removed."""
+
+
+@dataclass(frozen=True, slots=True)
+class MadePuzzle:
+    """A puzzle of ``owner``, made of a log (``log_id``) or a story of the lab (None), as ``spec`` says.
+
+    Knowing the ``token`` permits to solve it.
+    """
+
+    token: str
+    owner: str
+    log_id: str | None
+    created_s: float
+    title: str
+    spec: dict[str, Any]
+
+
+class MadePuzzles:
+    """All puzzles that visitors made, in memory and in the database. Used from the event loop only."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._made: dict[str, MadePuzzle] = {}
+
+    async def follow(self, _: object = None) -> None:
+        """Load the stored puzzles. Raises ``StorageError``."""
+        self._made = {one.token: one for one in await self._database.run(_load)}
+
+    async def make(self, owner: str, record: Record | None, title: str, spec: dict[str, Any]) -> MadePuzzle:
+        """Return a new puzzle of ``owner``; ``record`` is that of its log.
+
+        Raises :class:`LimitError` for one too many and for a story that is too long, and ``StorageError``.
+        """
+        if sum(one.owner == owner for one in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
+            message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the most there can be: remove one."
+            raise LimitError("puzzle.too_many", message)
+        text = json.dumps(spec)
+        if len(text) > MAX_SPEC_BYTES:
+            raise LimitError("puzzle.large", "The history of this world is too long for a puzzle: reset it first.")
+        log_id = None if record is None else record.id
+        made = MadePuzzle(secrets.token_urlsafe(24), owner, log_id, time.time(), title, spec)
+
+        def work(connection: Connection) -> None:
+            if record is not None:
+                ensure_log(connection, record)
+            values = {"token": made.token, "owner": owner, "log_id": log_id, "created_s": made.created_s}
+            connection.execute(insert(puzzles).values(**values, title=title, spec=text))
+
+        await self._database.run(work)
+        self._made[made.token] = made
+        return made
+
+    def get(self, token: str) -> MadePuzzle:
+        """Return a puzzle. Raises :class:`PuzzleGoneError`."""
+        made = self._made.get(token)
+        if made is None:
+            raise PuzzleGoneError("puzzle.gone", "There is no such puzzle; it may have been removed.")
+        return made
+
+    def of(self, owner: str) -> Sequence[MadePuzzle]:
+        """Return the puzzles of ``owner``, the newest first."""
+        return sorted((one for one in self._made.values() if one.owner == owner), key=lambda one: -one.created_s)
+
+    async def remove(self, owner: str, token: str) -> None:
+        """Remove a puzzle of ``owner``. Raises :class:`PuzzleGoneError`, and ``StorageError``."""
+        if self.get(token).owner != owner:
+            raise PuzzleGoneError("puzzle.gone", "There is no such puzzle of yours.")
+        await self._database.run(lambda connection: _delete(connection, token))
+        self._made.pop(token, None)
+
+    def drop(self, log_id: str) -> None:
+        """Forget the puzzles of a deleted log, whose rows were deleted with it."""
+        self._made = {token: one for token, one in self._made.items() if one.log_id != log_id}
+
+
+def _load(connection: Connection) -> Sequence[MadePuzzle]:
+    found = connection.execute(select(puzzles))
+    return [
+        MadePuzzle(row.token, row.owner, row.log_id, row.created_s, row.title, json.loads(row.spec)) for row in found
+    ]
+
+
+def _delete(connection: Connection, token: str) -> None:
+    connection.execute(delete(puzzles).where(puzzles.c.token == token))

@@ -1,0 +1,67 @@
+"""Selection and order of the logs in a list."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from server.library.logs.records import Record
+
+Order = Literal["newest", "name", "duration", "scans", "size"]
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """``words`` all occur in the name, the format, a topic or a tag of a log; ``tags`` are all given to it.
+
+    Of the logs in this ``order``, ``limit`` from ``offset`` on; None for all.
+    """
+
+    words: str = ""
+    tags: tuple[str, ...] = ()
+    order: Order = "newest"
+    offset: int = 0
+    limit: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """One page of the logs that were wanted; ``total`` is how many there are, ``tags`` how many logs have each tag."""
+
+    records: Sequence[Record]
+    total: int
+    tags: Mapping[str, int]
+
+
+_KEYS: dict[Order, Callable[[Record], Any]] = {
+    "name": lambda record: record.name.casefold(),
+    "duration": lambda record: -(record.summary.duration_s if record.summary else -math.inf),
+    "scans": lambda record: -(record.summary.scans if record.summary else -1),
+    "size": lambda record: -record.bytes,
+}
+
+
+def listed(records: Sequence[Record], wanted: Wanted) -> Listing:
+    """Return the page of ``records``, which are in the order "newest". Tags are counted over all records."""
+    words = wanted.words.casefold().split()
+    found = [one for one in records if set(wanted.tags) <= set(one.tags) and _has(one, words)]
+    key = _KEYS.get(wanted.order)
+    if key is not None:
+        found.sort(key=key)
+    end = None if wanted.limit is None else wanted.offset + wanted.limit
+    tags = Counter(tag for one in records for tag in one.tags)
+    return Listing(found[wanted.offset : end], len(found), dict(sorted(tags.items())))
+
+
+def _has(record: Record, words: Sequence[str]) -> bool:
+    if not words:
+        return True
+    summary = record.summary
+    texts = [record.name, *record.tags]
+    if summary is not None:
+        texts += [summary.format, *(topic.name for topic in summary.topics)]
+    whole = "\n".join(texts).casefold()
+    return all(word in whole for word in words)

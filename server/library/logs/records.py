@@ -1,0 +1,184 @@
+"""The record of a log, and the interface of the store of records."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from mapper.sensors.scan import Topic
+from server.jobs.record import Failure
+from server.library.packs.log import topic_from_json
+
+Source = Literal["upload", "folder", "sample"]
+State = Literal["queued", "reading", "ready", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryAnswer:
+    """A trajectory of a log: its own (``source`` is "log"), or one that the visitor has added.
+
+    ``created_s`` is when it was added, seconds since 1970; ``has_graph`` says whether its pose graph is kept.
+    """
+
+    name: str
+    description: str
+    length_m: float
+    source: Literal["log", "tum", "slam", "localized"] = "log"
+    created_s: float | None = None
+    has_graph: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LogAnswer:
+    """A log as the HTTP interface shows it. Facts are null until the log was read.
+
+    ``reading_s`` are seconds since its reading began, null while it is not being read; ``tags`` are the visitor's own.
+    ``costmaps`` is how many there are in a recording without scans, ``clouds`` the number of scans in 3D of a file
+    without planar ones (an octree counts as one) and ``points`` those in them, or leaves of the octree. ``topics`` are
+    the streams of messages in the file, its sensors first.
+    """
+
+    id: str
+    name: str
+    source: Source
+    state: State
+    bytes: int
+    progress: float
+    reading_s: float | None
+    error: Failure | None
+    has_picture: bool
+    tags: tuple[str, ...]
+    scans: int | None
+    costmaps: int
+    clouds: int
+    points: int
+    map: MapSummary | None
+    beams: int | None
+    duration_s: float | None
+    format: str | None
+    time: TimeSummary | None
+    mount: tuple[float, float, float] | None
+    upside_down: bool
+    trajectories: tuple[TrajectoryAnswer, ...]
+    topics: tuple[Topic, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One log. ``owner`` is the visitor who uploaded it, empty for the logs that all visitors see.
+
+    ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
+    ``summary`` is None until it was; ``attempts`` counts the readings that started and did not finish;
+    ``has_picture`` says whether there is a picture of its map. The sample is ``ready`` before that: it is created on
+    first use.
+    """
+
+    id: str
+    owner: str
+    name: str
+    source: Source
+    state: State
+    bytes: int
+    sha256: str = ""
+    created_s: float = 0.0
+    used_s: float = 0.0  #: when it was last uploaded or opened, to the day
+    progress: float = 0.0
+    reading_s: float | None = None  #: seconds since its reading began, None while it is not being read
+    error: Failure | None = None
+    attempts: int = 0
+    summary: LogSummary | None = field(default=None, repr=False)
+    has_picture: bool = False
+    tags: tuple[str, ...] = ()  #: that the asking visitor has given to it
+    added: tuple[TrajectoryAnswer, ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
+
+    @property
+    def packed_bytes(self) -> int:
+        """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
+        if self.summary is None:
+            return 0
+        map_ = self.summary.map
+        scans = 4 * self.summary.scans * self.summary.beams
+        return scans + 16 * self.summary.points + (0 if map_ is None else map_.rows * map_.cols)
+
+    def public(self) -> LogAnswer:
+        """Return what the HTTP interface shows: no owner, no digest, no path."""
+        summary = self.summary
+        own = summary.trajectories if summary else ()
+        return LogAnswer(
+            id=self.id,
+            name=self.name,
+            source=self.source,
+            state=self.state,
+            bytes=self.bytes,
+            progress=round(self.progress, 3),
+            reading_s=None if self.reading_s is None else round(self.reading_s, 1),
+            error=self.error,
+            has_picture=self.has_picture,
+            tags=self.tags,
+            scans=summary.scans if summary else None,
+            costmaps=summary.costmaps if summary else 0,
+            clouds=summary.clouds if summary else 0,
+            points=summary.points if summary else 0,
+            map=summary.map if summary else None,
+            beams=summary.beams if summary else None,
+            duration_s=summary.duration_s if summary else None,
+            format=summary.format if summary else None,
+            time=summary.time if summary else None,
+            mount=summary.mount if summary else None,
+            upside_down=summary.upside_down if summary else False,
+            trajectories=(
+                *(TrajectoryAnswer(one.name, one.description, one.length_m) for one in own),
+                *self.added,
+            ),
+            topics=summary.topics if summary else (),
+            notes=summary.notes if summary else (),
+        )
+
+
+class Records(Protocol):
+    """A store of the records of logs. What is asked of it is done in the order in which it was asked.
+
+    All of it raises :class:`server.storage.StorageError`.
+    """
+
+    def load(self) -> Awaitable[Sequence[Record]]:
+        """Return every record, oldest first."""
+
+    def put(self, record: Record) -> Awaitable[None]:
+        """Keep ``record`` in the place of any older one with its id, wholly or not at all."""
+
+    def mark_used(self, record: Record) -> Awaitable[None]:
+        """Keep the time at which a log was used, and nothing else of its record."""
+
+    def get(self, record_ids: Collection[str]) -> Awaitable[Sequence[Record]]:
+        """Return the records of these ids that there are."""
+
+    def writing(self, record: Record) -> Callable[[Any], None]:
+        """Return what writes a record in a transaction, unless it is that of an upload that was deleted."""
+
+    def is_stored(self, sha256: str) -> Awaitable[bool]:
+        """Return whether some record has these bytes."""
+
+    def delete(self, record_id: str) -> Awaitable[None]:
+        """Forget a record; one that is not there is no error."""
+
+
+def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
+    """Return the summary that ``asdict`` made ``data`` of; None for one of another version: it can be made again."""
+    try:
+        values = dict(data or {})
+        values["readings"] = ReadingCounts(**values["readings"])
+        values["trajectories"] = tuple(TrajectorySummary(**one) for one in values["trajectories"])
+        values["mount"] = tuple(values["mount"])
+        values["notes"] = tuple(values["notes"])
+        if values.get("time") is not None:
+            values["time"] = TimeSummary(**values["time"])
+        if values.get("map") is not None:
+            values["map"] = MapSummary(**values["map"])
+        values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
+        return LogSummary(**values)
+    except (TypeError, KeyError):
+        return None

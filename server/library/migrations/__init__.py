@@ -1,3 +1,0 @@
-"""Revisions of the tables of the records, run by alembic at start."""
-
-HEAD = "0017"  #: the newest revision

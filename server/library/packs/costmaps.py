@@ -1,0 +1,129 @@
+"""The costmaps of a recording as one file, from which they are loaded without reading the recording again."""
+
+from __future__ import annotations
+
+import json
+import math
+import uuid
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mapper.core.array_types import UInt8Array
+from mapper.core.errors import MapperError
+from mapper.core.time_units import EPOCH_S
+from mapper.costmap.costs import INSCRIBED, LETHAL
+from mapper.grid import GridGeometry
+from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
+from mapper.sensors.scan import Topic
+from server.library.packs.log import StalePackError
+
+if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
+
+VERSION = 1
+MOST_LOOKED_AT = 50
+_KIND = "costmaps"
+
+
+def write_costmap_pack(streams: Mapping[str, CostmapStream], path: Path) -> None:
+    """Write the costmaps to ``path`` atomically."""
+    items = []
+    for topic, stream in streams.items():
+        for kept in stream.kept:
+            fields = asdict(kept)
+            geometry = kept.geometry
+            fields |= {"packed": len(kept.packed), "topic": topic}
+            fields["geometry"] = [geometry.resolution, geometry.rows, geometry.cols, list(geometry.origin)]
+            items.append(fields)
+    about = {"version": VERSION, "kind": _KIND, "items": items}
+    data = b"".join(kept.packed for stream in streams.values() for kept in stream.kept)
+    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
+    try:
+        with fresh.open("wb") as file:
+            np.savez(
+                file,
+                about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8),
+                costs=np.frombuffer(data, dtype=np.uint8),
+            )
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
+    """Return what :func:`write_costmap_pack` wrote, by topic. Raises :class:`StalePackError` for any other file."""
+    from mapper.io.costmaps.reading import CostmapStream, KeptCostmap  # noqa: PLC0415 - few logs have them
+
+    streams: dict[str, CostmapStream] = {}
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            about, data = json.loads(arrays["about"].tobytes()), arrays["costs"].tobytes()
+        if about.get("kind") != _KIND or about["version"] != VERSION:
+            raise StalePackError("The pack is none of costmaps.")
+        begin = 0
+        for item in about["items"]:
+            resolution, rows, cols, origin = item.pop("geometry")
+            stream = streams.setdefault(item["topic"], CostmapStream(item.pop("topic")))
+            end = begin + item["packed"]
+            geometry = GridGeometry(resolution, rows, cols, tuple(origin))
+            stream.keep(KeptCostmap(**item | {"geometry": geometry, "packed": data[begin:end]}))
+            begin = end
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+        raise StalePackError(f"{type(error).__name__}: {error}") from error
+    return streams
+
+
+def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
+    """Return the codes of a picture for the card: of the topic with most costmaps the one with most obstacles.
+
+    Of a long recording :data:`MOST_LOOKED_AT` costmaps, spread evenly over it, are looked at.
+    """
+    stream = max(streams.values(), key=len)
+    at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
+    costs = max((stream[int(k)].costs for k in at), key=lambda one: np.count_nonzero(one == LETHAL))
+    from mapper.replay.overview import cells_overview  # noqa: PLC0415 - few recordings have costmaps
+
+    return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
+
+
+def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSummary:
+    """Return the figures of a recording that has costmaps and no scans; times are those of the topic with most."""
+    first = max(streams.values(), key=len)
+    stamps = np.sort(first.received_ns).astype(np.float64) * 1e-9
+    gaps = np.diff(stamps)
+    usual = float(np.median(gaps)) if len(gaps) else 0.0
+    bad = sum(stream.bad for stream in streams.values())
+    notes = ["The recording has costmaps and no scans: they are shown, and no map is made."]
+    notes += [f"{bad} costmaps could not be read."] if bad else []
+    return LogSummary(
+        name=name,
+        format="costmaps",
+        scans=0,
+        beams=0,
+        duration_s=float(stamps[-1] - stamps[0]),
+        field_of_view_deg=0.0,
+        angle_min=0.0,
+        angle_increment=0.0,
+        range_max=0.0,
+        mount=(0.0, 0.0, 0.0),
+        readings=ReadingCounts(0, 0, 0),
+        trajectories=(),
+        notes=tuple(notes),
+        time=TimeSummary(
+            start_s=float(stamps[0]) if EPOCH_S[0] < stamps[0] < EPOCH_S[1] else None,
+            rate_hz=1.0 / usual if usual > 0.0 and math.isfinite(usual) else None,
+            gaps=0,
+            longest_gap_s=0.0,
+            longest_gap_at_s=0.0,
+        ),
+        topics=tuple(
+            Topic(topic, "nav2_msgs/Costmap", len(stream), ", ".join(stream.frames) or None)
+            for topic, stream in streams.items()
+        ),
+        costmaps=len(first),
+    )

@@ -1,0 +1,73 @@
+"""The course of a localization: how certain each pose is and where particles were, and the map; a file of arrays."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import MapperError, ReadError
+from server.library.packs.given_map import GivenMap
+
+MOST_ROWS = 300_000  #: particles that are kept of all scans together
+
+Float64Array = NDArray[np.float64]
+
+_ARRAYS = (
+    "covariance", "is_converged", "is_updated", "share", "fit", "entropy", "n_particles", "offsets", "particles",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """Of each of n scans what :class:`mapper.localization.Localized` has, and a sample of the particles.
+
+    The particles of the k-th scan that was used are the rows ``offsets[k]`` to ``offsets[k + 1]`` of ``particles``
+    (m, 3) float32. ``covariance`` (n, 3, 3).
+    """
+
+    covariance: Float64Array
+    is_converged: NDArray[np.bool_]
+    is_updated: NDArray[np.bool_]
+    share: Float64Array
+    fit: Float64Array
+    entropy: Float64Array
+    n_particles: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+    particles: NDArray[np.float32]
+    given: GivenMap
+
+    def cloud(self, scan: int) -> NDArray[np.float32]:
+        """Return the particles (k, 3) after a scan: those of the newest scan up to it that was used."""
+        k = int(np.count_nonzero(self.is_updated[: scan + 1])) - 1
+        return self.particles[self.offsets[k] : self.offsets[k + 1]] if k >= 0 else self.particles[:0]
+
+
+def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Return offsets and rows of ``clouds``, each k-th row where there are more than :data:`MOST_ROWS`."""
+    step = max(1, -(-sum(map(len, clouds)) // MOST_ROWS))
+    kept = [cloud[::step] for cloud in clouds]
+    offsets = np.concatenate([[0], np.cumsum([len(cloud) for cloud in kept])]).astype(np.int64)
+    return offsets, np.concatenate(kept) if kept else np.empty((0, 3), dtype=np.float32)
+
+
+def course_bytes(course: Course) -> bytes:
+    """Return the file of a course."""
+    out = io.BytesIO()
+    arrays: dict[str, Any] = {name: getattr(course, name) for name in _ARRAYS} | course.given.arrays()
+    np.savez_compressed(out, **arrays)
+    return out.getvalue()
+
+
+def read_course(data: bytes) -> Course:
+    """Return what :func:`course_bytes` was given. Raises :class:`ReadError` for anything else."""
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return Course(**{name: arrays[name] for name in _ARRAYS}, given=GivenMap.of_arrays(arrays))
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+        message = "The file of this localization cannot be read; localize the log again."
+        raise ReadError("localization.file", message) from error

@@ -1,0 +1,116 @@
+"""Reading what a 3D map is made of in the worker process: clouds, scan graphs, depth folders, recordings, octrees."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.core.time_units import EPOCH_S
+from mapper.io.clouds.content import content
+from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
+from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.reading import TEXT, cloud_format
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.opening import is_log
+from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
+from mapper.volume.octree.files import is_octree, octree_of_bytes
+from mapper.volume.scans.scan_sequence import ScanSequence, gather
+from mapper.volume.scans.sources import file_head
+from server.library.packs.volume import VolumeSource, write_volume_pack
+
+MOST_OCTREE_BYTES = 256 << 20  #: of the file of an octree, whose tree is kept in memory
+
+
+def holds_volume(path: Path) -> bool:
+    """Return whether a file is a cloud, a scan graph, an octree or an archive of depth images, by its bytes.
+
+    So is a folder of depth images; a text of numbers that is a known log is none. Raises :class:`ReadError` where the
+    file cannot be read.
+    """
+    if path.is_dir():
+        return is_depth_folder(path)
+    head = file_head(path, DEFAULT_LIMITS)
+    if is_octree(head) or is_zip(head):
+        return True
+    kind = cloud_format(head)
+    if kind is None:
+        return is_depth_archive(path, DEFAULT_LIMITS)
+    return kind != TEXT or not is_log(path)
+
+
+def read_volume(path: Path, topic: str | None, progress: Progress) -> VolumeSource:
+    """Return what the file holds. Raises :class:`ReadError` and :class:`LimitError`."""
+    head = b"" if path.is_dir() else file_head(path, DEFAULT_LIMITS)
+    if is_octree(head):
+        return octree_of_bytes(content(path, replace(DEFAULT_LIMITS, max_cloud_bytes=MOST_OCTREE_BYTES)), "The octree")
+    if is_zip(head) or (not path.is_dir() and cloud_format(head) is None and is_depth_archive(path, DEFAULT_LIMITS)):
+        with tempfile.TemporaryDirectory(prefix="gridbloom-depth-") as folder:
+            # Half of the progress is unpacking, half is reading the images.
+            unpack_depth_archive(path, Path(folder), DEFAULT_LIMITS, lambda share: progress(0.5 * share))
+            return gather(folder, progress=lambda share: progress(0.5 + 0.5 * share))
+    return gather(path, topic=topic, progress=progress)
+
+
+def store_volume(source: VolumeSource, pack: Path | None, picture: Path | None) -> None:
+    """Write the pack and the picture of what was read. Raises :class:`LimitError` where it cannot be stored."""
+    if pack is not None:
+        try:
+            write_volume_pack(source, pack)
+        except OSError as error:
+            message = "What was read of the file could not be stored; the server's disk may be full."
+            raise LimitError("log.storage", message) from error
+    if picture is not None:
+        from server.library.packs.volume_picture import write_volume_picture  # noqa: PLC0415 - Pillow only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):
+            write_volume_picture(source, picture)
+
+
+def summarise_volume(source: VolumeSource, name: str) -> LogSummary:
+    """Return the figures of what a 3D map is made of."""
+    if not isinstance(source, ScanSequence):
+        if source.tree.n_nodes == 0:
+            raise ReadError("octree.empty", "The octree has no nodes.")
+        return _summary(name, f"OctoMap {source.kind}", 1, source.tree.n_leaves, source.notes, None, 0.0)
+    stamps = np.sort(source.stamps_ns).astype(np.float64) * 1e-9
+    gaps = np.diff(stamps)
+    usual = float(np.median(gaps)) if len(gaps) else 0.0
+    duration = float(stamps[-1] - stamps[0]) if len(stamps) else 0.0
+    time = TimeSummary(
+        start_s=float(stamps[0]) if EPOCH_S[0] < stamps[0] < EPOCH_S[1] else None,
+        rate_hz=1.0 / usual if usual > 0.0 and math.isfinite(usual) else None,
+        gaps=0,
+        longest_gap_s=0.0,
+        longest_gap_at_s=0.0,
+    )
+    return _summary(name, source.kind, len(source), len(source.points), source.notes, time, duration)
+
+
+def _summary(
+    name: str, kind: str, clouds: int, points: int, notes: tuple[str, ...], time: TimeSummary | None, duration: float
+) -> LogSummary:
+    return LogSummary(
+        name=name,
+        format=kind,
+        scans=0,
+        beams=0,
+        duration_s=duration,
+        field_of_view_deg=0.0,
+        angle_min=0.0,
+        angle_increment=0.0,
+        range_max=0.0,
+        mount=(0.0, 0.0, 0.0),
+        readings=ReadingCounts(0, 0, 0),
+        trajectories=(),
+        notes=notes,
+        time=time,
+        clouds=clouds,
+        points=points,
+    )

@@ -1,0 +1,1 @@
+"""Mapping all logs of a library, on this machine or on a Dask cluster."""

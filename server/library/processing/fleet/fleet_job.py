@@ -1,0 +1,138 @@
+"""The job of a worker for one log of a fleet, in a process with limits."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mapper.core.errors import LimitError, MapperError, ReadError
+from server.jobs import process
+from server.jobs.following import followed
+from server.jobs.process import JobLimits
+from server.jobs.workers import Worker
+
+DOING = "Reading, examining and mapping this log"
+READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: fractions of the job that are done then
+RUNS = 2  #: of a log whose process was ended: the machine may be at fault
+DIED = "fleet.died"  #: the error of a log whose process was ended
+LOSSES = 4  #: of workers of a cluster with one log, of which the machines may be at fault, or the log
+
+
+class ClusterLostError(MapperError):
+    """The cluster cannot do the job now: the log is not at fault."""
+
+
+class WorkerLostError(MapperError):
+    """The worker of a cluster that did the job is gone."""
+
+
+LIMITS = JobLimits(timeout_s=1800.0, cpu_s=1800.0)  #: of one log
+
+
+@dataclass(frozen=True, slots=True)
+class FleetJob:
+    """Read ``source``, examine it, map it, and draw its map into ``picture``.
+
+    The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
+    """
+
+    source: str
+    map: str | None
+    picture: str
+    limits: JobLimits
+    background: bool = False
+
+    @property
+    def timeout_s(self) -> float:
+        """Longest elapsed time, seconds."""
+        return self.limits.timeout_s
+
+    @property
+    def memory_bytes(self) -> int:
+        """Largest address space of the process, bytes."""
+        return self.limits.memory_bytes
+
+    @property
+    def work(self) -> Callable[[FleetJob], dict[str, Any]]:
+        """The function that does it."""
+        return do_fleet_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a log that takes too long."""
+        return process.time_error(self.timeout_s, DOING, "fleet")
+
+
+def do_fleet_job(job: FleetJob) -> dict[str, Any]:
+    """Do the job; return what is known of the log, for JSON.
+
+    Raises :class:`mapper.core.errors.MapperError` for a log that is not read or mapped, and for limits.
+    """
+    return process.bounded(job.timeout_s, job.limits.cpu_s, lambda: _done(job), DOING, "fleet")
+
+
+async def fleet_facts(
+    worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
+) -> tuple[dict[str, Any], int]:
+    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`followed`.
+
+    A job whose worker is gone is begun again by another one. Raises :class:`ClusterLostError` where there is none.
+    """
+    run, lost = 1, 0
+    while True:
+        try:
+            return await followed(worker, job, look or _not_looked, DIED), run + lost
+        except WorkerLostError:
+            lost += 1
+            if lost == LOSSES:
+                message = f"{LOSSES} workers of the cluster ended during this job; the log may need too much memory."
+                raise ReadError("fleet.worker_lost", message) from None
+        except ReadError as error:
+            if error.code != DIED or run == RUNS:
+                raise
+            run += 1
+
+
+async def _not_looked() -> None:
+    """Nobody looks."""
+
+
+def _done(job: FleetJob) -> dict[str, Any]:
+    from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
+    from mapper.grid.compare import wall_contrast  # noqa: PLC0415
+    from mapper.io.logs import open_log  # noqa: PLC0415
+    from mapper.io.maps import save_map  # noqa: PLC0415
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
+    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415
+    from server.library.packs.picture import write_picture  # noqa: PLC0415
+
+    if job.background:
+        process.lower_priority()
+    began = time.process_time()
+    log = open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
+    process.note_progress(READ)
+    found = examine(log)
+    process.note_progress(EXAMINED)
+    config = MappingConfig()
+    grid = grid_for(log, config)
+    integrate_log(grid, log, config)
+    if job.map is not None:
+        save_map(grid, Path(job.map))
+    process.note_progress(MAPPED)
+    picture = write_picture(log, Path(job.picture))
+    geometry, contrast = grid.geometry, wall_contrast(grid)
+    return {
+        "scans": log.n_scans,
+        "beams": log.n_beams,
+        "trajectory": log.default_trajectory,
+        "rows": geometry.rows,
+        "cols": geometry.cols,
+        "resolution": geometry.resolution,
+        "contrast": round(contrast, 4) if math.isfinite(contrast) else None,
+        "findings": [{"check": one.check, "sentence": one.sentence, "possible": one.possible} for one in found],
+        "picture": picture,
+        "cpu_s": round(time.process_time() - began, 3),
+    }

@@ -1,0 +1,250 @@
+"""The logs of the library as a fleet: each is read, examined and mapped once, by several workers, and the result kept.
+
+A result belongs to the log, not to who asked for it: of a log of the shared folder all visitors see one. Logs that wait
+when the service ends go on at the next start. They are done by processes of this machine or on a Dask cluster; while
+that is away they wait. All methods run on the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import msgspec
+
+from mapper.core.errors import LimitError
+from server.jobs.leases import Leases
+from server.jobs.process import JobLimits
+from server.jobs.queue import JobQueue, Key, Running
+from server.jobs.record import Failure, JobKind, JobRecord, JobRows
+from server.jobs.workers import Worker
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import Record
+from server.library.processing.fleet.cluster import Cluster, ClusterState
+from server.library.processing.fleet.cluster_worker import ClusterWorker
+from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, fleet_facts
+
+MOST = 20_000  #: logs that wait at once, of all visitors
+LOOK_S = 0.5  #: how often the size of the cluster is looked at
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFinding:
+    """What the log doctor found: its ``check``, in a ``sentence``; ``possible`` where it may be something else."""
+
+    check: str
+    sentence: str
+    possible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFacts:
+    """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
+
+    ``cpu_s`` and ``seconds`` are processor and elapsed time, ``runs`` how many it took.
+    """
+
+    scans: int
+    beams: int
+    trajectory: str
+    rows: int
+    cols: int
+    resolution: float
+    contrast: float | None
+    findings: tuple[FleetFinding, ...]
+    picture: bool
+    cpu_s: float
+    seconds: float
+    runs: int
+
+
+@dataclass(frozen=True, slots=True)
+class FleetRequest:
+    """All logs are mapped alike."""
+
+
+Job = JobRecord[FleetRequest, FleetFacts]
+Queue = JobQueue[FleetRequest, float, FleetFacts]
+
+
+FleetLogState = Literal["none", "queued", "running", "done", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetLog:
+    """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out."""
+
+    id: str
+    name: str
+    state: FleetLogState
+    fraction: float
+    error: Failure | None
+    facts: FleetFacts | None
+
+
+@dataclass(frozen=True, slots=True)
+class FleetState:
+    """How many logs are in which state, and those that have changed since a revision.
+
+    ``whole`` says that all are returned: of revision 0, and where a log was forgotten since. ``cluster`` is None where
+    processes of this machine do it; its address is not told.
+    """
+
+    revision: int
+    whole: bool
+    workers: int
+    cluster: ClusterState | None
+    counts: dict[FleetLogState, int]
+    logs: list[FleetLog]
+
+
+class FleetJobs:
+    """The jobs, ``places`` at once, each on a worker of its own that ``worker`` makes.
+
+    With a ``cluster``, which is closed with them, they are done there, as many at once as its workers have threads.
+    """
+
+    def __init__(
+        self,
+        rows: JobRows,
+        leases: Leases,
+        catalogue: Catalogue,
+        worker: Callable[[], Worker],
+        places: int,
+        cluster: Cluster | None = None,
+        limits: JobLimits = LIMITS,
+    ) -> None:
+        self.places = places if cluster is None else 0
+        self._cluster = cluster
+        self._following: asyncio.Task[None] | None = None
+        self._catalogue, self._make_worker = catalogue, worker
+        self._limits = limits
+        self._idle: list[Worker] = []
+        self._revision = 0
+        self._whole = 0  #: the last revision at which a log was forgotten
+        self._changed_at: dict[Key, int] = {}
+        kind = JobKind("fleet", "Mapping", "log", FleetRequest, FleetFacts, self.places)
+        self._queue: Queue = JobQueue(rows, leases, kind, self._mapped, self._changed)
+        self.follow = self._queue.follow
+        self.forget_log = self._queue.forget_log
+
+    async def start(self) -> None:
+        """Begin again what an earlier run of the service did not finish. Raises :class:`StorageError`."""
+        await self._queue.start()
+        if self._cluster is not None:
+            self._following = asyncio.create_task(self._follow_size(self._cluster), name="size of the cluster")
+
+    async def _follow_size(self, cluster: Cluster) -> None:
+        """Do as many jobs at once as the cluster's workers have threads."""
+        while True:
+            if cluster.state.threads != self.places:
+                self.places = cluster.state.threads
+                self._queue.resize(self.places)
+            await asyncio.sleep(LOOK_S)
+
+    async def close(self) -> None:
+        """End the running jobs, which the next start begins again, and their processes."""
+        if self._following is not None:
+            self._following.cancel()
+        await self._queue.close()
+        if self._cluster is not None:
+            await asyncio.to_thread(self._cluster.close)
+        for worker in self._idle:
+            await asyncio.to_thread(worker.close)
+
+    def _changed(self, key: Key) -> None:
+        self._revision += 1
+        if key in self._queue.records:
+            self._changed_at[key] = self._revision
+        else:
+            self._changed_at.pop(key, None)
+            self._whole = self._revision
+
+    # -- asked for ------------------------------------------------------------------------------------------------
+
+    async def begin(self, logs: Sequence[Record], *, again: bool = False) -> int:
+        """Queue the logs that have no result and are not under way; ``again``: also those that failed.
+
+        Returns how many there are. Raises :class:`LimitError` for too many, and :class:`StorageError`.
+        """
+        known = self._queue.records
+        wanted: list[Job] = []
+        for log in logs:
+            record = known.get((log.owner, log.id))
+            if record is None or record.state == "cancelled" or (again and record.state == "failed"):
+                wanted.append(
+                    JobRecord(
+                        log_id=log.id, owner=log.owner, request=FleetRequest(), state="queued", created_s=time.time()
+                    )
+                )
+        if len(self._queue.running) + len(wanted) > MOST:
+            raise LimitError("fleet.too_many", f"At most {MOST:,} logs wait to be mapped at once.")
+        await self._queue.begin(wanted)
+        return len(wanted)
+
+    async def stop(self, logs: Sequence[Record]) -> None:
+        """End the jobs of these logs that are queued or running; what is done stays."""
+        await self._queue.stop_all([(log.owner, log.id) for log in logs])
+
+    def state(self, logs: Sequence[Record], since: int = 0) -> FleetState:
+        """Return how many of these logs are in which state, and those that have changed since a revision."""
+        whole = since <= self._whole or since > self._revision
+        counts = dict.fromkeys(get_args(FleetLogState), 0)
+        shown = []
+        for log in logs:
+            key = (log.owner, log.id)
+            record = self._queue.records.get(key)
+            state: FleetLogState = "none" if record is None or record.state == "cancelled" else record.state
+            counts[state] += 1
+            if whole or state == "running" or self._changed_at.get(key, 0) > since:
+                fraction = round(self._queue.fraction(key), 3) if state == "running" else 0.0
+                error, facts = (None, None) if record is None else (record.error, record.result)
+                shown.append(FleetLog(log.id, log.name, state, fraction, error, facts))
+        cluster = None if self._cluster is None else self._cluster.state
+        return FleetState(self._revision, whole, self.places, cluster, counts, shown)
+
+    # -- the job --------------------------------------------------------------------------------------------------
+
+    async def _mapped(self, record: Job, running: Running[float]) -> FleetFacts:
+        """Have a worker do the job; return the facts."""
+        log = self._catalogue.get(record.log_id) or Record(record.log_id, record.owner, "", "folder", "queued", 0)
+        worker = self._idle.pop() if self._idle else self._new_worker()
+        began = time.monotonic()
+
+        async def look() -> None:
+            if worker.progress != running.fraction:
+                running.tell(worker.progress, worker.progress)
+
+        try:
+            if log.source == "folder" and log.id not in self._catalogue.folder_logs:
+                raise LogNotFoundError("log.not_found", "This log is not in the folder any more.")
+            async with self._catalogue.source(log) as source:
+                picture = str(self._catalogue.picture(log.id))
+                job = FleetJob(str(source), None, picture, self._limits, background=True)
+                facts, runs = await self._facts(worker, job, look)
+        finally:
+            self._idle.append(worker)
+            if len(self._queue.running) == 1:  # the last one: processes that wait take memory
+                for one in self._idle:
+                    one.end()
+        await self._catalogue.publish(log.id)
+        seconds = round(time.monotonic() - began, 3)
+        return msgspec.convert(facts | {"seconds": seconds, "runs": runs}, FleetFacts)
+
+    def _new_worker(self) -> Worker:
+        return self._make_worker() if self._cluster is None else ClusterWorker(self._cluster)
+
+    async def _facts(
+        self, worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]]
+    ) -> tuple[dict[str, Any], int]:
+        """Return the facts and the number of runs; while the cluster is away the job waits."""
+        while True:
+            if self._cluster is None or self._cluster.state.threads:
+                with contextlib.suppress(ClusterLostError):
+                    return await fleet_facts(worker, job, look)
+            await asyncio.sleep(LOOK_S)

@@ -1,0 +1,338 @@
+"""Localization as a kind of jobs on logs: what it makes is one more trajectory of the log, in the frame of a map.
+
+The worker process writes files: how far it is with the poses and the particles so far while it runs, the trajectory and
+the course in the end.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import time
+import zipfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError, LimitError
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
+from server.jobs import process
+from server.jobs.record import JobKind, JobRecord, JobStatus, shared
+from server.library.annotations.trajectories import NewTrajectory
+from server.library.packs.course import Course, course_bytes, thinned
+from server.library.packs.given_map import read_given_map
+from server.library.packs.log import log_in
+from server.library.processing.given_maps import GivenMaps
+from server.library.processing.log_jobs import Parameters, PoseRequest, Run
+
+if TYPE_CHECKING:
+    from mapper.localization import MonteCarloLocalizer
+
+DOING = "Localizing this log"  #: in errors
+EVERY_S = 0.4  #: seconds between two reports
+MOST_SHOWN = 2000  #: particles of a report
+KEPT_OF_SCAN = 250  #: particles of a scan in the course
+
+#: Endings of the files, after the job's ``out``.
+PROGRESS, TUM, COURSE = ".progress", ".tum", ".course"
+
+_NUMBERS = ("fraction", "is_converged", "share", "fit", "entropy", "n_particles", "n_updates")
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizeJob:
+    """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
+
+    ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
+    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
+    and time offset are used.
+    """
+
+    pack: str
+    given: str
+    out: str
+    trajectory: str | None
+    initial_pose: tuple[float, float, float] | None
+    parameters: Parameters
+    mapping: Parameters
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[LocalizeJob], LocalizeOutcome]:
+        """The function that does it."""
+        return do_localize_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return process.time_error(self.timeout_s, DOING, "localization")
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizeOutcome:
+    """Result of localization; ``first_converged`` is None where the filter never converged."""
+
+    map_title: str
+    odometry: str
+    first_converged: int | None
+    converged: int
+    is_converged: bool
+    updates: int
+    median_fit: float
+    cpu_s: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocalizeProgress:
+    """The poses (k, 3), ``T_map_base``, of the first k scans while the job runs, and the filter after the last of them.
+
+    ``particles`` (m, 4) are x, y, yaw and weight, the greatest 1; ``covariance`` (3, 3); the rest as
+    :class:`mapper.localization.Estimate` has it.
+    """
+
+    fraction: float
+    is_converged: bool
+    share: float
+    fit: float
+    entropy: float
+    n_particles: int
+    n_updates: int
+    covariance: NDArray[np.float64]
+    poses: NDArray[np.float64]
+    particles: NDArray[np.float32]
+
+    @property
+    def stage(self) -> str:
+        """What is done now: there is one stage."""
+        return "localization"
+
+
+def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
+    process.lower_priority()
+    return process.bounded(job.timeout_s, job.cpu_s, lambda: _localize(job), DOING, "localization")
+
+
+def _localize(job: LocalizeJob) -> LocalizeOutcome:
+    from mapper.io.export import tum_text  # noqa: PLC0415 - only this process needs the filter
+    from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
+    from mapper.localization import LocalizationConfig, localize_log  # noqa: PLC0415
+    from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
+
+    log = log_in(job.pack)
+    given = read_given_map(Path(job.given))
+    grid = grid_of_values(given.geometry, given.values)
+    watch = _Watch(job.out, log.n_scans)
+    found = localize_log(
+        as_mapped(log, MappingConfig().with_values(job.mapping)), grid,
+        LocalizationConfig().with_values(job.parameters), trajectory=job.trajectory, initial_pose=job.initial_pose,
+        watch=watch,
+    )  # fmt: skip
+    offsets, particles = thinned(watch.clouds)
+    course = Course(
+        found.covariance, found.is_converged, found.is_updated, found.share, found.fit, found.entropy,
+        found.n_particles, offsets, particles, given,
+    )  # fmt: skip
+    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses, from_scans=True)})
+    Path(job.out + COURSE).write_bytes(course_bytes(course))
+    Path(job.out + TUM).write_text(tum_text(log, LOCALIZED), encoding="ascii")
+    process.note_progress(1.0)
+    used = found.fit[found.is_updated]
+    return LocalizeOutcome(
+        given.title, found.odometry, found.first_converged, int(found.is_converged.sum()), bool(found.is_converged[-1]),
+        len(used), float(np.median(used)) if len(used) else 0.0, found.cpu_seconds,
+    )  # fmt: skip
+
+
+@dataclass(slots=True)
+class _Watch:
+    """Keeps a sample of the particles of each scan that is used, and reports every :data:`EVERY_S`."""
+
+    out: str
+    n_scans: int
+    clouds: list[NDArray[np.float32]] = field(default_factory=list)
+    poses: list[NDArray[np.float64]] = field(default_factory=list)
+    written: float = 0.0
+
+    def __call__(self, scan: int, robot: MonteCarloLocalizer) -> None:
+        estimate = robot.estimate
+        self.poses.append(estimate.pose)
+        if estimate.is_updated:
+            self.clouds.append(_sample(robot.particles, KEPT_OF_SCAN))
+        now, fraction = time.monotonic(), (scan + 1) / self.n_scans
+        process.note_progress(fraction)
+        if now - self.written < EVERY_S:
+            return
+        self.written = now
+        particles = _sample(np.column_stack([robot.particles, robot.weights / robot.weights.max()]), MOST_SHOWN)
+        numbers = [
+            fraction, estimate.is_converged, estimate.share, estimate.fit, estimate.entropy, estimate.n_particles,
+            robot.n_updates,
+        ]  # fmt: skip
+        with atomic_write(Path(self.out + PROGRESS)) as file:
+            np.savez(
+                file, numbers=np.array(numbers, dtype=np.float64), covariance=estimate.covariance,
+                poses=np.stack(self.poses), particles=particles,
+            )  # fmt: skip
+
+
+def _sample(rows: NDArray[np.float64], most: int) -> NDArray[np.float32]:
+    return rows[:: max(1, -(-len(rows) // most))].astype(np.float32)
+
+
+def read_progress(out: Path) -> LocalizeProgress | None:
+    """Return what a running job has reported last; None before the first report."""
+    try:
+        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
+            numbers = dict(zip(_NUMBERS, arrays["numbers"].tolist(), strict=True))
+            return LocalizeProgress(
+                fraction=numbers["fraction"],
+                is_converged=bool(numbers["is_converged"]),
+                share=numbers["share"],
+                fit=numbers["fit"],
+                entropy=numbers["entropy"],
+                n_particles=int(numbers["n_particles"]),
+                n_updates=int(numbers["n_updates"]),
+                covariance=arrays["covariance"],
+                poses=arrays["poses"],
+                particles=arrays["particles"],
+            )
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+# -- the kind of jobs -------------------------------------------------------------------------------------------------
+
+NAME = "localized"  #: of the trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizationParameters:
+    """``values`` that differ from the first ones; ``initial_pose`` is in the map, x, y (m) and yaw, None: anywhere."""
+
+    values: Parameters = field(default_factory=dict)
+    initial_pose: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizationRequest(PoseRequest):
+    """Localization of a log in the map that its visitor chose."""
+
+    parameters: LocalizationParameters = field(default_factory=LocalizationParameters)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalizationResult(LocalizeOutcome):
+    """What localization has made of a log: ``trajectory`` is its name."""
+
+    trajectory: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalizationStatus(JobStatus):
+    """State of the localization of a log: how many scans have poses, and whether the filter has converged."""
+
+    log: str
+    topic: str | None
+    odometry: str | None
+    parameters: LocalizationParameters
+    result: LocalizationResult | None
+    scans: int
+    is_converged: bool
+    n_particles: int
+
+
+class LocalizationKind:
+    """Localization of logs in the maps that their visitors chose: a :class:`LogJobKind`."""
+
+    jobs = JobKind("localization", "Localization", "localization job", LocalizationRequest, LocalizationResult)
+
+    def __init__(self, maps: GivenMaps) -> None:
+        self._maps = maps
+
+    def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
+        """Return a request with the values that differ from the first ones."""
+        request.check()
+        wanted = request.parameters
+        return replace(request, parameters=replace(wanted, values=changed_values(wanted.values)))
+
+    def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
+        """Return no log: the map is a file of its own."""
+        return ()
+
+    def status(
+        self,
+        record: JobRecord[LocalizationRequest, LocalizationResult],
+        status: JobStatus,
+        newest: LocalizeProgress | None,
+    ) -> LocalizationStatus:
+        """Return the state of a job."""
+        return LocalizationStatus(
+            **shared(status),
+            log=record.log_id,
+            topic=record.request.topic,
+            odometry=record.request.trajectory,
+            parameters=record.request.parameters,
+            result=record.result,
+            scans=0 if newest is None else len(newest.poses),
+            is_converged=newest is not None and newest.is_converged,
+            n_particles=0 if newest is None else newest.n_particles,
+        )
+
+    async def run(self, run: Run[LocalizationRequest, LocalizeProgress]) -> LocalizationResult:
+        """Localize a log, and add the poses in the map to it with their course.
+
+        Raises :class:`ConfigError` where no map was chosen.
+        """
+        wanted, limits = run.request, run.limits
+        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
+        pack, given = await run.packed(log, "log.npz"), run.folder / "map.npz"
+        try:
+            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), given)
+        except FileNotFoundError:
+            raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
+        pose = wanted.parameters.initial_pose
+        job = LocalizeJob(
+            pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
+            limits.timeout_s, limits.cpu_s, limits.memory_bytes,
+        )  # fmt: skip
+        found = await run.follow(job, read_progress)
+        name = run.own_name(log, NAME, f"{NAME} in a map")
+        first = found.first_converged
+        when = "which never converged" if first is None else f"converged from scan {first + 1} on"
+        start = "anywhere" if pose is None else "a given pose"
+        said = f"localized in {found.map_title} by the poses of {found.odometry}, from {start}, {when}"
+        text, course = await run.made(TUM), await run.made(COURSE)
+        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, course=course))
+        rounded = replace(found, cpu_s=round(found.cpu_s, 2), median_fit=round(found.median_fit, 4))
+        return LocalizationResult(**asdict(rounded), trajectory=name)
+
+
+def changed_values(values: Parameters) -> Parameters:
+    """Return the localization parameters that differ from the first values (worker thread: it imports the filter).
+
+    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
+    """
+    from mapper.localization import LocalizationConfig  # noqa: PLC0415 - few visitors localize a log
+
+    first = LocalizationConfig().as_dict()
+    return {
+        name: value
+        for name, value in LocalizationConfig().with_values(values).as_dict().items()
+        if value != first[name]
+    }
+
+
+def parameter_table() -> list[dict[str, Any]]:
+    """Return the table of localization's parameters (worker thread: it imports the filter)."""
+    from mapper.localization import PARAMETERS  # noqa: PLC0415 - few visitors localize a log
+
+    return [asdict(row) for row in PARAMETERS]

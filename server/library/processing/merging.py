@@ -1,0 +1,222 @@
+"""Merging as a kind of jobs on logs: two logs of one place are brought into one frame.
+
+What a job makes is a trajectory of each of the two logs, and one more log with the scans of both. The worker process
+writes a TUM file for each.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError, LimitError
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.planar.options import PlanarCut
+from server.jobs import process
+from server.jobs.record import JobKind, JobRecord, JobStatus, shared
+from server.library.annotations.trajectories import NewTrajectory
+from server.library.packs.log import log_in
+from server.library.processing.log_jobs import Run
+from server.library.processing.slam import NAME as SLAM
+
+DOING = "Merging these logs"  #: in errors
+NAME = "merged"  #: of the trajectories
+ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
+BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the log of both, and the pose graph that they come from
+LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done now
+
+
+@dataclass(frozen=True, slots=True)
+class MergeJob:
+    """Merge the logs in the packs ``first`` and ``second``. ``out`` is the path of its files without their endings."""
+
+    first: str
+    second: str
+    out: str
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[MergeJob], MergeOutcome]:
+        """The function that does it."""
+        return do_merge_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return process.time_error(self.timeout_s, DOING, "merge")
+
+
+@dataclass(frozen=True, slots=True)
+class MergeOutcome:
+    """Result of the merge of two logs: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match.
+
+    ``topic`` names the sensors of the log of both, None where they are one. ``note`` says whether the clock of one log
+    was set there; it is empty where it was not.
+    """
+
+    loops: int
+    tried: int
+    score: float
+    cpu_s: float
+    topic: str | None = None
+    note: str = ""
+
+
+def do_merge_job(job: MergeJob) -> MergeOutcome:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place, and limits."""
+    process.lower_priority()
+    return process.bounded(job.timeout_s, job.cpu_s, lambda: _merge(job), DOING, "merge")
+
+
+def _merge(job: MergeJob) -> MergeOutcome:
+    from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
+    from mapper.slam import MergeProgress, merge_logs, merged_graph, merged_log  # noqa: PLC0415
+    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+
+    def begin(stage: str) -> None:
+        with atomic_write(Path(job.out + STAGE)) as file:
+            file.write(stage.encode())
+
+    newest = ""
+
+    def report(progress: MergeProgress) -> bool:
+        nonlocal newest
+        process.note_progress(0.97 * progress.fraction)
+        if progress.stage != newest:
+            newest = progress.stage
+            begin(newest)
+        return True
+
+    logs = log_in(job.first), log_in(job.second)
+    found = merge_logs(*logs, progress=report)
+    for log, poses, ending in zip(logs, found.poses, ENDINGS, strict=True):
+        one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
+        Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
+    begin("writing")
+    both, note = merged_log(logs, found.poses)
+    with Path(job.out + LOG).open("wb") as mcap:
+        write_mcap(mcap, both, trajectory=NAME)
+    Path(job.out + BOTH).write_text(tum_text(both, NAME), encoding="ascii")
+    Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, found)))
+    process.note_progress(1.0)
+    topic = both.topic if isinstance(both, JointLog) else None
+    return MergeOutcome(len(found.loops), len(found.tried), found.score, found.cpu_seconds, topic, note)
+
+
+# -- the kind of jobs -------------------------------------------------------------------------------------------------
+
+PIECE = 1 << 20  #: bytes of the merged log that are stored at once
+
+
+@dataclass(frozen=True, slots=True)
+class MergeRequest:
+    """A merge of a log with the log ``other``. ``topic`` and ``other_topic`` name their sensors.
+
+    ``cut`` and ``other_cut`` say how the scans of each are cut out of clouds and depth images (None: as by default).
+    """
+
+    other: str = ""
+    topic: str | None = None
+    other_topic: str | None = None
+    cut: dict[str, float] | None = None
+    other_cut: dict[str, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MergeReport:
+    """How far a merge is, and what is done now."""
+
+    fraction: float
+    stage: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MergeResult(MergeOutcome):
+    """What a merge has made: ``trajectory`` of both logs, and the log of both, its id and its name."""
+
+    trajectory: str
+    log: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MergeStatus(JobStatus):
+    """State of a merge of a log with the log ``other``."""
+
+    other: str | None
+    result: MergeResult | None
+    stage: str | None
+
+
+class MergeKind:
+    """Merging of logs: a :class:`LogJobKind`."""
+
+    jobs = JobKind("merge", "Merging", "merge", MergeRequest, MergeResult, most_of_owner=1, most=20, joins=False)
+
+    def checked(self, log_id: str, request: MergeRequest) -> MergeRequest:
+        """Return a request with valid cuts. Raises :class:`ConfigError` for a log with itself."""
+        if request.other == log_id:
+            raise ConfigError("merge.same", "These are one log: choose another one to merge it with.")
+        for cut in (request.cut, request.other_cut):
+            PlanarCut.of(cut or {})
+        return request
+
+    def others(self, request: MergeRequest) -> tuple[str, ...]:
+        """Return the other log."""
+        return (request.other,)
+
+    def status(
+        self, record: JobRecord[MergeRequest, MergeResult], status: JobStatus, newest: MergeReport | None
+    ) -> MergeStatus:
+        """Return the state of a job."""
+        return MergeStatus(
+            **shared(status),
+            other=record.request.other or None,
+            result=record.result,
+            stage=None if newest is None else newest.stage,
+        )
+
+    async def run(self, run: Run[MergeRequest, MergeReport]) -> MergeResult:
+        """Merge two logs, add a trajectory to each, and store a log of both."""
+        wanted, limits, ids = run.request, run.limits, (run.log_id, run.request.other)
+        first = await run.load(run.log_id, wanted.topic, wanted.cut)
+        second = await run.load(ids[1], wanted.other_topic, wanted.other_cut)
+        packs = await run.packed(first, "first.npz"), await run.packed(second, "second.npz")
+        job = MergeJob(*packs, str(run.out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
+        found = await run.follow(job, lambda out: _report(out, run.worker.progress))
+        texts = [await run.made(ending) for ending in ENDINGS]
+        names = [run.logs.get(run.owner, log_id).name for log_id in ids]
+        for log_id, log, text, other in zip(ids, (first, second), texts, reversed(names), strict=True):
+            said = f"poses in one frame with those of {other}, with {found.loops} loops between the two logs"
+            await run.add(log_id, log, NewTrajectory(NAME, text, "slam", said))
+        both = await run.logs.put(run.owner, _name_of_both(names), _pieces(run.out.with_name(run.out.name + LOG)))
+        said = f"SLAM of {names[0]} and {names[1]}, with {found.loops} loops between the two logs"
+        log = await run.logs.load(run.owner, both.id, found.topic)
+        new = NewTrajectory(SLAM, await run.made(BOTH), "slam", said, await run.made(GRAPH))
+        await run.add(both.id, log, new)
+        return MergeResult(**asdict(found), trajectory=NAME, log=both.id, name=both.name)
+
+
+def _name_of_both(names: list[str]) -> str:
+    """Return the name of the log of both, with at most 60 characters of each."""
+    first, second = (name.split(".", 1)[0][:60] or "log" for name in names)
+    return f"{first} and {second}, merged.mcap"
+
+
+async def _pieces(path: Path) -> AsyncIterator[bytes]:
+    with await asyncio.to_thread(path.open, "rb") as file:
+        while piece := await asyncio.to_thread(file.read, PIECE):
+            yield piece
+
+
+def _report(out: Path, fraction: float) -> MergeReport | None:
+    """Return what a running job has reported last; None before the first report."""
+    try:
+        return MergeReport(fraction, out.with_name(out.name + STAGE).read_text(encoding="ascii"))
+    except OSError:
+        return None

@@ -1,0 +1,81 @@
+"""Pictures of the images and clouds in recordings, decoded in a process with limits: what is decoded, others wrote."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from pathlib import Path
+
+from mapper.core.errors import MapperError
+from server.jobs import process
+from server.jobs.workers import PoolWorker
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.records import Record
+from server.library.processing.reader import outcome_of
+from server.library.processing.reading_jobs import without_paths
+from server.work.fair_lock import FairLock
+
+TIMEOUT_S = 60.0  #: of one picture, and of processor time
+BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
+MEMORY_BYTES = 3 << 30  #: address space of the process
+
+
+@dataclass(frozen=True, slots=True)
+class MomentPicture:
+    """A picture of a message that was recorded at ``stamp_ns``."""
+
+    data: bytes
+    media_type: str
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class PictureJob:
+    """Make a picture of the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
+
+    source: str
+    topic: str
+    at_ns: int
+    timeout_s: float
+
+
+def picture_job(job: PictureJob) -> MomentPicture:
+    """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
+    return process.bounded(job.timeout_s, job.timeout_s, lambda: _picture(job))
+
+
+def _picture(job: PictureJob) -> MomentPicture:
+    # Only the process that decodes needs the readers and the decoders.
+    from mapper.io.contents.pictures import picture_of  # noqa: PLC0415
+    from mapper.io.contents.seeking import message_at  # noqa: PLC0415
+
+    found = message_at(Path(job.source), job.topic, job.at_ns)
+    return MomentPicture(*picture_of(found.type, found.data, cdr=found.cdr), found.stamp_ns)
+
+
+class MomentPictures:
+    """Makes one picture at a time, of waiting addresses and visitors in rotation. Used from the event loop only."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self._catalogue = catalogue
+        self._worker = PoolWorker(MEMORY_BYTES)
+        self._turns = FairLock()
+
+    async def picture(
+        self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = ""
+    ) -> MomentPicture:
+        """Return a picture of the newest message of ``topic`` at or before ``at_ns``; of the first one before that.
+
+        Its process is ended when this is cancelled. Raises what it raised.
+        """
+        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
+            timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
+            job = PictureJob(str(source), topic, at_ns, timeout_s)
+            try:
+                return await outcome_of(self._worker, self._worker.run(picture_job, job), timeout_s)
+            except MapperError as error:
+                raise without_paths(error, source, record.name) from None
+
+    async def close(self) -> None:
+        """End the process."""
+        await asyncio.to_thread(self._worker.close)

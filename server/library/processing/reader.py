@@ -1,0 +1,153 @@
+"""Reads logs in a worker: one at a time, owners in rotation, with a deadline and an error if the process dies."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import shutil
+import tempfile
+import time
+from collections.abc import AsyncIterator
+from concurrent.futures import BrokenExecutor, Future
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TypeVar
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.io.logs.summary import LogSummary
+from mapper.sensors.planar.options import PlanarCut
+from server.jobs import workers
+from server.jobs.process import time_error
+from server.jobs.workers import PoolWorker, Worker
+from server.library.processing.reading import Job
+from server.work.fair_lock import FairLock
+
+LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, a second for this number of bytes
+LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+
+T = TypeVar("T")
+
+
+class Reader:
+    """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only.
+
+    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. What reading
+    writes meanwhile, as unpacked archives, is in a folder of the log's own below ``scratch``, which is removed when the
+    job ends, also when its process was killed; without ``scratch`` it is in the system's folder.
+    """
+
+    def __init__(
+        self,
+        *,
+        timeout_s: float,
+        memory_bytes: int,
+        cpu_s: float = math.inf,
+        worker: Worker | None = None,
+        scratch: Path | None = None,
+    ) -> None:
+        self._scratch = scratch
+        self._timeout_s = timeout_s
+        self._cpu_s = min(cpu_s, timeout_s)
+        self._memory_bytes = memory_bytes
+        self._began = time.monotonic()
+        self._has_begun = False
+        self._turns = FairLock()
+        self._worker: Worker = worker or PoolWorker(memory_bytes)
+
+    @property
+    def progress(self) -> float:
+        """Progress of the log that is being read, from 0 to 1."""
+        return self._worker.progress if self._has_begun else 0.0
+
+    @property
+    def worker_pid(self) -> int:
+        """The process that reads, 0 before there is one."""
+        return self._worker.pid
+
+    @asynccontextmanager
+    async def turn(self, owner: str) -> AsyncIterator[None]:
+        """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
+        async with self._turns.of(owner):
+            # The log counts as being read from here on: what the worker tells is still of the one before.
+            self._began, self._has_begun = time.monotonic(), False
+            yield
+
+    async def read(
+        self,
+        source: Path,
+        pack: Path | None,
+        topic: str | None = None,
+        cut: PlanarCut | None = None,
+        *,
+        picture: Path | None = None,
+        volume: bool = False,
+    ) -> LogSummary:
+        """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
+
+        With ``volume`` its clouds are, for a map in 3D, and not its scans.
+
+        The caller holds :meth:`turn`.
+
+        Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
+        """
+        target = None if pack is None else str(pack)
+        size = await asyncio.to_thread(_size_of, source)
+        timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
+        cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
+        drawn = None if picture is None else str(picture)
+        folder = None
+        if self._scratch is not None:
+            try:
+                folder = await asyncio.to_thread(tempfile.mkdtemp, suffix=".reading", dir=self._scratch)
+            except OSError as error:
+                message = "The log cannot be read now: the server's disk may be full."
+                raise LimitError("log.storage", message) from error
+        try:
+            job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
+            submitted = self._worker.submit(job)
+            self._has_begun = True
+            return await outcome_of(self._worker, submitted, timeout_s)
+        finally:
+            if folder is not None:
+                await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds since the turn of the log that is being read began."""
+        return time.monotonic() - self._began
+
+    async def close(self) -> None:
+        """Cancel the running job and wait until it has ended."""
+        await asyncio.to_thread(self._worker.close)
+
+
+def _size_of(source: Path) -> int:
+    """Return the bytes of a log, a file or those of a folder; 0 where it is unknown."""
+    try:
+        files = source.iterdir() if source.is_dir() else [source]
+        return sum(file.stat().st_size for file in files)
+    except OSError:
+        return 0
+
+
+async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:
+    """Return the result of a job that ``worker`` has begun, and which has ``timeout_s`` seconds.
+
+    The worker ends it when this is cancelled. Raises what the job raises, :class:`LimitError` where it takes too long,
+    and :class:`ReadError` where its process was ended.
+    """
+    try:
+        # Its process has as long to notice that its time is over; then the worker is not asked any more.
+        return await asyncio.wait_for(asyncio.wrap_future(submitted), timeout_s + 1.5 * workers.GRACE_S)
+    except TimeoutError:
+        worker.end()
+        raise time_error(timeout_s) from None
+    except BrokenExecutor:
+        worker.end()
+        raise ReadError(
+            "log.reader_died",
+            "The process that read this log was ended, most likely because the log needs too much memory or time.",
+        ) from None
+    except asyncio.CancelledError:
+        worker.end()
+        raise

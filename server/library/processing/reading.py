@@ -1,0 +1,157 @@
+"""Reading a log in the process of a job: what the file holds, its pack and its picture."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from mapper.core.array_types import UInt8Array
+from mapper.core.errors import LimitError, ReadError
+from mapper.io.logs.summary import LogSummary, summarise
+from mapper.sensors.planar.options import PlanarCut
+from server.jobs.process import bounded, note_progress, time_error
+from server.library.packs.log import write_pack
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors.
+
+    A picture of its map is drawn into ``picture`` if there is one.
+    """
+
+    source: str
+    pack: str | None
+    topic: str | None
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int  #: of address space
+    cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
+    picture: str | None = None
+    volume: bool = False  #: whether the clouds are read for a map in 3D, and not the scans
+    folder: str | None = None  #: where temporary files are written; None: in the system's folder
+
+    @property
+    def work(self) -> Callable[[Job], LogSummary]:
+        """The function that reads it."""
+        return read_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a log that takes too long to read."""
+        return time_error(self.timeout_s)
+
+
+def read_job(job: Job) -> LogSummary:
+    """Do the job and return what the log holds.
+
+    Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
+    """
+    return bounded(job.timeout_s, job.cpu_s, lambda: _read(job))
+
+
+def _read(job: Job) -> LogSummary:
+    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
+    from server.library.packs.map_files import is_map  # noqa: PLC0415
+
+    tempfile.tempdir = job.folder  # of this process, which only reads; readers of packed databases write there, too
+    if job.volume:
+        return _read_volume(job)
+    if job.topic is None and is_map(Path(job.source)):
+        return _read_map(job)
+    if job.topic is None and _holds_volume(job):
+        return _read_volume(job)
+    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
+    try:
+        log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
+    except ReadError as error:
+        if error.code != "log.no_scans" or job.topic is not None:
+            raise
+        return _read_others(job, error)
+    note_progress(1.0)  # a cancelled job ends here and leaves no pack
+    _pack(job, lambda path: write_pack(log, path))
+    if job.picture is not None:
+        from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
+            write_picture(log.first, Path(job.picture))
+    return summarise(log.first)
+
+
+def _holds_volume(job: Job) -> bool:
+    from server.library.packs.volume_files import holds_volume  # noqa: PLC0415 - only the process that reads needs the readers
+
+    return holds_volume(Path(job.source))
+
+
+def _read_volume(job: Job) -> LogSummary:
+    """Read what a map in 3D is made of."""
+    from server.library.packs.volume_files import read_volume, store_volume, summarise_volume  # noqa: PLC0415
+
+    source = Path(job.source)
+    found = read_volume(source, job.topic, note_progress)
+    summary = summarise_volume(found, source.name)
+    note_progress(1.0)
+    store_volume(
+        found, None if job.pack is None else Path(job.pack), None if job.picture is None else Path(job.picture)
+    )
+    return summary
+
+
+def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
+    """Read the clouds or costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them."""
+    try:
+        return _read_volume(job)
+    except ReadError as error:
+        if error.code == "clouds.none":
+            return _read_costmaps(job, no_scans)
+        raise
+
+
+def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
+    """Read the costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them either."""
+    from mapper.io.costmaps import open_costmaps  # noqa: PLC0415 - few logs have them
+    from server.library.packs.costmaps import costmap_codes, summarise_costmaps, write_costmap_pack  # noqa: PLC0415
+
+    try:
+        streams = open_costmaps(Path(job.source), progress=note_progress)
+    except ReadError:
+        raise no_scans from None
+    note_progress(1.0)
+    _pack(job, lambda path: write_costmap_pack(streams, path))
+    _draw(job, lambda: costmap_codes(streams))
+    return summarise_costmaps(streams, Path(job.source).name)
+
+
+def _read_map(job: Job) -> LogSummary:
+    """Read map files."""
+    from server.library.packs.map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
+    from server.library.packs.map_files import read_map  # noqa: PLC0415
+
+    given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
+    note_progress(1.0)
+    _pack(job, given.write)
+    _draw(job, lambda: map_codes(given))
+    return summarise_map(given)
+
+
+def _pack(job: Job, write: Callable[[Path], None]) -> None:
+    """Write the pack of a job that has one. Raises :class:`LimitError` where there is no room for it."""
+    if job.pack is not None:
+        try:
+            write(Path(job.pack))
+        except OSError as error:
+            message = "What was read of the log could not be stored; the server's disk may be full."
+            raise LimitError("log.storage", message) from error
+
+
+def _draw(job: Job, codes: Callable[[], UInt8Array]) -> None:
+    """Draw the picture of a job that has one; what it shows can be opened without it as well."""
+    if job.picture is not None:
+        from server.library.packs.picture import write_codes  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):
+            write_codes(codes(), Path(job.picture))

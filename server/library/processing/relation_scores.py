@@ -1,0 +1,160 @@
+"""The score of a log's poses against known relations between places, beside published results.
+
+The odometry messages that the relations' stamps name are read from the original file, in a process with limits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import secrets
+from collections.abc import AsyncIterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError, MapperError
+from mapper.sensors.scan import ScanLog
+from server.jobs import process
+from server.jobs.workers import PoolWorker
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.records import Record
+from server.library.processing.reader import outcome_of
+from server.library.processing.reading_jobs import without_paths
+from server.work.fair_lock import FairLock
+
+if TYPE_CHECKING:
+    from mapper.evaluation import ErrorSeries
+
+MOST_BYTES = 4 << 20  #: of a file of relations: forty thousand lines
+
+
+@dataclass(frozen=True, slots=True)
+class ScoreJob:
+    """Score ``poses`` (n, 3), one for each scan of the log ``source``, against the relations in the file ``relations``.
+
+    ``stamps_ns`` (n,) are the scans', ``topic`` names the log's sensor; None for the sample, which has no file.
+    """
+
+    source: str | None
+    relations: str
+    topic: str | None
+    stamps_ns: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    timeout_s: float
+    cpu_s: float
+
+
+def score_job(job: ScoreJob) -> dict[str, Any]:
+    """Do the job. Raises :class:`MapperError`, which crosses to the server with its code."""
+    return process.bounded(job.timeout_s, job.cpu_s, lambda: _score(job))
+
+
+def _score(job: ScoreJob) -> dict[str, Any]:
+    from mapper.evaluation import evaluate_relations  # noqa: PLC0415 - only the process that reads needs the readers
+    from mapper.io.logs import odometry_records  # noqa: PLC0415
+    from mapper.io.trajectories import read_relations  # noqa: PLC0415
+    from mapper.sensors.timed_poses import TimedPoses  # noqa: PLC0415
+
+    known = read_relations(Path(job.relations))
+    records = None if job.source is None else odometry_records(job.source, topic=job.topic)
+    found = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
+    clear = found.only_unambiguous() if found.policy == "records" and found.unambiguous.any() else None
+    return {
+        "relations": len(known),
+        "policy": found.policy,
+        "left_out": found.left_out,
+        "all": _means(found.translation, found.rotation),
+        "unambiguous": None if clear is None else _means(*clear),
+    }
+
+
+def _means(translation: ErrorSeries, rotation: ErrorSeries) -> dict[str, Any]:
+    return {
+        "count": len(translation.errors),
+        "translation_m": float(translation.statistics.mean),
+        "rotation_deg": math.degrees(float(rotation.statistics.mean)),
+    }
+
+
+class RelationScores:
+    """Scores poses of the catalogue's logs, of waiting addresses and visitors in rotation.
+
+    Used from the event loop only.
+    """
+
+    def __init__(
+        self, catalogue: Catalogue, folder: Path, *, timeout_s: float, cpu_s: float, memory_bytes: int
+    ) -> None:
+        self._catalogue, self._folder = catalogue, folder
+        self._timeout_s, self._cpu_s = timeout_s, cpu_s
+        self._worker = PoolWorker(memory_bytes)
+        self._turns = FairLock()
+
+    async def score(
+        self,
+        record: Record,
+        visitor: str,
+        log: ScanLog,
+        trajectory: str,
+        text: bytes,
+        name: str,
+        topic: str | None,
+        *,
+        address: str = "",
+    ) -> dict[str, Any]:
+        """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
+
+        ``benchmark`` is the log of the benchmark that the name tells, and ``published`` the results on it. Raises
+        :class:`MapperError` for a file without relations, or belongs to another log.
+        """
+        from mapper.evaluation import PUBLISHED, benchmark_named  # noqa: PLC0415 - few visitors have relations
+
+        poses = log.trajectory(trajectory).poses
+        relations = self._folder / f"relations-{secrets.token_hex(8)}"
+        limits = self._timeout_s, self._cpu_s
+        try:
+            async with self._turns.of(visitor, address):
+                await asyncio.to_thread(relations.write_bytes, text)
+                if record.source == "sample":
+                    found = await self._done(
+                        ScoreJob(None, str(relations), topic, log.stamps_ns, poses, *limits), relations, name
+                    )
+                else:
+                    async with self._catalogue.source(record) as source:
+                        job = ScoreJob(str(source), str(relations), topic, log.stamps_ns, poses, *limits)
+                        found = await self._done(job, source, record.name)
+        except MapperError as error:
+            raise without_paths(error, relations, name) from None
+        finally:
+            await asyncio.to_thread(relations.unlink, missing_ok=True)
+        benchmark = benchmark_named(name)
+        published = () if benchmark is None else PUBLISHED[benchmark]
+        return found | {
+            "trajectory": trajectory,
+            "benchmark": benchmark,
+            "published": [asdict(one) for one in published],
+        }
+
+    async def _done(self, job: ScoreJob, source: Path, name: str) -> dict[str, Any]:
+        try:
+            return await outcome_of(self._worker, self._worker.run(score_job, job), self._timeout_s)
+        except MapperError as error:
+            raise without_paths(error, source, name) from None
+
+    async def close(self) -> None:
+        """End the process."""
+        await asyncio.to_thread(self._worker.close)
+
+
+async def relations_text(chunks: AsyncIterator[bytes]) -> bytes:
+    """Return a file of relations. Raises :class:`LimitError` for one of more than 4 MiB."""
+    text = bytearray()
+    async for chunk in chunks:
+        text += chunk
+        if len(text) > MOST_BYTES:
+            raise LimitError("relations.size", f"A file of relations may have {MOST_BYTES >> 20} MiB at most.")
+    return bytes(text)

@@ -1,0 +1,284 @@
+"""SLAM as a kind of jobs on logs: what it makes is one more trajectory of the log, with its pose graph.
+
+The worker process writes files: how far it is and the poses so far while it runs, the trajectory and the pose graph in
+the end. The server reads them, wherever the process runs.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+import zipfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError, LimitError
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.georeference import NO_OFFSET
+from server.jobs import process
+from server.jobs.record import JobKind, JobRecord, JobStatus, shared
+from server.library.annotations.trajectories import NewTrajectory
+from server.library.packs.log import log_in
+from server.library.processing.log_jobs import Parameters, PoseRequest, Run
+
+if TYPE_CHECKING:
+    from mapper.diagnosis.figures import MapFigures
+    from mapper.slam import SlamProgress
+
+DOING = "SLAM of this log"  #: in errors
+NAME = "SLAM"  #: of the trajectory, in the process
+EVERY_S = 0.4  #: seconds between two reports, but for those of a loop that closed
+
+#: Endings of the files, after the job's ``out``.
+PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
+
+
+@dataclass(frozen=True, slots=True)
+class SlamJob:
+    """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
+
+    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
+    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
+    figures of the result are those of that map.
+    """
+
+    pack: str
+    out: str
+    trajectory: str | None
+    parameters: Parameters
+    mapping: Parameters
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[SlamJob], SlamOutcome]:
+        """The function that does it."""
+        return do_slam_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return process.time_error(self.timeout_s, DOING, "slam")
+
+
+@dataclass(frozen=True, slots=True)
+class SlamOutcome:
+    """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it."""
+
+    odometry: str | None
+    loops: int
+    nodes: int
+    cpu_s: float
+    before: MapFigures
+    after: MapFigures
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PartialPoses:
+    """The poses (k, 3), ``T_map_base``, of the first k scans while SLAM runs; ``stage`` as SLAM names it."""
+
+    fraction: float
+    stage: str
+    n_loops: int
+    poses: NDArray[np.float64]
+
+
+def do_slam_job(job: SlamJob) -> SlamOutcome:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
+    process.lower_priority()
+    return process.bounded(job.timeout_s, job.cpu_s, lambda: _slam(job), DOING, "slam")
+
+
+def _slam(job: SlamJob) -> SlamOutcome:
+    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.io.export import tum_text  # noqa: PLC0415
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
+    from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
+    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+
+    log = log_in(job.pack)
+    if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
+        raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
+    config = SlamConfig().with_values(job.parameters)
+    mapping = MappingConfig().with_values(job.mapping)
+    result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
+    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+    corrected = Trajectory(result.poses, from_scans=True, offset=offset)
+    log = replace(log, trajectories={**log.trajectories, NAME: corrected})
+    Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
+    Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
+    before = log.default_trajectory if result.odometry is None else result.odometry
+    along_odometry, along_slam = (map_figures(log, name, mapping) for name in (before, NAME))
+    process.note_progress(1.0)
+    nodes = len(result.graph.nodes)
+    return SlamOutcome(
+        result.odometry,
+        result.graph.n_loops,
+        nodes,
+        result.cpu_seconds,
+        along_odometry,
+        along_slam,
+        result.notes,
+    )
+
+
+class _Reporter:
+    """Writes how far SLAM is, at most every :data:`EVERY_S`, sooner where a loop has closed."""
+
+    def __init__(self, out: str) -> None:
+        self._path = Path(out + PROGRESS)
+        self._written = 0.0
+        self._loops = 0
+
+    def __call__(self, progress: SlamProgress) -> bool:
+        process.note_progress(progress.fraction)
+        now = time.monotonic()
+        has_closed = progress.n_loops != self._loops
+        if now - self._written > (EVERY_S / 4.0 if has_closed else EVERY_S):
+            self._written, self._loops = now, progress.n_loops
+            about = np.array([progress.fraction, progress.n_loops], dtype=np.float64)
+            with atomic_write(self._path) as file:
+                np.savez(file, about=about, stage=np.array(progress.stage), poses=progress.poses)
+        return True
+
+
+def read_progress(out: Path) -> PartialPoses | None:
+    """Return what a running job has reported last; None before the first report."""
+    try:
+        with np.load(out.with_name(out.name + PROGRESS), allow_pickle=False) as arrays:
+            fraction, loops = arrays["about"].tolist()
+            return PartialPoses(fraction, str(arrays["stage"]), int(loops), arrays["poses"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+# -- the kind of jobs -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class SlamRequest(PoseRequest):
+    """SLAM of a log; ``parameters`` are those that differ from the first values."""
+
+    parameters: Parameters = field(default_factory=dict)
+
+
+Two = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class SlamResult:
+    """What SLAM has made of a log: ``trajectory`` is its name; figures of the map before and after it."""
+
+    trajectory: str
+    odometry: str | None
+    loops: int
+    nodes: int
+    cpu_s: float
+    drift_m: Two
+    contradicted: Two
+    sharpness: Two
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlamStatus(JobStatus):
+    """State of SLAM of a log: the ``stage`` as SLAM names it, how many scans have poses, how many loops have closed."""
+
+    log: str
+    topic: str | None
+    odometry: str | None
+    parameters: Parameters
+    result: SlamResult | None
+    stage: str | None
+    scans: int
+    loops: int
+
+
+class SlamKind:
+    """SLAM of logs: a :class:`LogJobKind`."""
+
+    jobs = JobKind("slam", "SLAM", "SLAM job", SlamRequest, SlamResult)
+
+    def checked(self, log_id: str, request: SlamRequest) -> SlamRequest:  # noqa: ARG002 - what another kind needs
+        """Return a request with the parameters that differ from the first values."""
+        request.check()
+        return replace(request, parameters=changed_parameters(request.parameters))
+
+    def others(self, request: SlamRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
+        """Return no log: SLAM uses one."""
+        return ()
+
+    def status(
+        self, record: JobRecord[SlamRequest, SlamResult], status: JobStatus, newest: PartialPoses | None
+    ) -> SlamStatus:
+        """Return the state of a job."""
+        return SlamStatus(
+            **shared(status),
+            log=record.log_id,
+            topic=record.request.topic,
+            odometry=record.request.trajectory,
+            parameters=record.request.parameters,
+            result=record.result,
+            stage=None if newest is None else newest.stage,
+            scans=0 if newest is None else len(newest.poses),
+            loops=0 if newest is None else newest.n_loops,
+        )
+
+    async def run(self, run: Run[SlamRequest, PartialPoses]) -> SlamResult:
+        """Correct the poses of a log, and add them to it with their graph."""
+        wanted, limits = run.request, run.limits
+        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
+        pack = await run.packed(log, "log.npz")
+        job = SlamJob(
+            pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, limits.timeout_s,
+            limits.cpu_s, limits.memory_bytes,
+        )  # fmt: skip
+        found = await run.follow(job, read_progress)
+        start = "the scans alone" if found.odometry is None else f"the poses of {found.odometry}"
+        loops = "1 loop" if found.loops == 1 else f"{found.loops} loops"
+        name = run.own_name(log, NAME, f"{NAME} (healed)")
+        said = f"poses corrected by SLAM, from {start}, with {loops}"
+        text, graph = await run.made(TUM), await run.made(GRAPH)
+        await run.add(run.log_id, log, NewTrajectory(name, text, "slam", said, graph))
+        before, after = found.before, found.after
+        return SlamResult(
+            trajectory=name,
+            odometry=found.odometry,
+            loops=found.loops,
+            nodes=found.nodes,
+            cpu_s=round(found.cpu_s, 2),
+            drift_m=(_rounded(before.drift_m), _rounded(after.drift_m)),
+            contradicted=(_rounded(before.contradicted), _rounded(after.contradicted)),
+            sharpness=(_rounded(before.sharpness), _rounded(after.sharpness)),
+            notes=found.notes,
+        )
+
+
+def _rounded(value: float | None) -> float | None:
+    return round(value, 4) if value is not None and math.isfinite(value) else None
+
+
+def changed_parameters(values: Parameters) -> Parameters:
+    """Return the parameters of SLAM that differ from the first values (worker thread: it imports SLAM).
+
+    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
+    """
+    from mapper.slam.config import SlamConfig  # noqa: PLC0415 - few visitors begin SLAM
+
+    first = SlamConfig().as_dict()
+    return {name: value for name, value in SlamConfig().with_values(values).as_dict().items() if value != first[name]}
+
+
+def parameter_table() -> list[dict[str, Any]]:
+    """Return the table of SLAM's parameters (worker thread: it imports SLAM)."""
+    from mapper.slam.config import SLAM_PARAMETERS  # noqa: PLC0415 - few visitors begin SLAM
+
+    return [asdict(row) for row in SLAM_PARAMETERS]

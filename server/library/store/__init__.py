@@ -1,0 +1,1 @@
+"""Where the library keeps what it has: the database and the blobs."""

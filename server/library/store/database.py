@@ -1,0 +1,137 @@
+"""The database of the records, through SQLAlchemy: SQLite in a file, or PostgreSQL by its URL.
+
+One writer: all work runs on one thread in the order of the calls, each call in a transaction of its own. The tables are
+brought up to date when the database is opened (:mod:`server.library.store.schema`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sqlite3
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+import structlog
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+
+from server.library.store.schema import bring_up_to_date
+from server.storage import StorageError, disk_full
+
+BUSY_S = 5.0  #: how long to wait for a lock that another program holds
+
+T = TypeVar("T")
+
+_log = structlog.get_logger(__name__)
+
+
+class Database:
+    """An open database. :meth:`open` blocks and may be called from any thread, the rest from one event loop."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self.is_shared = engine.dialect.name == "postgresql"  #: whether other services may use it at the same time
+        self.pid = 0  #: of the server's process that serves the present connection, where it is shared
+        if self.is_shared:
+            event.listen(engine, "connect", self._connected)
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="records")
+
+    @classmethod
+    def open(cls, url: str | None, folder: Path) -> Database:
+        """Open the database at ``url``, None for a file of SQLite in ``folder``, and bring its tables up to date.
+
+        Raises :class:`StorageError`, also for one that a newer program has written.
+        """
+        engine = _engine(url, folder)
+        opened = cls(engine)
+        try:
+            _attempt(engine, _check)
+            _attempt(engine, bring_up_to_date)
+        except BaseException:
+            opened.close()
+            raise
+        return opened
+
+    def run(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
+        """Run ``work`` in a transaction, after all work that was queued before.
+
+        The future raises :class:`StorageError` where the database refuses; then nothing of it was done.
+        """
+        return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
+
+    def now(self, work: Callable[[Connection], T]) -> T:
+        """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""
+        return _attempt(self._engine, work)
+
+    def _connected(self, connection: Any, _: object) -> None:  # noqa: ANN401 - psycopg's, which may not be installed
+        self.pid = connection.info.backend_pid
+
+    @property
+    def address(self) -> str:
+        """The address of a shared database for psycopg, with its password."""
+        return self._engine.url.set(drivername="postgresql").render_as_string(hide_password=False)
+
+    def close(self) -> None:
+        """Finish the queued work, which may take a while, and close the database."""
+        self._thread.shutdown()
+        self._engine.dispose()
+
+
+def _engine(url: str | None, folder: Path) -> Engine:
+    where = URL.create("sqlite", database=str(folder / "library.db")) if url is None else make_url(url)
+    if where.get_backend_name() == "sqlite":
+        options: dict[str, Any] = {"timeout": BUSY_S, "check_same_thread": False}
+        engine = create_engine(where, pool_size=1, max_overflow=0, connect_args=options)
+        event.listen(engine, "connect", _configure_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+        return engine
+    where = where.set(drivername="postgresql+psycopg")
+    try:
+        return create_engine(where, pool_size=1, max_overflow=0, pool_pre_ping=True)
+    except ImportError:
+        raise StorageError(
+            "library.driver", "PostgreSQL needs the package psycopg: pip install 'gridbloom[postgres]'."
+        ) from None
+
+
+def _configure_sqlite(connection: sqlite3.Connection, _: object) -> None:
+    connection.isolation_level = None  # SQLAlchemy begins the transactions, so that those that alter tables are whole
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+        connection.execute(f"PRAGMA {pragma}").close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    connection.exec_driver_sql("BEGIN IMMEDIATE")  # waits for a lock here instead of in the middle of the transaction
+
+
+def _attempt(engine: Engine, work: Callable[[Connection], T]) -> T:
+    try:
+        with engine.begin() as connection:
+            return work(connection)
+    except SQLAlchemyError as error:
+        raise _storage_error(error) from error
+
+
+def _storage_error(error: SQLAlchemyError) -> StorageError:
+    """Log an error and return it as a :class:`StorageError`."""
+    reason = str(error.orig if isinstance(error, DBAPIError) else error).partition("\n")[0]
+    _log.warning("the database of records failed", error=reason)
+    if "disk is full" in reason or "disk I/O error" in reason or "No space left" in reason:
+        return disk_full()
+    if "locked" in reason:
+        return StorageError("library.locked", "The records are in use by another program; try again in a moment.")
+    if "malformed" in reason or "not a database" in reason:
+        return StorageError("library.damaged", "The database of the records is damaged; put its backup in its place.")
+    return StorageError("library.unreachable", "The database of the records cannot be used just now; try again later.")
+
+
+def _check(connection: Connection) -> None:
+    """Raise :class:`StorageError` if the database is damaged, before it is changed."""
+    if connection.dialect.name == "sqlite":
+        found = connection.execute(text("PRAGMA quick_check(1)")).scalar()
+        if found != "ok":
+            raise StorageError(
+                "library.damaged", "The database of the records is damaged; put its backup in its place."
+            )

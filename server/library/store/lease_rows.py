@@ -1,0 +1,93 @@
+"""Leases as rows of a table that several services share: what each method does is one transaction."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, delete, insert, select, text, update
+from sqlalchemy.exc import IntegrityError
+
+from server.jobs.leases import LeaseLostError
+from server.library.store.database import Database
+from server.library.store.tables import leases
+
+
+class LeaseRows:
+    """The leases that one service holds, each valid for ``lease_s`` seconds. Used from the event loop.
+
+    All methods raise :class:`StorageError`.
+    """
+
+    def __init__(self, database: Database, lease_s: float) -> None:
+        self._database = database
+        self._lease_s = lease_s
+        self._holder = secrets.token_hex(10)
+
+    async def take(self, name: str) -> bool:
+        """Take a lease unless another service holds it; return whether it was taken."""
+
+        def work(connection: Connection) -> bool:
+            now = _now(connection)
+            values = {"holder": self._holder, "until_s": now + self._lease_s, "fraction": 0.0}
+            ended = update(leases).where(leases.c.name == name, leases.c.until_s < now).values(values)
+            if connection.execute(ended).rowcount:
+                return True
+            try:
+                with connection.begin_nested():
+                    connection.execute(insert(leases).values(name=name, **values))
+            except IntegrityError:
+                return False
+            return True
+
+        return await self._database.run(work)
+
+    async def renew(self, name: str, fraction: float) -> bool:
+        """Renew a lease, and state how much of its job is done; return False where it is not held any more."""
+
+        def work(connection: Connection) -> bool:
+            now = _now(connection)
+            values = {"until_s": now + self._lease_s, "fraction": fraction}
+            held = update(leases).where(self._mine(name), leases.c.until_s > now).values(values)
+            return connection.execute(held).rowcount > 0
+
+        return await self._database.run(work)
+
+    def give_back(self, name: str) -> None:
+        """End a lease after all that was asked of the database before; what fails ends by itself."""
+        mine = self._mine(name)
+        done = self._database.run(lambda connection: connection.execute(delete(leases).where(mine)).rowcount)
+        done.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
+
+    async def finish(self, name: str, work: Callable[[Any], None]) -> None:
+        """Run ``work`` and end the lease in one transaction.
+
+        Raises :class:`LeaseLostError` where it is not held any more; then nothing was done.
+        """
+
+        def guarded(connection: Connection) -> None:
+            until = connection.execute(select(leases.c.until_s).where(self._mine(name)).with_for_update()).scalar()
+            if until is None or until < _now(connection):
+                raise LeaseLostError("lease.lost", "Another service may do this job now.")
+            connection.execute(delete(leases).where(self._mine(name)))
+            work(connection)
+
+        await self._database.run(guarded)
+
+    async def fraction(self, name: str) -> float | None:
+        """Return how much of a job the holder of its lease has done, None where there is no holder."""
+
+        def work(connection: Connection) -> float | None:
+            row = connection.execute(select(leases).where(leases.c.name == name)).first()
+            return None if row is None or row.until_s < _now(connection) else float(row.fraction)
+
+        return await self._database.run(work)
+
+    def _mine(self, name: str) -> ColumnElement[bool]:
+        return (leases.c.name == name) & (leases.c.holder == self._holder)
+
+
+def _now(connection: Connection) -> float:
+    """Return the time of the database's clock, seconds since 1970: the clocks of several machines differ."""
+    return float(connection.execute(text("SELECT extract(epoch FROM clock_timestamp())")).scalar_one())

@@ -1,0 +1,1 @@
+"""Uploads while they arrive."""

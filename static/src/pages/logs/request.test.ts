@@ -1,0 +1,29 @@
+// @vitest-environment happy-dom
+import { afterEach, expect, test, vi } from "vitest";
+import { ask } from "./request";
+
+afterEach(() => vi.unstubAllGlobals());
+
+const answering = (answer: unknown, status = 200) => {
+  const sent = vi.fn<(address: string, options: RequestInit) => Promise<Response>>(() =>
+    Promise.resolve(new Response(JSON.stringify(answer), { status })),
+  );
+  vi.stubGlobal("fetch", sent);
+  return sent;
+};
+
+test("the address has what is named, and the query", async () => {
+  const sent = answering({ logs: [] });
+  expect(await ask("GET /api/logs/{log_id}", { log_id: "a/b ?" })).toEqual({ logs: [] });
+  await ask("GET /api/fleet", {}, { query: { since: 3 } });
+  await ask("POST /api/sessions/{session_id}/merge", { session_id: "s" }, { body: { log: "x" } });
+  const [first, second, third] = sent.mock.calls;
+  expect(first).toEqual(["/api/logs/a%2Fb%20%3F", { method: "GET" }]);
+  expect(second?.[0]).toBe("/api/fleet?since=3");
+  expect([third?.[0], third?.[1].method, third?.[1].body]).toEqual(["/api/sessions/s/merge", "POST", '{"log":"x"}']);
+});
+
+test("a refusal is the server's sentence", async () => {
+  answering({ code: "log.not_found", message: "There is no such log." }, 404);
+  await expect(ask("GET /api/logs/{log_id}", { log_id: "x" })).rejects.toThrow("There is no such log.");
+});

@@ -1,0 +1,70 @@
+"""The types of the answers in the pages are those of the OpenAPI document."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from server import http_types
+from server.app import create_app
+from server.settings import Settings
+
+
+def test_the_generated_file_is_up_to_date(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["http_types", "--check"])
+    http_types.main()
+
+
+def test_an_outdated_file_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+    monkeypatch.setattr(http_types, "FILE", tmp_path / "http.ts")
+    monkeypatch.setattr("sys.argv", ["http_types", "--check"])
+    with pytest.raises(SystemExit, match=r"http\.ts is out of date"):
+        http_types.main()
+
+
+def test_models_become_interfaces() -> None:
+    """Of the answers only, with what they refer to; a body of a request is none."""
+    end = {"type": "object", "properties": {"at": {"prefixItems": [{"type": "number"}] * 2, "type": "array"}}}
+    line = {
+        "type": "object",
+        "description": "A line, ``None``: nowhere.",
+        "properties": {
+            "ends": {"type": "array", "items": {"$ref": "#/components/schemas/End"}},
+            "colour": {"anyOf": [{"enum": ["red", "blue"], "type": "string"}, {"type": "null"}]},
+            "lengths": {"type": "object", "additionalProperties": {"type": "integer"}},
+            "mixed": {"type": "array", "items": {"anyOf": [{"type": "string"}, {"type": "number"}]}},
+        },
+    }
+    answer = {"200": {"content": {"application/json": {"schema": {"$ref": "#/components/schemas/Line"}}}}}
+    document = {
+        "paths": {"/lines/{id}": {"get": {"responses": answer}, "delete": {"responses": {"204": {}}}}},
+        "components": {"schemas": {"Line": line, "End": end, "Body": end}},
+    }
+    assert (
+        http_types.typescript(document).split("\n", 2)[2]
+        == """\
+export interface End {
+  readonly at: readonly [number, number];
+}
+
+/** A line, `null`: nowhere. */
+export interface Line {
+  readonly ends: readonly End[];
+  readonly colour: "red" | "blue" | null;
+  readonly lengths: Readonly<Record<string, number>>;
+  readonly mixed: readonly (string | number)[];
+}
+
+/** The answer to each request, by method and address. */
+export interface Answers {
+  "GET /lines/{id}": Line;
+}
+"""
+    )
+
+
+def test_the_jobs_and_the_logs_have_models() -> None:
+    answers = http_types._answers(create_app(Settings()).openapi())
+    for path in ("/api/logs/{log_id}", "/api/logs/{log_id}/slam", "/api/sessions/{session_id}/merge", "/api/fleet"):
+        assert f"GET {path}" in answers
