@@ -71,6 +71,7 @@ def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(
     section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("Your guess: 10")
+    section.get_by_role("button", name="To the end").click()
     # (3.5 − log 0.25/0.75) / 0.4 is 11.5, and (40 · 0.85 − …) / 0.4 is 87.7.
     expect(caption).to_contain_text("With the clamp: forgotten after 12")
     expect(caption).to_contain_text("without it: forgotten after 88. Your guess was 2 too low.")
@@ -78,6 +79,7 @@ def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(
     expect(caption).to_contain_text("How many scans does the map need")
 
 
+@pytest.mark.moving
 def test_a_figure_off_screen_is_paused(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
     section.get_by_role("button", name="Remove the table").click()
