@@ -57,7 +57,7 @@ _WRONG = """(within) => {
       for (let one = parent; one; one = one.parentElement) ancestors.push(one);
       const isForScreenReaders = ancestors.some((one) => {
         const { width, height } = one.getBoundingClientRect();
-        return width <= 1 && height <= 1 && clips(styleOf(one).overflowX);
+        return width < 2 && height < 2 && clips(styleOf(one).overflowX);
       });
       if (isForScreenReaders) continue;
       const label = parent.closest(LABELS);
