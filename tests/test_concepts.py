@@ -51,7 +51,7 @@ def test_every_section_has_a_scene_or_stays_with_the_one_before() -> None:
 
 def test_links_between_sections_lead_to_sections() -> None:
     linked = {
-        name for file in LECTURE.glob("*.tsx") for name in re.findall(r'<SectionLink to="([\w-]+)"', file.read_text())
+        name for file in LECTURE.rglob("*.tsx") for name in re.findall(r'<SectionLink to="([\w-]+)"', file.read_text())
     }
     assert len(linked) >= 5
     assert linked <= set(SECTIONS)

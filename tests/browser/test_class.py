@@ -111,7 +111,7 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
     for phone in (first, late):
         await_map(phone)
         until("the selected cell", partial(shows_cell, phone))
-        expect(phone.get_by_role("tabpanel", name="Sensor", include_hidden=True)).to_be_visible()
+        expect(phone.get_by_role("tabpanel", name="Sensor", exact=True, include_hidden=True)).to_be_visible()
         expect(phone.get_by_text("Drag the coloured handles")).to_be_hidden()  # what it shows is the lecturer's
     # a follower's page sends nothing, and a copy is the follower's own
     scans = page.evaluate("() => gridbloom.connection.store.frame.peek().count")

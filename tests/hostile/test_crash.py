@@ -76,7 +76,8 @@ def settled(client: httpx.Client, name: str) -> dict[str, Any]:
 
 def opens(client: httpx.Client, name: str) -> bool:
     answer = client.post("/api/sessions", json={"kind": "log", "log": uploads(client)[name]["id"]})
-    return answer.status_code == 201 and client.delete(f"/api/sessions/{answer.json()['id']}").status_code == 204
+    assert answer.status_code == 201, answer.text
+    return client.delete(f"/api/sessions/{answer.json()['id']}").status_code == 204
 
 
 def files(folder: Path) -> dict[str, int]:
