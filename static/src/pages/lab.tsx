@@ -15,7 +15,7 @@ import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { useOpenGroup } from "../tools/why/useOpenGroup";
-import { Dock } from "../ui/Dock";
+import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";

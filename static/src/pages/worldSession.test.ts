@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { createWorld, starting } from "./worldSession";
 
-vi.mock("../ui/reducedMotion", () => ({ reducedMotion: { peek: () => false } }));
+vi.mock("../ui/browser/reducedMotion", () => ({ reducedMotion: { peek: () => false } }));
 
 beforeEach(() => {
   vi.useFakeTimers();

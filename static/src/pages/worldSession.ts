@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { FIRST_SEED } from "../store/firstPicture";
-import { reducedMotion } from "../ui/reducedMotion";
+import { reducedMotion } from "../ui/browser/reducedMotion";
 import type { Work } from "../ui/Working";
 import { followMaking, newName } from "./making";
 

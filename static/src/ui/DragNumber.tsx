@@ -1,7 +1,7 @@
 import { useId, useRef } from "preact/hooks";
+import { zoomOf } from "./browser/zoom";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
-import { zoomOf } from "./zoom";
 
 interface DragNumberProps extends Range {
   readonly label: string;

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "./zoom";
+import { zoomOf } from "./browser/zoom";
 import "./handle.css";
 
 interface HandleProps {

@@ -1,5 +1,5 @@
 import { Button } from "./Button";
-import { isDark, theme } from "./theme";
+import { isDark, theme } from "./browser/theme";
 
 /** Switch between light and dark; a choice equal to the device's scheme is stored as "system". */
 export function ThemeToggle() {

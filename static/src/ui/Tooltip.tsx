@@ -1,6 +1,6 @@
 import { useRef } from "preact/hooks";
+import { zoomOf } from "./browser/zoom";
 import { Icon } from "./Icon";
-import { zoomOf } from "./zoom";
 
 interface TooltipProps {
   readonly text: string;

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { sectionsOf } from "./dockSections";
+import { sectionsOf } from "./dock/dockSections";
+import { keyedTab } from "./dock/Tabs";
 import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
-import { keyedTab } from "./Tabs";
 
 const WINDOW = { low: 0, high: 2, step: 0.05 };
 const RANGE = { low: 0.5, high: 100, step: 0.1 };

@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import "./lesson.css";
-import { useWidth } from "../../ui/useWidth";
+import { useWidth } from "../../ui/browser/useWidth";
 
 interface PlotProps {
   readonly height: number;

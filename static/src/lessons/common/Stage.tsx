@@ -5,10 +5,10 @@ import { shownByteAt } from "../../grid/cellValues";
 import { fromLattice, toLattice } from "../../grid/lattice";
 import type { GridGeometry, OccupancyGrid } from "../../grid/occupancyGrid";
 import { mapColours, palette } from "../../render/map/palette";
-import { isDark } from "../../ui/theme";
+import { isDark } from "../../ui/browser/theme";
 import type { Point } from "../../wire/protocol";
 import "./lesson.css";
-import { useWidth } from "../../ui/useWidth";
+import { useWidth } from "../../ui/browser/useWidth";
 
 /** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
 export interface StageTransform {

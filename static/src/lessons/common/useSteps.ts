@@ -1,7 +1,7 @@
 import { type ReadonlySignal, type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect } from "preact/hooks";
-import { watchVisibility } from "../../ui/visibility";
+import { watchVisibility } from "../../ui/browser/visibility";
 
 /** Whether an element is on screen in a visible tab. */
 export function useSeen(element: RefObject<Element | null>): ReadonlySignal<boolean> {

@@ -3,7 +3,7 @@ import { useMemo, useRef } from "preact/hooks";
 import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/reducedMotion";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { Slider } from "../../ui/Slider";
 import type { ClassQuestion } from "../../wire/protocol";
 import { type GuessQuestion, useClassGuess } from "../common/classGuess";

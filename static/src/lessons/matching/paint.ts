@@ -2,7 +2,7 @@
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { type Rgb, tokenRgb } from "../../style/colour";
-import { isDark } from "../../ui/theme";
+import { isDark } from "../../ui/browser/theme";
 import { ELSEWHERE, STARTS, TRUE_POSE } from "./matching";
 import { GEOMETRY } from "./world";
 

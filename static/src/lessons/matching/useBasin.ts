@@ -1,5 +1,5 @@
 import { type ReadonlySignal, type Signal, useSignal, useSignalEffect } from "@preact/signals";
-import { whenIdle } from "../../ui/whenIdle";
+import { whenIdle } from "../../ui/browser/whenIdle";
 import { endOf, type Method, STARTS } from "./matching";
 import type { Problem } from "./world";
 

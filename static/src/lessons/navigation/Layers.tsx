@@ -1,7 +1,7 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { NO_INFORMATION, nameOfCost } from "../../grid/costs";
+import { isDark } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
-import { isDark } from "../../ui/theme";
 import { useInSight } from "../common/useInSight";
 import type { Costs } from "./costmap";
 import { coloursOf } from "./paint";

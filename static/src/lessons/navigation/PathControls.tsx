@@ -1,9 +1,9 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
-import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import { useSeen, useSteps } from "../common/useSteps";

@@ -2,9 +2,9 @@ import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/si
 import { useRef } from "preact/hooks";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { Button } from "../../ui/Button";
+import { whenIdle } from "../../ui/browser/whenIdle";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { whenIdle } from "../../ui/whenIdle";
 import type { Point, Pose } from "../../wire/protocol";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";

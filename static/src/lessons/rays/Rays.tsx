@@ -5,8 +5,8 @@ import { bresenhamSteps, type Fixes, type Line, octant } from "../../grid/bresen
 import type { Cell } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { Button } from "../../ui/Button";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { written } from "../../ui/numbers";
-import { reducedMotion } from "../../ui/reducedMotion";
 import { keyedIndex } from "../../ui/seek";
 import { Toggle, ToggleOf } from "../../ui/Toggle";
 import type { Point } from "../../wire/protocol";

@@ -1,8 +1,8 @@
 import { type Signal, signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { printing } from "../../ui/browser/theme";
 import { bytes } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { printing } from "../../ui/theme";
 import { Stage } from "../common/Stage";
 import { onPath } from "../stage/path";
 import { type Made, make, SCANS, SIDES, sizeOf } from "./model";

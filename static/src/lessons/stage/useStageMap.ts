@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useMemo } from "preact/hooks";
-import { reducedMotion } from "../../ui/reducedMotion";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { historyOf } from "./history";
 import { planOf, type Scene, type Shown, shownOf } from "./scene";
 

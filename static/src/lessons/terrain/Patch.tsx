@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { Choice } from "../../ui/Choice";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { Slider } from "../../ui/Slider";
-import { SwitchChip } from "../../ui/SwitchChip";
 import { PatchFigure } from "./PatchFigure";
 import { PRESETS } from "./patches";
 import "./terrain.css";

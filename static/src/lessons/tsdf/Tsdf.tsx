@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { SwitchChip } from "../../ui/SwitchChip";
 import {
   type Crossing,
   distancesOf,

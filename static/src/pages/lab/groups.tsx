@@ -11,7 +11,7 @@ import { ProfileText } from "../../tools/profile/Profile";
 import type { ProfileView } from "../../tools/profile/view";
 import { Steps } from "../../tools/steps/Steps";
 import { WhyGroup } from "../../tools/why/Why";
-import type { DockGroup } from "../../ui/Dock";
+import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
 import { Downloads } from "./groups/Downloads";
 import { MapSettings, ModelSettings, SensorSettings } from "./groups/Settings";

@@ -3,7 +3,7 @@ import type { RefObject } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { profileReading } from "../../tools/profile/reading";
-import { watchVisibility } from "../../ui/visibility";
+import { watchVisibility } from "../../ui/browser/visibility";
 
 export type Reading = number | null | undefined;
 

@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { printing } from "../../ui/theme";
+import { printing } from "../../ui/browser/theme";
 import { awaitFigure } from "./awaitedFigures";
 
 interface LazyFigureProps {

@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import { SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
-import { printing } from "../../ui/theme";
+import { printing } from "../../ui/browser/theme";
 import { presenting } from "./present/state";
 
 interface OnStageProps {

@@ -1,4 +1,4 @@
-import { whenIdle } from "../../ui/whenIdle";
+import { whenIdle } from "../../ui/browser/whenIdle";
 
 /** Time without input before the next task is run. */
 const IDLE_MS = 50;

@@ -5,7 +5,7 @@ import { classroom } from "../../store/classroom";
 import { followPages } from "../../tools/classroom/pages";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { WhyGroup } from "../../tools/why/Why";
-import { Dock, type DockGroup } from "../../ui/Dock";
+import { Dock, type DockGroup } from "../../ui/dock/Dock";
 import { type Live, watchClassSession } from "../classSession";
 import { exposeHook } from "../debugHook";
 import { useClass } from "../useClass";

@@ -2,11 +2,11 @@ import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { whenIdle } from "../../ui/browser/whenIdle";
 import { Icon } from "../../ui/Icon";
 import { Panel } from "../../ui/Panel";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
-import { whenIdle } from "../../ui/whenIdle";
 import type { EventKind, LogEvent } from "../../wire/messages";
 import type { Making } from "../making";
 import {

@@ -1,6 +1,6 @@
 import { EditMap } from "../../tools/mapediting/EditMap";
 import { Button } from "../../ui/Button";
-import { MapFiles } from "../../ui/MapFiles";
+import { MapFiles } from "../../ui/files/MapFiles";
 import { Panel } from "../../ui/Panel";
 
 /** Downloads of the log for visitors who may open it. */

@@ -8,7 +8,7 @@ import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Overview } from "../../tools/picture/Overview";
 import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
-import { Dock } from "../../ui/Dock";
+import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
 import { SessionEnded } from "../SessionEnded";

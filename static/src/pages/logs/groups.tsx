@@ -6,7 +6,7 @@ import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { WhyGroup } from "../../tools/why/Why";
-import type { DockGroup } from "../../ui/Dock";
+import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";

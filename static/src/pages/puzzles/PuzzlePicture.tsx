@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
+import { isDark } from "../../ui/browser/theme";
 import { Icon } from "../../ui/Icon";
-import { isDark } from "../../ui/theme";
 import type { Offered } from "./attempt";
 
 /** The map that an attempt at a puzzle begins with. */

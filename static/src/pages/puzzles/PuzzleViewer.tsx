@@ -4,7 +4,7 @@ import type { Picture } from "../../render/picture/Picture";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
-import { Dock, type DockGroup } from "../../ui/Dock";
+import { Dock, type DockGroup } from "../../ui/dock/Dock";
 import { toast } from "../../ui/Toast";
 import { Compare } from "../logs/compare/Compare";
 import { useComparison } from "../logs/compare/useComparison";

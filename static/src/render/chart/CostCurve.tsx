@@ -2,9 +2,9 @@
 
 import { useRef } from "preact/hooks";
 import { costAt, factorFor, type Inflation } from "../../grid/costs";
+import { useWidth } from "../../ui/browser/useWidth";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
-import { useWidth } from "../../ui/useWidth";
 import { toPixel } from "./scale";
 import "./costCurve.css";
 

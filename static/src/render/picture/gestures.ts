@@ -1,6 +1,6 @@
 /** Pointer gestures on a picture: tap, drag the robot, pan, pinch, wheel. */
 
-import { zoomOf } from "../../ui/zoom";
+import { zoomOf } from "../../ui/browser/zoom";
 
 export interface Gestures {
   /** Whether a drag that begins here drags the robot. `reach` is the tolerance in pixels. */

@@ -1,7 +1,7 @@
 import { computed } from "@preact/signals";
 import { tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
-import { isDark } from "../../ui/theme";
+import { isDark } from "../../ui/browser/theme";
 
 /** A colour token with an opacity, as a CSS colour. */
 const colourOf = (token: `--${string}`, alpha = 1): string => {

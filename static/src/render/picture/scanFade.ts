@@ -1,4 +1,4 @@
-import { reducedMotion } from "../../ui/reducedMotion";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 
 const FADE_MS = 260;
 

@@ -9,7 +9,7 @@ import type { Layer } from "../../render/map/renderer";
 import { toScreen } from "../../render/view";
 import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/reducedMotion";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import { whyNoMerge } from "./merging";
 

@@ -2,7 +2,7 @@
 
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
-import { SwitchChip } from "../../ui/SwitchChip";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { Value, Values } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { SecondMapChoice } from "../compare/SecondMap";

@@ -1,6 +1,6 @@
 import { useRef } from "preact/hooks";
 import { ticks } from "../../render/chart/scale";
-import { useWidth } from "../../ui/useWidth";
+import { useWidth } from "../../ui/browser/useWidth";
 import type { Point } from "./model";
 
 const HEIGHT = 150;

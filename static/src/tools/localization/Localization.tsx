@@ -4,7 +4,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { SwitchChip } from "../../ui/SwitchChip";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { LocalizationMessage, Parameter, Values } from "../../wire/protocol";
 import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";

@@ -11,9 +11,9 @@ import {
   sampleOmni,
 } from "../../grid/motionModel";
 import { normal, seeded } from "../../grid/random";
+import { useWidth } from "../../ui/browser/useWidth";
+import { zoomOf } from "../../ui/browser/zoom";
 import { written } from "../../ui/numbers";
-import { useWidth } from "../../ui/useWidth";
-import { zoomOf } from "../../ui/zoom";
 import type { Pose, Values } from "../../wire/protocol";
 import "./localization.css";
 

@@ -10,9 +10,9 @@ import {
   shortDensity,
 } from "../../grid/rangeModels";
 import { type Scale, ticks, toPixel } from "../../render/chart/scale";
+import { useWidth } from "../../ui/browser/useWidth";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
-import { useWidth } from "../../ui/useWidth";
 import type { Parameter, Values } from "../../wire/protocol";
 import { distances, type LogScale, logScale } from "./sensorAxes";
 import "./localization.css";

@@ -3,8 +3,8 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
+import { zoomOf } from "../../ui/browser/zoom";
 import { written } from "../../ui/numbers";
-import { zoomOf } from "../../ui/zoom";
 import { ROBOT_RADIUS } from "../../wire/constants";
 import type { Point } from "../../wire/protocol";
 import { OUTLINES, refusalOf, rounded } from "./footprint";

@@ -8,7 +8,7 @@ import { rasterise } from "../../render/map/raster";
 import { pictureColours } from "../../render/picture/pictureColours";
 import { type Size, toScreen, toWorld } from "../../render/view";
 import type { Store } from "../../store/store";
-import { useSize } from "../../ui/useSize";
+import { useSize } from "../../ui/browser/useSize";
 import type { Point } from "../../wire/protocol";
 import { GIVEN_MAP } from "../localization/model";
 import { centredAt, type OverviewBox, overviewBox } from "./overviewBox";

@@ -18,7 +18,7 @@ import { pictureColours } from "../../render/picture/pictureColours";
 import { type ScanFade, scanFade } from "../../render/picture/scanFade";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/reducedMotion";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { paintEditing } from "../editing/paint";
 import { paintNavigation, paintPathOf, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";

@@ -3,9 +3,9 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { isDark, printing } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
-import { isDark, printing } from "../../ui/theme";
 import { askScene, type SceneSettings, sceneAddress } from "./settings";
 import "./scene.css";
 

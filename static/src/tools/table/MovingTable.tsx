@@ -3,8 +3,8 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { written } from "../../ui/numbers";
-import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
 import type { Forgetting } from "../../wire/protocol";

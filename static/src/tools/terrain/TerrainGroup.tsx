@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { SwitchChip } from "../../ui/SwitchChip";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Parameter, Value } from "../../wire/protocol";
 import { useMap3dRows } from "../map3d/Sensor3d";

@@ -4,8 +4,8 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
-import { isDark, printing } from "../../ui/theme";
 import { askScene, type SceneSettings, sceneAddress } from "../scene/settings";
 import "./volume.css";
 

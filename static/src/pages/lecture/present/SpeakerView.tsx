@@ -2,8 +2,8 @@ import "./speaker.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import { SlidePicture } from "./deck/SlidePicture";
 import { type Act, listenToKeys } from "./keys";
-import { SlidePicture } from "./SlidePicture";
 import { followSlides, type Told } from "./sync";
 
 const two = (value: number): string => String(value).padStart(2, "0");

@@ -4,7 +4,7 @@ import { useSeen, useSteps } from "../../../lessons/common/useSteps";
 import { DRIVE } from "../../../lessons/stage/floor";
 import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
-import { reducedMotion } from "../../../ui/reducedMotion";
+import { reducedMotion } from "../../../ui/browser/reducedMotion";
 
 const MS = 180;
 

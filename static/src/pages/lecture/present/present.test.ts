@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, describe, expect, it } from "vitest";
 import { LESSONS } from "../lessons";
-import { type Slide, WHOLE_LECTURE } from "./deck";
+import { type Slide, WHOLE_LECTURE } from "./deck/deck";
 import { type Act, actOf, type Focused } from "./keys";
 import { QUESTIONS } from "./questions";
 import { deck, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";

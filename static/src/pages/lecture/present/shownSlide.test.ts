@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
-import type { Slide } from "./deck";
+import type { Slide } from "./deck/deck";
 import { shownSlide, slideOfMessage } from "./shownSlide";
 
 const TEXT: Slide = { kind: "text", title: "Mine", text: "One\n\nTwo\n\nThree", notes: "private", hidden: true };

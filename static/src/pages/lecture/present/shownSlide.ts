@@ -2,7 +2,7 @@
 
 import type { ClassSlide } from "../../../wire/protocol";
 import { LESSONS } from "../lessons";
-import { pageAddress, type Slide } from "./deck";
+import { pageAddress, type Slide } from "./deck/deck";
 import { paragraphsOf } from "./state";
 
 /** Pages that who has the link may open, unlike the lab and the logs of the lecturer. */

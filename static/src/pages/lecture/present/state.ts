@@ -6,7 +6,7 @@
 import { computed, signal } from "@preact/signals";
 import { pack } from "../../packed";
 import { LESSONS, type LessonId, sectionOf } from "../lessons";
-import { type Deck, readDeckLink, type Slide, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
+import { type Deck, readDeckLink, type Slide, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck/deck";
 import { QUESTIONS, type Question } from "./questions";
 
 const mode = new URLSearchParams(location.search).get("present");

@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { act } from "./acts";
-import { type Slide, titleOf } from "./deck";
+import { type Slide, titleOf } from "./deck/deck";
 import type { Act } from "./keys";
 import { blank, deck, hashOf, type Place, place, questionOf, slides, stepped } from "./state";
 

@@ -5,7 +5,7 @@ import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/navigation/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Button } from "../../../ui/Button";
-import { Dock } from "../../../ui/Dock";
+import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
 import { GuestNote } from "../Head";

@@ -4,8 +4,8 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { tokenRgb } from "../../../style/colour";
 import { type HillPlace, type LoopHill, placeAt, presentIn, summitOf } from "../../../tools/heal/hill";
+import { isDark } from "../../../ui/browser/theme";
 import { signed } from "../../../ui/numbers";
-import { isDark } from "../../../ui/theme";
 import type { Healing } from "./healing";
 
 const KEYS: Record<string, readonly [col: number, row: number]> = {

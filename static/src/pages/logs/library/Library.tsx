@@ -1,7 +1,7 @@
 import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button } from "../../../ui/Button";
-import { Dropzone } from "../../../ui/Dropzone";
+import { Dropzone } from "../../../ui/files/Dropzone";
 import { Icon } from "../../../ui/Icon";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { Finder, isFiltered } from "./Finder";

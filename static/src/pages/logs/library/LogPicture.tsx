@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
+import { isDark } from "../../../ui/browser/theme";
 import { Icon } from "../../../ui/Icon";
-import { isDark } from "../../../ui/theme";
 
 interface LogPictureProps {
   readonly id: string;

@@ -1,4 +1,4 @@
-import type { Folder } from "../../../ui/droppedFiles";
+import type { Folder } from "../../../ui/files/droppedFiles";
 import { tarred } from "./tar";
 
 /** Files beside logs that are not logs: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */

@@ -5,7 +5,7 @@ import type { Store } from "../../../store/store";
 import { MapView } from "../../../tools/mapediting/MapView";
 import { Tools, WholeMap } from "../../../tools/mapediting/Tools";
 import { Button } from "../../../ui/Button";
-import { Dock } from "../../../ui/Dock";
+import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
 import { SessionEnded } from "../../SessionEnded";

@@ -4,8 +4,8 @@ import { batch, useComputed, useSignal, useSignalEffect } from "@preact/signals"
 import { useEffect, useId, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { clock } from "../../../ui/numbers";
-import { SwitchChip } from "../../../ui/SwitchChip";
 import { fetchJson } from "../contents/contents";
 import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";

@@ -1,7 +1,7 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { SharedView } from "../../../render/view";
-import { reducedMotion } from "../../../ui/reducedMotion";
+import { reducedMotion } from "../../../ui/browser/reducedMotion";
 import type { LinkAnswer as Link } from "../../../wire/http";
 import { followMaking, newName } from "../../making";
 import { trajectoryLabel } from "../library/describeLog";

@@ -3,7 +3,7 @@ import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { useLook } from "../../../tools/volume/useLook";
 import { Button } from "../../../ui/Button";
-import { MapFiles } from "../../../ui/MapFiles";
+import { MapFiles } from "../../../ui/files/MapFiles";
 
 const BAND = ["band_low", "band_high"];
 

@@ -1,6 +1,6 @@
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
-import { MapFiles } from "../../../ui/MapFiles";
+import { MapFiles } from "../../../ui/files/MapFiles";
 import { Panel } from "../../../ui/Panel";
 
 /** The map as an octree and from above. */

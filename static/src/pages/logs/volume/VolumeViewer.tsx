@@ -2,7 +2,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { ComputingMap } from "../../../tools/picture/ComputingMap";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { Button } from "../../../ui/Button";
-import { Dock } from "../../../ui/Dock";
+import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";

@@ -4,7 +4,7 @@ import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
 import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
-import type { DockGroup } from "../../../ui/Dock";
+import type { DockGroup } from "../../../ui/dock/Dock";
 import { SurfaceGroup } from "./SurfaceGroup";
 import { UpChoice } from "./UpChoice";
 import { VolumeAbove } from "./VolumeAbove";

@@ -1,4 +1,4 @@
-import { Button } from "./Button";
+import { Button } from "../Button";
 import { MapSnapshots } from "./mapSnapshots";
 
 /** One for the page: the names differ from pair to pair in all sessions that it shows. */

@@ -1,7 +1,7 @@
 /** The deck of slides: what the lecture has, in the lecturer's order, with slides of the lecturer's own. */
 
-import { unpack } from "../../packed";
-import { LESSONS, type LessonId, sectionOf } from "../lessons";
+import { unpack } from "../../../packed";
+import { LESSONS, type LessonId, sectionOf } from "../../lessons";
 
 /** What every slide may have. */
 interface Common {

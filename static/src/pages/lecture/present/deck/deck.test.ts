@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
-import { pack } from "../../packed";
-import { LESSONS } from "../lessons";
+import { pack } from "../../../packed";
+import { LESSONS } from "../../lessons";
 import { DeckError, readDeck, readDeckFile, readDeckLink, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
 
 const deck = (slides: unknown): unknown => ({ gridbloom_deck: 1, title: "Mine", slides });

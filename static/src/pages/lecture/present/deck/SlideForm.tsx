@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
-import { Choice } from "../../../ui/Choice";
+import { Choice } from "../../../../ui/Choice";
 import { LONGEST_TEXT, LONGEST_TITLE, pageAddress, type Slide } from "./deck";
 
 const ADDRESSES = {

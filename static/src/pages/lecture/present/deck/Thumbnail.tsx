@@ -1,10 +1,10 @@
 import { computed, signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { watchVisibility } from "../../../ui/visibility";
-import { whenIdle } from "../../../ui/whenIdle";
+import { watchVisibility } from "../../../../ui/browser/visibility";
+import { whenIdle } from "../../../../ui/browser/whenIdle";
+import { SLIDE } from "../scale";
+import { deck, hashOf, LAST_STEP } from "../state";
 import type { Slide } from "./deck";
-import { SLIDE } from "./scale";
-import { deck, hashOf, LAST_STEP } from "./state";
 import { drawThumbnail, thumbnailKey, thumbnails } from "./thumbnails";
 
 /** Time without input before the next picture is made. */

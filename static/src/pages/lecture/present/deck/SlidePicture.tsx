@@ -1,7 +1,7 @@
 import "./slidePicture.css";
 import { useEffect, useRef } from "preact/hooks";
-import { useWidth } from "../../../ui/useWidth";
-import { SLIDE } from "./scale";
+import { useWidth } from "../../../../ui/browser/useWidth";
+import { SLIDE } from "../scale";
 
 /** A slide as the audience sees it, without its controls: laid out at full size, and scaled down as a whole. */
 export function SlidePicture({ hash, title }: { readonly hash: string; readonly title: string }) {

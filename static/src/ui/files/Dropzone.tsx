@@ -1,8 +1,8 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
+import { Icon } from "../Icon";
 import { droppedFiles, type Folder } from "./droppedFiles";
-import { Icon } from "./Icon";
 
 interface DropzoneProps {
   readonly onFolders: (folders: readonly Folder[]) => void;

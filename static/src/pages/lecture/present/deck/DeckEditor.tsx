@@ -1,15 +1,15 @@
 import "./deckEditor.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { Button } from "../../../ui/Button";
-import { Icon } from "../../../ui/Icon";
-import { toast } from "../../../ui/Toast";
+import { Button } from "../../../../ui/Button";
+import { Icon } from "../../../../ui/Icon";
+import { toast } from "../../../../ui/Toast";
+import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
 import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
 import { numberOf, onlyOne, reordered, shown as shownSlide } from "./deckOrder";
 import { SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
-import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "./state";
 import { ThumbnailMaker } from "./Thumbnail";
 
 /** Change the slides; the present slide, at `index` of them, stays, where it still is there. */

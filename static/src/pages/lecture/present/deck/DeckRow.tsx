@@ -1,6 +1,6 @@
 import type { Signal } from "@preact/signals";
-import { Button } from "../../../ui/Button";
-import { Icon } from "../../../ui/Icon";
+import { Button } from "../../../../ui/Button";
+import { Icon } from "../../../../ui/Icon";
 import { type Slide, titleOf } from "./deck";
 import { gapAt, indexAfter, keyedIndex, numberOf, shown } from "./deckOrder";
 import { type OwnSlide, SlideForm } from "./SlideForm";

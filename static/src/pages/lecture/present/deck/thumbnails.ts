@@ -1,10 +1,10 @@
 /** Small pictures of the slides, made one at a time when the page is idle, and kept while it is open. */
 
 import { signal } from "@preact/signals";
-import { isDark } from "../../../ui/theme";
+import { isDark } from "../../../../ui/browser/theme";
+import { SLIDE } from "../scale";
+import { snapshotOf } from "../slideSnapshot";
 import type { Slide } from "./deck";
-import { SLIDE } from "./scale";
-import { snapshotOf } from "./slideSnapshot";
 
 /** Width of a picture, pixels: sharp on an enlarged page. */
 const WIDTH = 320;
