@@ -65,11 +65,12 @@ wire: setup ## renew what is generated from the messages of the stream and the a
 
 check: check-python check-pages ## lint, types, import rule: Python and TypeScript
 
+# The cache of lint-imports names modules that were moved since.
 check-python: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-cache
 	$(BIN)/python -m server.stream.generate --check
 	$(BIN)/python -m server.http_types --check
 
