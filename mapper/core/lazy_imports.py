@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.abc import MetaPathFinder
+from threading import get_ident
 
 
 def attributes_from(package: str, modules: Mapping[str, str]) -> Callable[[str], object]:
@@ -23,18 +25,28 @@ def attributes_from(package: str, modules: Mapping[str, str]) -> Callable[[str],
     return get
 
 
+class _Hidden(MetaPathFinder):
+    """Refuses to find some modules in the thread that made it."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = frozenset(names)
+        self._thread = get_ident()
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:  # noqa: ARG002 - as called
+        if fullname in self._names and get_ident() == self._thread:
+            raise ModuleNotFoundError(f"{fullname} is left out here", name=fullname)
+
+
 @contextmanager
 def hidden_modules(*names: str) -> Iterator[None]:
     """Make imports of these modules raise :class:`ImportError` during the block, unless they are loaded already.
 
-    For packages that import a module where it is installed, and do without it otherwise. Not safe while other threads
-    import.
+    For packages that import a module where it is installed, and do without it otherwise. Other threads import these
+    modules meanwhile as ever.
     """
-    hidden = [name for name in names if name not in sys.modules]
-    for name in hidden:
-        sys.modules[name] = None  # type: ignore[assignment] # which makes an import fail
+    finder = _Hidden(names)
+    sys.meta_path.insert(0, finder)
     try:
         yield
     finally:
-        for name in hidden:
-            del sys.modules[name]
+        sys.meta_path.remove(finder)
