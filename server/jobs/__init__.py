@@ -1,1 +1,1 @@
-"""Jobs: processes with limits, workers that have them, leases among services."""
+"""Jobs: processes with limits, workers that run jobs in them, one queue and record, leases among services."""
