@@ -1,7 +1,7 @@
 """Generate ``static/src/wire/http.ts``: the types of the answers of the HTTP interface, from its OpenAPI document.
 
-``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date. Answers that are
-not models yet, and files, have no type there.
+``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date. Files
+have no type there.
 """
 
 from __future__ import annotations
@@ -65,16 +65,26 @@ def _references(schema: object) -> Iterator[str]:
             yield from _references(one)
 
 
-def _answers(document: Schema) -> dict[str, str]:
-    """Return the model of each answer, by method and address; an answer that is no model is left out."""
-    found = {}
+def answers_of(document: Schema) -> dict[str, list[Schema]]:
+    """Return the schemas of the answers to each request, by method and address; {} where there is no content.
+
+    A request that is answered with a file is left out.
+    """
+    answers: dict[str, list[Schema]] = {}
     for path, methods in document["paths"].items():
         for method, operation in methods.items():
-            for status, answer in operation["responses"].items():
-                schema = answer.get("content", {}).get("application/json", {}).get("schema", {})
-                if status.startswith("2") and "$ref" in schema:
-                    found[f"{method.upper()} {path}"] = schema["$ref"].removeprefix(_REFERENCE)
-    return found
+            good = [answer for status, answer in operation["responses"].items() if status.startswith("2")]
+            kinds = {kind for answer in good for kind in answer.get("content", {})}
+            if kinds <= {"application/json"}:
+                answers[f"{method.upper()} {path}"] = [
+                    answer.get("content", {}).get("application/json", {}).get("schema", {}) for answer in good
+                ]
+    return answers
+
+
+def _answer_type(schemas: list[Schema]) -> str:
+    parts = [part for schema in schemas for part in (_typescript(schema) if schema else "undefined").split(" | ")]
+    return " | ".join(dict.fromkeys(parts))
 
 
 def _comment(text: str, indent: str = "") -> list[str]:
@@ -99,8 +109,8 @@ def _interface(name: str, schema: Schema) -> list[str]:
 
 def typescript(document: Schema) -> str:
     """Return the file for an OpenAPI document."""
-    schemas, answers = document["components"]["schemas"], _answers(document)
-    wanted, left = set(), [*answers.values()]
+    schemas, answers = document["components"]["schemas"], answers_of(document)
+    wanted, left = set(), [*_references(list(answers.values()))]
     while left:
         name = left.pop()
         if name not in wanted:
@@ -110,7 +120,7 @@ def typescript(document: Schema) -> str:
     for name in sorted(wanted):
         lines += _interface(name, schemas[name])
     lines += ["/** The answer to each request, by method and address. */", "export interface Answers {"]
-    lines += [f"  {json.dumps(request)}: {_name(model)};" for request, model in sorted(answers.items())]
+    lines += [f"  {json.dumps(request)}: {_answer_type(models)};" for request, models in sorted(answers.items())]
     return "\n".join([*lines, "}", ""])
 
 

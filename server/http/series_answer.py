@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
 
+import msgspec
 import numpy as np
 from fastapi import Query
+from fastapi.responses import Response
 from pydantic import FiniteFloat
 
 from mapper.core.array_types import Int64Array
@@ -20,30 +23,63 @@ Buckets = Annotated[int, Query(ge=1, le=4000, description="Intervals of time, ea
 BUCKETS = 800
 
 
-def series_answer(one: Series, origin_ns: int, start: float | None, end: float | None, buckets: int) -> dict[str, Any]:
-    """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its beginning, its end.
+@dataclass(frozen=True, slots=True)
+class SeriesColumn:
+    """One number over time."""
 
-    At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null. ``gaps`` are the
-    pauses of the recording within them, from a sample to the next one, in seconds: the ``buckets`` longest.
+    label: str
+    unit: str
+    plot: str
+    values: list[float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeriesAnswer:
+    """The numbers of a topic's messages, or of a log's scans: ``times`` in seconds, ``samples`` before downsampling.
+
+    ``gaps`` are the pauses of the recording, from a sample to the next one, in seconds.
     """
-    all_stamps, all_values = _between(one, origin_ns, start, end)
-    stamps, values = min_max(all_stamps, all_values, buckets)
-    return {
-        "topic": one.topic,
-        "type": one.type,
-        "samples": len(all_stamps),
-        "gaps": _gaps(one.stamps_ns, all_stamps, origin_ns, buckets),
-        "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
-        "columns": [
-            {
-                "label": column.label,
-                "unit": column.unit,
-                "plot": column.plot,
-                "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
-            }
-            for n, column in enumerate(one.columns)
-        ],
-    }
+
+    topic: str
+    type: str
+    samples: int
+    gaps: list[tuple[float, float]]
+    times: list[float]
+    columns: list[SeriesColumn]
+
+    @classmethod
+    def of(
+        cls, series: Series, origin_ns: int, start: float | None, end: float | None, buckets: int, **more: str
+    ) -> Self:
+        """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its ends.
+
+        At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null. ``gaps`` are
+        the ``buckets`` longest. ``more`` are fields of a subclass.
+        """
+        all_stamps, all_values = _between(series, origin_ns, start, end)
+        stamps, values = min_max(all_stamps, all_values, buckets)
+        return cls(
+            topic=series.topic,
+            type=series.type,
+            samples=len(all_stamps),
+            gaps=_gaps(series.stamps_ns, all_stamps, origin_ns, buckets),
+            times=((stamps - origin_ns) * 1e-9).round(6).tolist(),
+            columns=[
+                SeriesColumn(
+                    label=column.label,
+                    unit=column.unit,
+                    plot=column.plot,
+                    values=[None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
+                )
+                for n, column in enumerate(series.columns)
+            ],
+            **more,
+        )
+
+
+def json_answer(answer: SeriesAnswer) -> Response:
+    """Return an answer as JSON: long ones are encoded where they were made, not on the event loop."""
+    return Response(msgspec.json.encode(answer), media_type="application/json")
 
 
 def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
@@ -56,7 +92,7 @@ def _between(one: Series, origin_ns: int, start: float | None, end: float | None
     return one.stamps_ns[low:high], one.values[low:high]
 
 
-def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) -> list[list[float]]:
+def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) -> list[tuple[float, float]]:
     """Return the gaps between ``stamps_ns``, ascending, in seconds; what is usual is that of the whole series."""
     is_gap = are_gaps(np.diff(of_all).astype(np.float64) * 1e-9)
     first = int(np.searchsorted(of_all, stamps_ns[0])) if len(stamps_ns) else 0
@@ -64,5 +100,4 @@ def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) 
     pauses = stamps_ns[starts + 1] - stamps_ns[starts]
     longest = np.sort(starts[np.argsort(-pauses, kind="stable")[:most]])
     ends = np.stack([stamps_ns[longest], stamps_ns[longest + 1]], axis=-1)
-    found: list[list[float]] = ((ends - origin_ns) * 1e-9).round(6).tolist()
-    return found
+    return [(float(a), float(b)) for a, b in ((ends - origin_ns) * 1e-9).round(6)]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
+from typing import get_args
 
 from mapper.core.errors import ConfigError
 from mapper.puzzles import CAUSES, Puzzle, points
 from mapper.puzzles.scoring import HINT_POINTS, REPAIRED, WRONG_POINTS, Measures
+from server.puzzles.answers import Attempt, Costs, Measure, NamedCause, RepairedWith, SolutionAnswer
 
 
 @dataclass(slots=True)
@@ -105,46 +106,46 @@ class Game:
         if self.is_over:
             raise ConfigError("puzzle.over", "This puzzle is over: its answer is shown.")
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> Attempt:
         """Return what the page may know now."""
         puzzle, cause, found = self.puzzle, CAUSES[self.puzzle.cause], self.progress
-        return {
-            "title": self.title,
-            "story": self.story,
-            "level": self.level,
-            "causes": [{"name": one.name, "label": one.label} for one in CAUSES.values() if one.name in self.choices],
-            "is_named": found.is_named,
-            "wrong": sorted(found.wrong),
-            "hints": list(cause.hints[: found.hints]),
-            "hints_left": len(cause.hints) - found.hints,
-            "costs": {"wrong": WRONG_POINTS, "hint": HINT_POINTS},
-            "first": asdict(puzzle.spoiled),
-            "goal": asdict(puzzle.repaired),
-            "now": None if self.now is None else asdict(self.now),
-            "measures": sorted(puzzle.shares(puzzle.spoiled)) or sorted(asdict(puzzle.spoiled)),
-            "repair": None if self.now is None else puzzle.share(self.now),
-            "best": found.best,
-            "enough": REPAIRED,
-            "can_repair": self.can_repair if found.is_named else None,
-            "repaired_with": self._repaired_with() if found.is_named else None,
-            "points": self.points,
-            "is_solved": self.is_solved,
-            "gave_up": found.gave_up,
-            "answer": self._answer() if self.is_over else None,
-        }
+        shares = puzzle.shares(puzzle.spoiled)
+        return Attempt(
+            title=self.title,
+            story=self.story,
+            level=self.level,
+            causes=[NamedCause(one.name, one.label) for one in CAUSES.values() if one.name in self.choices],
+            is_named=found.is_named,
+            wrong=sorted(found.wrong),
+            hints=list(cause.hints[: found.hints]),
+            hints_left=len(cause.hints) - found.hints,
+            costs=Costs(WRONG_POINTS, HINT_POINTS),
+            first=puzzle.spoiled,
+            goal=puzzle.repaired,
+            now=self.now,
+            measures=[measure for measure in get_args(Measure) if measure in shares or not shares],
+            repair=None if self.now is None else puzzle.share(self.now),
+            best=found.best,
+            enough=REPAIRED,
+            can_repair=self.can_repair if found.is_named else None,
+            repaired_with=self._repaired_with() if found.is_named else None,
+            points=self.points,
+            is_solved=self.is_solved,
+            gave_up=found.gave_up,
+            answer=self._answer() if self.is_over else None,
+        )
 
-    def _repaired_with(self) -> dict[str, Any]:
-        """Return what repairs the map, without the values: names of parameters, and whether it is other poses."""
-        return {"parameters": list(self.puzzle.repair), "poses": bool(self.puzzle.repair_trajectory)}
+    def _repaired_with(self) -> RepairedWith:
+        return RepairedWith(list(self.puzzle.repair), bool(self.puzzle.repair_trajectory))
 
-    def _answer(self) -> dict[str, Any]:
-        cause = CAUSES[self.puzzle.cause]
-        return {
-            "cause": cause.name,
-            "label": cause.label,
-            "explanation": cause.explanation,
-            "lesson": cause.lesson,
-            "section": cause.section,
-            "repair": dict(self.puzzle.repair),
-            "trajectory": self.puzzle.repair_trajectory or None,
-        }
+    def _answer(self) -> SolutionAnswer:
+        cause, trajectory = CAUSES[self.puzzle.cause], self.puzzle.repair_trajectory or None
+        return SolutionAnswer(
+            cause.name,
+            cause.label,
+            cause.explanation,
+            cause.lesson,
+            cause.section,
+            dict(self.puzzle.repair),
+            trajectory,
+        )

@@ -6,11 +6,12 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.puzzles import CAUSES, RECIPES, Puzzle
+from server.puzzles.answers import NamedCause, OfferedPuzzle
 from server.puzzles.game import Game
 from server.puzzles.making import MAPPING, PuzzleSource, RecipeSource, Tell
 from server.sessions import Plan
@@ -36,15 +37,14 @@ class Puzzles:
         self._games: dict[str, Game] = {}  #: by session
 
     @staticmethod
-    def described() -> dict[str, Any]:
-        """Return the puzzles that come with the program, and the causes: nothing that tells which is whose."""
-        return {
-            "puzzles": [
-                {"name": one.name, "level": one.level, "title": one.title, "story": one.story}
-                for one in RECIPES.values()
-            ],
-            "faults": [{"name": one.name, "label": one.label} for one in CAUSES.values() if one.of_log],
-        }
+    def offered() -> list[OfferedPuzzle]:
+        """Return the puzzles that come with the program, without what tells their causes."""
+        return [OfferedPuzzle(recipe.name, recipe.level, recipe.title, recipe.story) for recipe in RECIPES.values()]
+
+    @staticmethod
+    def faults() -> list[NamedCause]:
+        """Return the faults that can be added to a map."""
+        return [NamedCause(cause.name, cause.label) for cause in CAUSES.values() if cause.of_log]
 
     @staticmethod
     def recipe(name: str) -> PuzzleSource:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
+from server.library.packs.given_map import MapAnswer
+from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
 from server.sessions.view import GraphChange, LogView, Wanted
 
 if TYPE_CHECKING:
@@ -82,32 +85,51 @@ class Comparable(Protocol):
 class Graphed(Protocol):
     """The pose graph of a session's trajectory. All of it raises :class:`mapper.core.errors.MapperError`."""
 
-    async def public(self, source: GraphSource) -> dict[str, Any]:
+    async def public(self, source: GraphSource) -> PoseGraphAnswer:
         """Return the loops of the graph, and show its layer."""
 
-    async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
+    async def edge(self, edge: int, source: GraphSource) -> EdgeAnswer:
         """Return an edge with both of its scans."""
 
-    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+    async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
         """Return the score of the poses around an edge."""
 
-    async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
+    async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:
         """Return the loops that were tried near a place, map metres."""
 
-    async def candidate(self, candidate: int, source: GraphSource) -> dict[str, Any]:
+    async def candidate(self, candidate: int, source: GraphSource) -> TriedLoopScans:
         """Return a loop that was tried with both of its scans."""
 
-    async def change(self, change: GraphChange, source: GraphSource) -> dict[str, Any]:
+    async def change(self, change: GraphChange, source: GraphSource) -> PoseGraphAnswer:
         """Change the graph and map along its poses; return as :meth:`public`."""
 
     async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
         """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
 
 
+@dataclass(frozen=True, slots=True)
+class FilterHistory:
+    """How certain the poses of a localization in ``map`` are along the log, at some of its ``scans``.
+
+    ``deviation_m`` is that of the place, ``entropy`` bits, ``fit`` 0 to 1; ``first_converged`` is the first scan of all
+    at which the filter had converged.
+    """
+
+    map: MapAnswer
+    scans: list[int]
+    seconds: list[float]
+    entropy: list[float]
+    deviation_m: list[float]
+    fit: list[float]
+    is_converged: list[bool]
+    n_particles: list[int]
+    first_converged: int | None
+
+
 class Localized(Protocol):
     """The localization of a session's trajectory in a map."""
 
-    async def public(self, source: GraphSource) -> dict[str, Any] | None:
+    async def public(self, source: GraphSource) -> FilterHistory | None:
         """Return how certain the poses are along the log, None where they come from no localization."""
 
 
@@ -143,6 +165,15 @@ class EditedFiles(Protocol):
         """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""
 
 
+@dataclass(frozen=True, slots=True)
+class FootprintAnswer:
+    """The footprint of a robot: its corners in its frame, metres, and both radii of the padded one, metres."""
+
+    footprint: list[tuple[float, float]]
+    inscribed_radius: float
+    circumscribed_radius: float
+
+
 class Costed(Protocol):
     """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
 
@@ -152,11 +183,8 @@ class Costed(Protocol):
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""
 
-    def present_footprint(self) -> dict[str, Any] | None:
-        """Return the robot's footprint: ``footprint``, corners in its frame, metres, and both radii with the padding.
-
-        None where there is none.
-        """
+    def present_footprint(self) -> FootprintAnswer | None:
+        """Return the robot's footprint, None where there is none."""
 
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the painted masks (rows, cols) on the costs' cells.
@@ -193,5 +221,5 @@ class UploadedCosts(LayerCosts, Protocol):
     def log_id(self) -> str:
         """The upload."""
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> MapAnswer:
         """Return what the HTTP interface shows."""

@@ -18,7 +18,7 @@ from typing import get_args
 import msgspec
 from msgspec import inspect as types
 
-from server.stream import answers, message_parts, protocol
+from server.stream import message_parts, protocol
 from server.stream.class_messages import ClassCommand, ClassMessage
 from server.stream.close_codes import CLOSE_CODES
 from server.stream.commands import Command
@@ -44,14 +44,11 @@ def _structs(union: object) -> list[types.StructType]:
 
 MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
 CLASS_MESSAGES, CLASS_COMMANDS = _structs(ClassMessage), _structs(ClassCommand)
-#: Objects in answers of the HTTP interface.
-ANSWERS = [one for one in (types.type_info(answers.LogEvent),) if isinstance(one, types.StructType)]
-
 
 #: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
 ALIASES: dict[str, str] = {
     meta.title: meta.description or ""
-    for alias in (*vars(message_parts).values(), *vars(answers).values())
+    for alias in vars(message_parts).values()
     for meta in getattr(alias, "__metadata__", ())
     if isinstance(meta, msgspec.Meta) and meta.title is not None
 }
@@ -186,7 +183,7 @@ def _interface(struct: types.StructType) -> list[str]:
 
 def typescript() -> str:
     """Return ``static/src/wire/messages.ts``."""
-    every = [*MESSAGES, *COMMANDS, *CLASS_MESSAGES, *CLASS_COMMANDS, *ANSWERS]
+    every = [*MESSAGES, *COMMANDS, *CLASS_MESSAGES, *CLASS_COMMANDS]
     parts = {name: part for name, part in _named_parts(every).items() if part not in every}
     read = _named_parts([*MESSAGES, *CLASS_MESSAGES])
     lines = [

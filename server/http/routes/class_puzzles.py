@@ -12,7 +12,8 @@ from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.classes import joined_class, owned_class, places_of, puzzle_link_of
 from server.http.routes.clients import client_address
-from server.http.routes.puzzles import Name, begin_puzzle, created
+from server.http.routes.puzzles import Name, begin_puzzle
+from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, ServiceSettings, Sessions, Visitor
 from server.stream.class_messages import ClassSolver
 
@@ -43,7 +44,7 @@ async def give(
 ) -> None:
     """Have the class solve a puzzle."""
     room = owned_class(brake, classes, code, request, visitor)
-    known = {one["name"]: one["title"] for one in puzzles.described()["puzzles"]}
+    known = {one.name: one.title for one in puzzles.offered()}
     room.give_puzzle(given.puzzle, known.get(given.puzzle) or library.puzzles.get(given.puzzle).title)
 
 
@@ -57,6 +58,7 @@ async def close(request: Request, classes: OpenClasses, brake: CodeBrake, visito
 @guests_may(GuestRight.ALWAYS)
 async def begin(
     request: Request,
+    response: Response,
     classes: OpenClasses,
     brake: CodeBrake,
     sessions: Sessions,
@@ -66,7 +68,7 @@ async def begin(
     visitor: Visitor,
     code: str,
     name: Name = None,
-) -> Response:
+) -> SessionAnswer:
     """Begin an attempt at the puzzle of the class; an attempt that is under way goes on."""
     room = joined_class(brake, classes, code, request, visitor)
     puzzle = room.puzzle
@@ -76,7 +78,7 @@ async def begin(
     link = puzzle_link_of(room, len(room.puzzles))
     for one in sessions.all():
         if one.link == link and one.owner == visitor:
-            return created(one)
+            return created(response, one)
     session = await begin_puzzle(
         request,
         sessions,
@@ -100,4 +102,4 @@ async def begin(
         game.progress = puzzle.progress.setdefault(number, game.progress)
         game.changed = changed
         changed()
-    return created(session)
+    return created(response, session)

@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import io
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import segno
 from fastapi import APIRouter, Request, WebSocket
-from fastapi.responses import JSONResponse, RedirectResponse, Response
+from fastapi.responses import RedirectResponse, Response
 
 from mapper.core.errors import MapperError
 from server.classes import Classes, ClassRightError, Classroom, results_csv, unknown_class
 from server.classes.codes import normalised
 from server.http.brake import CodeGuesses
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.sessions import public
+from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import (
     CodeBrake,
     CopyBrake,
@@ -82,21 +84,39 @@ def joined_class(
     return room
 
 
-def _public(request: Request, room: Classroom) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class ClassAnswer:
+    """A class that one may join, how many are in it, and which page it shows."""
+
+    code: str
+    present: int
+    page: str
+
+
+@dataclass(frozen=True, slots=True)
+class OpenClassAnswer(ClassAnswer):
+    """A class as its lecturer sees it: the addresses of its page, of the counted answers, and of its QR code."""
+
+    address: str
+    results: str
+    qr: str
+
+
+def _public(request: Request, room: Classroom) -> OpenClassAnswer:
     settings, host = services_of(request.app).settings, request.headers["host"]
     host = host if settings.is_loopback else reachable(host)
-    return {
-        "code": room.code,
-        "present": room.present,
-        "page": room.view.page,
-        "address": f"{request.url.scheme}://{host}/class/{room.code}",
-        "results": f"/api/classes/{room.code}/results.csv",
-        "qr": f"/api/classes/{room.code}/qr.svg",
-    }
+    return OpenClassAnswer(
+        code=room.code,
+        present=room.present,
+        page=room.view.page,
+        address=f"{request.url.scheme}://{host}/class/{room.code}",
+        results=f"/api/classes/{room.code}/results.csv",
+        qr=f"/api/classes/{room.code}/qr.svg",
+    )
 
 
 @router.post("/api/classes", status_code=201)
-async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
+async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> OpenClassAnswer:
     """Open a class, or return the one that this visitor has open."""
     room = classes.open(visitor)
     room.place = chosen_place(request)
@@ -104,8 +124,10 @@ async def open_class(request: Request, response: Response, classes: OpenClasses,
     return _public(request, room)
 
 
-@router.get("/api/classes", responses={204: {"description": "This visitor has no class open."}})
-async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> Any:  # noqa: ANN401 - or no content
+@router.get(
+    "/api/classes", response_model=OpenClassAnswer, responses={204: {"description": "This visitor has no class open."}}
+)
+async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> OpenClassAnswer | Response:
     """Return the class that this visitor has open."""
     room = classes.of(visitor)
     return Response(status_code=204) if room is None else _public(request, room)
@@ -123,7 +145,7 @@ async def end(
         await sessions.end_linked(puzzle_link_of(room, number))
 
 
-@router.get("/api/classes/{code}/results.csv")
+@router.get("/api/classes/{code}/results.csv", **file_answer("text/csv"))
 async def results(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
     """Return the counted answers of all questions of a class."""
     room = owned_class(brake, classes, code, request, visitor)
@@ -132,12 +154,12 @@ async def results(request: Request, classes: OpenClasses, brake: CodeBrake, visi
     return Response(results_csv(room.questions, room.puzzles), media_type="text/csv; charset=utf-8", headers=headers)
 
 
-@router.get("/api/classes/{code}/qr.svg")
+@router.get("/api/classes/{code}/qr.svg", **file_answer("image/svg+xml"))
 async def qr(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
     """Return the address of a class as a QR code."""
     room = owned_class(brake, classes, code, request, visitor)
     out = io.BytesIO()
-    segno.make(_public(request, room)["address"], error="m", micro=False).save(
+    segno.make(_public(request, room).address, error="m", micro=False).save(
         out, kind="svg", border=4, dark="#000", light="#fff", xmldecl=False, omitsize=True
     )
     return Response(out.getvalue(), media_type="image/svg+xml", headers={"Cache-Control": "no-store"})
@@ -145,10 +167,10 @@ async def qr(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: 
 
 @router.get("/api/classes/{code}")
 @guests_may(GuestRight.ALWAYS)
-async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> dict[str, Any]:
+async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> ClassAnswer:
     """Return whether there is a class of this code that one may join, and which page it shows."""
     room = joined_class(brake, classes, code, request, visitor)
-    return {"code": room.code, "present": room.present, "page": room.view.page}
+    return ClassAnswer(room.code, room.present, room.view.page)
 
 
 @router.websocket("/api/classes/{code}/stream")
@@ -222,6 +244,7 @@ async def shown(
 @guests_may(GuestRight.ALWAYS)
 async def fork(
     request: Request,
+    response: Response,
     classes: OpenClasses,
     brake: CodeBrake,
     copies: CopyBrake,
@@ -229,7 +252,7 @@ async def fork(
     settings: ServiceSettings,
     visitor: Visitor,
     code: str,
-) -> Response:
+) -> SessionAnswer:
     """Begin a session of one's own with the present state of the one that the lecturer shows."""
     room = _guessed(brake, classes, code, request, visitor)
     session = _shown(classes, room, sessions, request, visitor)
@@ -252,7 +275,7 @@ async def fork(
         return made
 
     made = await while_connected(request, begun())
-    return JSONResponse(public(made), status_code=201, headers={"Location": f"/api/sessions/{made.id}"})
+    return created(response, made)
 
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
@@ -12,6 +13,7 @@ from mapper.core.errors import MapperError
 from mapper.io.maps.images import png_pieces
 from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
 from server.downloads import Content, Download, file_name
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
@@ -36,6 +38,44 @@ class Other(BaseModel):
     topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
 
 
+@dataclass(frozen=True, slots=True)
+class SecondMap:
+    """Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same."""
+
+    values: dict[str, float | str | bool]
+    with_faults: bool
+    trajectory: str
+    log: str | None
+    topic: str | None
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedComparison:
+    """Two maps that are both shown, and why their cells cannot be compared."""
+
+    a: SecondMap | None
+    refused: str
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonAnswer:
+    """The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`; pairs are of A and B."""
+
+    a: SecondMap | None
+    refused: None
+    cells: int
+    states: list[list[int]]
+    same: int
+    only: tuple[int, int]
+    both: int
+    entropy_bits: tuple[float, float]
+    contrast: tuple[float, float]
+    mean_difference: float
+    max_difference: float
+    max_at: tuple[float, float] | None
+
+
 def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:
     session = sessions.get(session_id)
     if session.model.comparison is None:
@@ -45,7 +85,9 @@ def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 
 @router.put("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
-async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: Other) -> dict[str, Any]:
+async def begin(
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: Other
+) -> ComparisonAnswer | RefusedComparison:
     """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
     session, comparison = _compared(sessions, session_id)
     log, title = None, ""
@@ -60,7 +102,7 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
         return await _comparison(comparison)
     except MapperError as error:
         # Both maps are still shown, without a comparison of cells.
-        return {"a": comparison.description(), "refused": error.message}
+        return RefusedComparison(_second(comparison.description()), error.message)
 
 
 @router.delete("/{session_id}/compare", status_code=204)
@@ -73,19 +115,23 @@ async def end(sessions: Sessions, session_id: str) -> None:
 
 @router.get("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
-async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def compared(sessions: Sessions, session_id: str) -> ComparisonAnswer:
     """Return A and the numbers of the comparison of the two maps (:class:`mapper.grid.compare.Comparison`)."""
     return await _comparison(_compared(sessions, session_id)[1])
 
 
-async def _comparison(comparison: Comparable) -> dict[str, Any]:
+async def _comparison(comparison: Comparable) -> ComparisonAnswer:
     from server.sessions.comparison_numbers import numbers  # noqa: PLC0415 - imported with the comparison
 
     other, found = await comparison.compared()
-    return {"a": other, "refused": None} | numbers(found)
+    return ComparisonAnswer(a=_second(other), refused=None, **numbers(found))
 
 
-@router.get("/{session_id}/compare.png")
+def _second(described: dict[str, Any] | None) -> SecondMap | None:
+    return None if described is None else SecondMap(**described)
+
+
+@router.get("/{session_id}/compare.png", **file_answer("image/png"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def picture(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return ℓ of B minus ℓ of A as an image: orange is more occupied in B, blue more free."""

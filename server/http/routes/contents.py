@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
@@ -15,10 +15,11 @@ from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.request_work import in_turn
 from server.http.routes.clients import client_address, while_connected
-from server.http.series_answer import BUCKETS, Buckets, Seconds, series_answer
+from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.library import Library
 from server.sessions import SessionRegistry
@@ -82,9 +83,63 @@ async def _held(request: Request, sessions: SessionRegistry, library: Library, v
     return _Held(recording, contents)
 
 
-@router.get("/{session_id}/contents")
+@dataclass(frozen=True, slots=True)
+class ContentsReading:
+    """What the recording holds is still being found out: ``progress`` from 0 to 1."""
+
+    progress: float
+    state: Literal["reading"] = "reading"
+
+
+@dataclass(frozen=True, slots=True)
+class TopicAnswer:
+    """A topic of the recording; times are seconds since it began, null for messages without a time.
+
+    ``mapped`` says whether the map is made of it, null for a topic of which no map can be made; ``cut`` whether it has
+    clouds or images, out of which scans can be cut.
+    """
+
+    name: str
+    type: str
+    messages: int
+    bytes: int
+    rate_hz: float | None
+    first_s: float | None
+    last_s: float | None
+    mapped: bool | None
+    cut: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PlottedTopic:
+    """A topic whose numbers can be plotted."""
+
+    topic: str
+    type: str
+    samples: int
+    plots: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ContentsAnswer:
+    """What the recording holds; ``pictures`` are the topics with images or clouds, ``frames`` counts frames."""
+
+    topics: list[TopicAnswer]
+    series: list[PlottedTopic]
+    frames: int
+    pictures: list[str]
+    notes: list[str]
+    state: Literal["ready"] = "ready"
+
+
+@router.get(
+    "/{session_id}/contents",
+    responses={202: {"model": ContentsReading, "description": "The recording is still being gone through."}},
+)
 @guests_may(GuestRight.LINKED_SESSION)
-async def contents(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> Response:
+async def contents(
+    request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
+) -> ContentsAnswer | ContentsReading:
     """Return every topic of the recording, and which of them can be plotted.
 
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
@@ -93,26 +148,24 @@ async def contents(request: Request, sessions: Sessions, library: Logs, visitor:
     """
     recording, found = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(found, float):
-        return JSONResponse({"state": "reading", "progress": round(found, 3)}, status_code=202)
+        response.status_code = 202
+        return ContentsReading(round(found, 3))
     began_ns = min((topic.first_ns for topic in found.topics if topic.first_ns), default=0)
     sensors = {topic.name: topic.chosen for topic in recording.log.topics if topic.beams is not None}
-    return JSONResponse(
-        {
-            "state": "ready",
-            "topics": [_topic(topic, began_ns, sensors.get(topic.name)) for topic in found.topics],
-            "series": [
-                {
-                    "topic": one.topic,
-                    "type": one.type,
-                    "samples": len(one.stamps_ns),
-                    "plots": list(dict.fromkeys(column.plot for column in one.columns)),
-                }
-                for one in found.series
-            ],
-            "frames": len({name for edge in found.edges for name in (edge.parent, edge.child)}),
-            "pictures": [topic.name for topic in found.topics if topic.type in PICTURED],
-            "notes": list(found.notes),
-        }
+    return ContentsAnswer(
+        topics=[_topic(topic, began_ns, sensors.get(topic.name)) for topic in found.topics],
+        series=[
+            PlottedTopic(
+                topic=one.topic,
+                type=one.type,
+                samples=len(one.stamps_ns),
+                plots=list(dict.fromkeys(column.plot for column in one.columns)),
+            )
+            for one in found.series
+        ],
+        frames=len({name for edge in found.edges for name in (edge.parent, edge.child)}),
+        pictures=[topic.name for topic in found.topics if topic.type in PICTURED],
+        notes=list(found.notes),
     )
 
 
@@ -130,24 +183,22 @@ def _owner(sessions: SessionRegistry, library: Library, session_id: str) -> str:
     return session.owner if session.link is None else library.links.get(session.link).owner
 
 
-def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> dict[str, Any]:
+def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> TopicAnswer:
     has_times = topic.first_ns > 0
-    return {
-        "name": topic.name,
-        "type": topic.type,
-        "messages": topic.messages,
-        "bytes": topic.bytes,
-        "rate_hz": topic.rate_hz,
-        "first_s": (topic.first_ns - began_ns) * 1e-9 if has_times else None,
-        "last_s": (topic.last_ns - began_ns) * 1e-9 if has_times else None,
-        # Whether the map is made of it: null for a topic of which no map can be made.
-        "mapped": is_chosen,
-        # Whether it has clouds or images, out of which scans can be cut.
-        "cut": is_cut(topic.type),
-    }
+    return TopicAnswer(
+        name=topic.name,
+        type=topic.type,
+        messages=topic.messages,
+        bytes=topic.bytes,
+        rate_hz=topic.rate_hz,
+        first_s=(topic.first_ns - began_ns) * 1e-9 if has_times else None,
+        last_s=(topic.last_ns - began_ns) * 1e-9 if has_times else None,
+        mapped=is_chosen,
+        cut=is_cut(topic.type),
+    )
 
 
-@router.get("/{session_id}/contents/series")
+@router.get("/{session_id}/contents/series", response_model=SeriesAnswer)
 @guests_may(GuestRight.LINKED_SESSION)
 async def series(
     request: Request,
@@ -160,7 +211,7 @@ async def series(
     start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Buckets = BUCKETS,
-) -> JSONResponse:
+) -> Response:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
     held = await _held(request, sessions, library, visitor, session_id)
     one = next((one for one in held.contents.series if one.topic == topic), None)
@@ -169,11 +220,11 @@ async def series(
 
     # A series may have millions of samples: on the event loop it would hold up all streams.
     return await in_turn(
-        request, work, visitor, lambda: JSONResponse(series_answer(one, held.origin_ns, start, end, buckets))
+        request, work, visitor, lambda: json_answer(SeriesAnswer.of(one, held.origin_ns, start, end, buckets))
     )
 
 
-@router.get("/{session_id}/contents/picture", response_class=Response)
+@router.get("/{session_id}/contents/picture", **file_answer("image/jpeg", "image/png"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def picture(
     request: Request,
@@ -204,6 +255,36 @@ async def picture(
     return Response(found.data, media_type=found.media_type, headers=headers)
 
 
+@dataclass(frozen=True, slots=True)
+class FrameEdgeAnswer:
+    """The transforms between two frames; ``age_s`` is that of the newest at the moment, null before the first.
+
+    ``used`` is false for a second parent of the same frame, which is not followed.
+    """
+
+    parent: str
+    child: str
+    static: bool
+    count: int
+    rate_hz: float | None
+    age_s: float | None
+    used: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FramesAnswer:
+    """The transforms on the topic ``tf``, one of ``trees``, ``at`` seconds; ``faults`` are sentences."""
+
+    at: float
+    tf: str
+    trees: list[str]
+    fixed: str
+    sensor: str
+    frames: list[str]
+    edges: list[FrameEdgeAnswer]
+    faults: list[str]
+
+
 @router.get("/{session_id}/contents/frames")
 @guests_may(GuestRight.LINKED_SESSION)
 async def frames(
@@ -217,7 +298,7 @@ async def frames(
     tf: Annotated[
         str | None, Query(max_length=400, description="The topic of the transforms; else the sensor's.")
     ] = None,
-) -> dict[str, Any]:
+) -> FramesAnswer:
     """Return the transforms of the recording: the age of each at a moment, and what is missing between frames.
 
     Robots of one recording may have the same frames, each on topics of its own: these are the trees. The fixed frame is
@@ -240,24 +321,24 @@ async def frames(
         fixed = fixed if fixed in names else chain_of(parents, log.frame_id)[-1]
     elif fixed not in names:
         raise MapperError("contents.no_frame", f"The recording's transforms have no frame {fixed!r:.200}.")
-    return {
-        "at": at,
-        "tf": topic,
-        "trees": list(trees),
-        "fixed": fixed,
-        "sensor": log.frame_id,
-        "frames": names,
-        "edges": [
-            {
-                "parent": edge.parent,
-                "child": edge.child,
-                "static": edge.is_static,
-                "count": len(edge.stamps_ns),
-                "rate_hz": edge.rate_hz,
-                "age_s": edge.age_s(at_ns),
-                "used": parents.get(edge.child) == edge.parent,
-            }
+    return FramesAnswer(
+        at=at,
+        tf=topic,
+        trees=list(trees),
+        fixed=fixed,
+        sensor=log.frame_id,
+        frames=names,
+        edges=[
+            FrameEdgeAnswer(
+                parent=edge.parent,
+                child=edge.child,
+                static=edge.is_static,
+                count=len(edge.stamps_ns),
+                rate_hz=edge.rate_hz,
+                age_s=edge.age_s(at_ns),
+                used=parents.get(edge.child) == edge.parent,
+            )
             for edge in edges
         ],
-        "faults": faults(edges, [log.frame_id], fixed) if edges else [],
-    }
+        faults=faults(edges, [log.frame_id], fixed) if edges else [],
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -11,13 +11,16 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.downloads import Content, Download
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
 from server.http.uploaded_terrain import uploaded_terrain
+from server.library.packs.given_map import ChosenMap
 from server.sessions.commands import UseTerrain
+from server.sessions.parts import FootprintAnswer
 from server.stream.commands import CostmapCommand
 
 if TYPE_CHECKING:
@@ -50,14 +53,14 @@ _UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit
 
 @router.get("/{session_id}/costmap/footprint")
 @guests_may(GuestRight.LINKED_SESSION)
-async def footprint(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def footprint(sessions: Sessions, session_id: str) -> FootprintAnswer:
     """Return the footprint of the session's costmap, and the inscribed and circumscribed radius with the padding."""
     return await _footprint(sessions.get(session_id))
 
 
 @router.put("/{session_id}/costmap/footprint")
 @guests_may(GuestRight.LINKED_SESSION)
-async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> dict[str, Any]:
+async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> FootprintAnswer:
     """Change the footprint of the session's costmap; answer as GET does."""
     from server.sessions.models.lab_navigation_parameters import footprint_of  # noqa: PLC0415 - with the first session
 
@@ -68,7 +71,7 @@ async def change_footprint(sessions: Sessions, session_id: str, wanted: Footprin
     return await _footprint(session)
 
 
-async def _footprint(session: SessionHost) -> dict[str, Any]:
+async def _footprint(session: SessionHost) -> FootprintAnswer:
     await session.carried_out()
     async with session.locked():
         costed = session.model.costed
@@ -78,7 +81,7 @@ async def _footprint(session: SessionHost) -> dict[str, Any]:
     return found
 
 
-@router.get("/{session_id}/costmap/{name}")
+@router.get("/{session_id}/costmap/{name}", **file_answer("application/octet-stream"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
     """Return the session's costs as a file.
@@ -128,7 +131,7 @@ async def terrain(
     downloads: FileDownloads,
     session_id: str,
     wanted: TerrainOfUpload,
-) -> dict[str, Any]:
+) -> ChosenMap:
     """Choose the terrain's layer of a log's costmap: a cloud of the library, or a map as ``gridbloom terrain`` writes.
 
     The patches of a cloud are assessed; free cells of a map are safe, occupied ones unsafe. Either must be in the frame
@@ -140,4 +143,4 @@ async def terrain(
     if wanted.log is not None:
         found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
     of_log.session.enqueue(UseTerrain(found))
-    return {"map": None if found is None else found.public()}
+    return ChosenMap(None if found is None else found.public())

@@ -2,18 +2,71 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
-from msgspec import to_builtins
+from pydantic import Field
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
-from server.stream.answers import LogEvent
 
 router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+EventKind = Literal["pushed", "slipped", "lifted", "clock"]
+
+
+@dataclass(frozen=True, slots=True)
+class FindingAnswer:
+    """A finding of an examination; ``sensor`` is empty in a log of one, ``possible``: too uncertain for a fact.
+
+    ``sure`` is 0 to 1, ``scans`` are numbers from 0, and ``parameters`` the values of mapping parameters that would
+    help.
+    """
+
+    check: str
+    sentence: str
+    advice: str
+    sure: float
+    scans: tuple[int, ...]
+    parameters: dict[str, float | str | bool] | None
+    sensor: str
+    possible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class LogEvent:
+    """An event of a log: the robot was moved as its wheels did not measure, or its clock was set."""
+
+    kind: EventKind
+    seconds: Annotated[float, Field(description="begin in recorded time, s")]
+    until_s: Annotated[float, Field(description="end in recorded time, s")]
+    time: Annotated[str, Field(description="begin in recorded time, m:ss.mmm")]
+    utc: Annotated[str | None, Field(description="begin in UTC, ISO 8601; null where the log's clock does not tell it")]
+    stamp_ns: Annotated[int | None, Field(description="begin on the log's clock, ns")]
+    scan: Annotated[int, Field(description="last scan before it, from 0")]
+    until_scan: Annotated[int, Field(description="first scan after it")]
+    ahead_m: Annotated[float | None, Field(description="motion by the scans less that by the wheels: ahead, m")]
+    left_m: Annotated[float | None, Field(description="the same to the left, m")]
+    turned_rad: Annotated[float | None, Field(description="the same, counter-clockwise, rad")]
+    distance_m: Annotated[float | None, Field(description="length of it, m")]
+    direction: Annotated[
+        Literal["ahead", "behind", "left", "right"] | None, Field(description="side of the robot to which it went")
+    ]
+    step_s: Annotated[float, Field(description="by how much the clock was set, s")]
+    sentence: Annotated[str, Field(description="what happened, in words")]
+
+
+@dataclass(frozen=True, slots=True)
+class DoctorAnswer:
+    """The diagnosis of a log along a trajectory: findings, causes first, and events in the order of their times."""
+
+    trajectory: str
+    findings: list[FindingAnswer]
+    events: list[LogEvent]
 
 
 @router.get("/sessions/{session_id}/doctor")
@@ -26,7 +79,7 @@ async def doctor(
     name: Annotated[
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
-) -> dict[str, Any]:
+) -> DoctorAnswer:
     """Return the diagnosis of the session's log with its current trajectory, and the events of its recording.
 
     The examination ends when every client that waits for it has disconnected.
@@ -38,8 +91,8 @@ async def doctor(
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
         found = await while_connected(request, recording.examined())
-    return {
-        "trajectory": trajectory,
-        "findings": [finding.public() for finding in found.findings],
-        "events": [to_builtins(LogEvent(**event.public())) for event in found.events],
-    }
+    return DoctorAnswer(
+        trajectory=trajectory,
+        findings=[FindingAnswer(**finding.public()) for finding in found.findings],
+        events=[LogEvent(**event.public()) for event in found.events],
+    )

@@ -13,6 +13,7 @@ from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
 from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
+from server.http.file_answer import file_answer
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
 from server.sessions import SessionRegistry
@@ -35,7 +36,7 @@ def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
     return session, session.model.recording
 
 
-@router.get("/{session_id}/run.mcap")
+@router.get("/{session_id}/run.mcap", **file_answer("application/octet-stream"))
 async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the log, and its map as it grew up to the present scan, as an MCAP file of ROS 2 messages.
 
@@ -73,7 +74,7 @@ def _pieces(file: IO[bytes]) -> Iterator[bytes]:
         yield piece
 
 
-@router.get("/{session_id}/trajectory.tum")
+@router.get("/{session_id}/trajectory.tum", **file_answer("text/plain"))
 async def trajectory_tum(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the robot's pose at each scan, of the trajectory in use, in TUM format."""
     session, recording = _recorded(sessions, session_id)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 from fastapi import APIRouter
 from fastapi.responses import Response
 
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.metrics import CONTENT_TYPE
 from server.http.services import Logs, ServiceMetrics
@@ -12,25 +16,32 @@ from server.http.services import Logs, ServiceMetrics
 router = APIRouter(tags=["health"])
 
 
+@dataclass(frozen=True, slots=True)
+class Health:
+    """State of the service."""
+
+    status: Literal["alive", "ready"]
+
+
 @router.get("/livez")
 @guests_may(GuestRight.ALWAYS)
-async def livez() -> dict[str, str]:
+async def livez() -> Health:
     """Return 200 while the process runs."""
-    return {"status": "alive"}
+    return Health("alive")
 
 
 @router.get("/readyz")
 @guests_may(GuestRight.ALWAYS)
-async def readyz(library: Logs) -> dict[str, str]:
+async def readyz(library: Logs) -> Health:
     """Return 200 once requests can be served: the stores are open, and still there; 503 if they are not any more.
 
     Kernels are compiled when they are first used.
     """
     library.check_stores()
-    return {"status": "ready"}
+    return Health("ready")
 
 
-@router.get("/metrics", response_class=Response)
+@router.get("/metrics", **file_answer("text/plain"))
 async def metrics(figures: ServiceMetrics) -> Response:
     """Return the metrics of the service for Prometheus."""
     return Response(figures.text(), media_type=CONTENT_TYPE)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 from msgspec import Struct
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
@@ -16,7 +16,7 @@ from server.downloads import Downloads
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.sessions import public
+from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
 from server.http.uploaded_terrain import uploaded_terrain
@@ -151,18 +151,28 @@ async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str
     await sessions.end_linked(token)
 
 
+@dataclass(frozen=True, slots=True)
+class SharedAnswer:
+    """A link as everyone who has it sees it; ``look`` is the visible part of the map, null for all of it."""
+
+    title: str
+    look: Look | None
+
+
 @router.get("/api/shared/{token}")
 @guests_may(GuestRight.ALWAYS)
-async def shared(library: Logs, token: str) -> dict[str, Any]:
+async def shared(library: Logs, token: str) -> SharedAnswer:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    return {"title": _record_name(library, link), "look": link.view["look"]}
+    look = link.view["look"]
+    return SharedAnswer(_record_name(library, link), None if look is None else Look(**look))
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
 @guests_may(GuestRight.ALWAYS)
 async def begin(
     request: Request,
+    response: Response,
     sessions: Sessions,
     library: Logs,
     downloads: FileDownloads,
@@ -175,7 +185,7 @@ async def begin(
     whole: Annotated[
         bool, Query(description="Whether a log that the link would play from its start is paused at its end.")
     ] = False,
-) -> Response:
+) -> SessionAnswer:
     """Begin a session of the view of a link."""
     link = library.links.get(token)
 
@@ -206,7 +216,7 @@ async def begin(
     except LinkGoneError:  # revoked in the meantime
         await sessions.close(session.id)
         raise
-    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+    return created(response, session)
 
 
 @router.api_route("/shared/{token}", methods=["GET", "HEAD"], include_in_schema=False)

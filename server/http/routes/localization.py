@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request
-from fastapi.encoders import jsonable_encoder
 from fastapi.responses import PlainTextResponse
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
+from server.http.file_answer import file_answer
 from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.request_work import in_turn
@@ -19,6 +20,7 @@ from server.http.routes.clients import client_address
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
 from server.library.library import Library
+from server.library.packs.given_map import ChosenMap
 from server.library.processing.localization import (
     LocalizationParameters,
     LocalizationRequest,
@@ -26,7 +28,9 @@ from server.library.processing.localization import (
     changed_values,
     parameter_table,
 )
+from server.library.processing.log_jobs import Parameters, ParameterTable
 from server.sessions.commands import ShowGivenMap
+from server.sessions.parts import FilterHistory
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
@@ -63,13 +67,26 @@ class NewLocalization(BaseModel):
 
 
 @router.get("/localization/parameters")
-async def parameters() -> dict[str, Any]:
+async def parameters() -> ParameterTable:
     """Return the table of localization's parameters, which are AMCL's."""
-    return {"table": await asyncio.to_thread(parameter_table)}
+    return await asyncio.to_thread(parameter_table)
+
+
+@dataclass(frozen=True, slots=True)
+class AmclParameters:
+    """What the yaml of an AMCL says: ``values`` that differ from the first ones.
+
+    ``others`` are what does not change where the robot is found; ``notes`` are on names that AMCL does not have.
+    """
+
+    values: Parameters
+    layout: Literal["nav2", "ros1"]
+    others: dict[str, Any]
+    notes: list[str]
 
 
 @router.put("/localization/parameters")
-async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict[str, Any]:
+async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> AmclParameters:
     """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
 
     ``others`` are what does not change where the robot is found, and ``layout`` is nav2 or ros1: a yaml that is saved
@@ -81,22 +98,17 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict
         if len(text) > MOST_YAML_BYTES:
             raise LimitError("amcl.size", f"A yaml of parameters has at most {MOST_YAML_BYTES >> 10} KiB here.")
 
-    def read() -> dict[str, Any]:
+    def read() -> AmclParameters:
         from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
 
         found = parse_amcl_yaml(bytes(text))
         values = changed_values(found.config.as_dict())
-        return {
-            "values": values,
-            "layout": found.layout,
-            "others": jsonable_encoder(found.others),
-            "notes": found.notes,
-        }
+        return AmclParameters(values, found.layout, {**found.others}, [*found.notes])
 
     return await in_turn(request, work, visitor, read)
 
 
-@router.post("/localization/amcl.yaml")
+@router.post("/localization/amcl.yaml", **file_answer("text/plain"))
 async def as_yaml(
     values: Annotated[dict[str, Any], Body(max_length=100)],
     layout: Annotated[Literal["nav2", "ros1"], Query(description="Names of Nav2's AMCL, or of ROS 1's.")] = "nav2",
@@ -121,7 +133,7 @@ async def as_yaml(
 @router.put("/sessions/{session_id}/localization/map")
 async def map_of_log(
     request: Request, library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog
-) -> dict[str, Any]:
+) -> ChosenMap:
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library, of_log.owner, of_log.log_id)
@@ -138,7 +150,7 @@ async def map_of_files(
     sessions: Sessions,
     session_id: str,
     name: Annotated[str, Query(max_length=200, description="Title of the map.")] = "map",
-) -> dict[str, Any]:
+) -> ChosenMap:
     """Choose the map to localize the session's log in: the body is a tar archive of a yaml and its image.
 
     Or a map of CMU's course.
@@ -150,12 +162,12 @@ async def map_of_files(
             of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
-        return {"map": None}  # the client has gone
+        return ChosenMap(None)  # the client has gone
     return _show(of_log.session, made)
 
 
 @router.get("/sessions/{session_id}/localization/map")
-async def given_map(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def given_map(library: Logs, sessions: Sessions, session_id: str) -> ChosenMap:
     """Return the map that was chosen, and show it as a layer of the session; ``map`` is null where none was."""
     of_log = writable_session(sessions, session_id)
     try:
@@ -163,7 +175,7 @@ async def given_map(library: Logs, sessions: Sessions, session_id: str) -> dict[
     except MapperError as error:
         if error.code != "localization.no_map":
             raise
-        return {"map": None}
+        return ChosenMap(None)
 
 
 @router.post("/sessions/{session_id}/localization", status_code=202)
@@ -197,9 +209,16 @@ async def cancel(library: Logs, sessions: Sessions, session_id: str) -> Localiza
     return await library.localization.cancel(of_log.owner, of_log.log_id)
 
 
+@dataclass(frozen=True, slots=True)
+class PresentHistory:
+    """The history of the filter that made the poses in use; null where they come from no localization."""
+
+    course: FilterHistory | None
+
+
 @router.get("/sessions/{session_id}/localization/course")
 @guests_may(GuestRight.LINKED_SESSION)
-async def course(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> PresentHistory:
     """Return how certain the poses in use are along the log; particles and the map become layers of the session.
 
     ``course`` is null for poses that do not come from a localization.
@@ -213,7 +232,7 @@ async def course(library: Logs, sessions: Sessions, session_id: str) -> dict[str
         known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))
         return await library.trajectories.course(owner, log_id, trajectory) if known else None
 
-    return {"course": None if localization is None else await localization.public(source)}
+    return PresentHistory(None if localization is None else await localization.public(source))
 
 
 def _check_idle(library: Library, owner: str, log_id: str) -> None:
@@ -221,6 +240,6 @@ def _check_idle(library: Library, owner: str, log_id: str) -> None:
         raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
 
 
-def _show(session: SessionHost, given: GivenMap) -> dict[str, Any]:
+def _show(session: SessionHost, given: GivenMap) -> ChosenMap:
     session.enqueue(ShowGivenMap(given))
-    return {"map": given.public()}
+    return ChosenMap(given.public())

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
+from server.http.file_answer import file_answer
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library.annotations.tags import MAX_TAGS
@@ -129,7 +130,7 @@ async def one(library: Logs, visitor: Visitor, log_id: str) -> LogAnswer:
     return library.get(visitor, log_id).public()
 
 
-@router.get("/{log_id}/map.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
+@router.get("/{log_id}/map.png", **file_answer("image/png"))
 async def picture(library: Logs, visitor: Visitor, log_id: str, *, dark: bool = False) -> Response:
     """Return a small picture of a log's map with the path of the robot, drawn when the log was read."""
     return Response(

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import LimitError, MapperError
 from server.downloads import Content, Download, file_stem
+from server.http.file_answer import file_answer
 from server.http.routes.clients import client_address
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
@@ -61,7 +62,7 @@ async def keep(
     return record.public()
 
 
-@router.get("/{session_id}/edited-map/{name}")
+@router.get("/{session_id}/edited-map/{name}", **file_answer("application/json", "application/octet-stream"))
 async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
     """Return a file of the session's edited map.
 

@@ -25,6 +25,7 @@ from server.downloads import (
     file_stem,
 )
 from server.downloads.download_slots import Requester, requester
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.services import FileDownloads, Sessions
 
@@ -85,7 +86,7 @@ async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | No
     return await make() if at is None else await downloads.map_snapshots.get(session, at, make)
 
 
-@router.get("/{session_id}/map.yaml")
+@router.get("/{session_id}/map.yaml", **file_answer("application/yaml"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def map_yaml(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
@@ -106,7 +107,7 @@ async def map_yaml(
     return Download(downloads, requester_of(request, session), make, "application/yaml")
 
 
-@router.get("/{session_id}/map.pgm")
+@router.get("/{session_id}/map.pgm", **file_answer("image/x-portable-graymap"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def map_pgm(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, at: At = None
@@ -128,7 +129,7 @@ async def map_pgm(
     return Download(downloads, requester_of(request, session), make, "image/x-portable-graymap")
 
 
-@router.get("/{session_id}/map.png")
+@router.get("/{session_id}/map.png", **file_answer("image/png"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def map_png(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
     """Return the map as a PNG image of probabilities."""

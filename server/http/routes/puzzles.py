@@ -7,21 +7,24 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.sessions import public
+from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session
 from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
 from server.library.library import Library
+from server.puzzles.answers import Attempt, NamedCause, OfferedPuzzle
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost, SessionRegistry
@@ -51,26 +54,47 @@ class Answer(BaseModel):
     cause: str = Field(max_length=40, description="Name of the cause.")
 
 
-def _public(made: MadePuzzle) -> dict[str, Any]:
-    return {
-        "token": made.token,
-        "address": f"/puzzle/{made.token}",
-        "title": made.title,
-        "created_s": made.created_s,
-        "fault": made.spec["cause"],
-    }
+@dataclass(frozen=True, slots=True)
+class MadePuzzleAnswer:
+    """A puzzle that a visitor made, as that visitor sees it."""
+
+    token: str
+    address: str
+    title: str
+    created_s: float
+    fault: str
+
+
+@dataclass(frozen=True, slots=True)
+class PuzzleList:
+    """Puzzles that come with the program, faults that can be added to a map, and this visitor's own puzzles."""
+
+    puzzles: list[OfferedPuzzle]
+    faults: list[NamedCause]
+    mine: list[MadePuzzleAnswer]
+
+
+@dataclass(frozen=True, slots=True)
+class SharedPuzzle:
+    """The title of a puzzle that a visitor made."""
+
+    title: str
+
+
+def _public(made: MadePuzzle) -> MadePuzzleAnswer:
+    return MadePuzzleAnswer(made.token, f"/puzzle/{made.token}", made.title, made.created_s, made.spec["cause"])
 
 
 # -- which there are, and those that a visitor makes ---------------------------------------------------------------
 
 
 @router.get("/api/puzzles")
-async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> dict[str, Any]:
+async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> PuzzleList:
     """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
-    return puzzles.described() | {"mine": [_public(one) for one in library.puzzles.of(visitor)]}
+    return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(made) for made in library.puzzles.of(visitor)])
 
 
-@router.get("/api/puzzles/{puzzle}/map.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
+@router.get("/api/puzzles/{puzzle}/map.png", **file_answer("image/png"))
 async def picture(puzzle: str, *, dark: bool = False) -> Response:
     """Return a small picture of the map that an attempt at a puzzle that comes with the program begins with."""
     from server.puzzles.pictures import picture_of  # noqa: PLC0415 - imported with the first puzzle
@@ -83,7 +107,7 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
 
 
 @router.post("/api/puzzles", status_code=201)
-async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewPuzzle) -> dict[str, Any]:
+async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewPuzzle) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
     from server.puzzles import spec_of_log, spec_of_story  # noqa: PLC0415 - imported with the first puzzle
     from server.puzzles.spec import changed  # noqa: PLC0415
@@ -171,48 +195,46 @@ async def begin_puzzle(
     return session
 
 
-def created(session: SessionHost) -> Response:
-    """Return the answer to the beginning of a session."""
-    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
-
-
 @router.post("/api/puzzles/{puzzle}/sessions", status_code=201)
 async def begin(
     request: Request,
+    response: Response,
     sessions: Sessions,
     library: Logs,
     puzzles: AllPuzzles,
     visitor: Visitor,
     puzzle: str,
     name: Name = None,
-) -> Response:
+) -> SessionAnswer:
     """Begin an attempt at a puzzle that comes with the program."""
     puzzles.recipe(puzzle)  # raises for any other
-    return created(await begin_puzzle(request, sessions, library, puzzles, visitor, puzzle, link=None, name=name))
+    session = await begin_puzzle(request, sessions, library, puzzles, visitor, puzzle, link=None, name=name)
+    return created(response, session)
 
 
 @router.get("/api/shared-puzzles/{token}")
 @guests_may(GuestRight.ALWAYS)
-async def shared(library: Logs, token: str) -> dict[str, Any]:
+async def shared(library: Logs, token: str) -> SharedPuzzle:
     """Return the title of a puzzle that a visitor made."""
-    return {"title": library.puzzles.get(token).title}
+    return SharedPuzzle(library.puzzles.get(token).title)
 
 
 @router.post("/api/shared-puzzles/{token}/sessions", status_code=201)
 @guests_may(GuestRight.ALWAYS)
 async def begin_shared(
     request: Request,
+    response: Response,
     sessions: Sessions,
     library: Logs,
     puzzles: AllPuzzles,
     visitor: Visitor,
     token: str,
     name: Name = None,
-) -> Response:
+) -> SessionAnswer:
     """Begin an attempt at a puzzle that a visitor made."""
     library.puzzles.get(token)
     session = await begin_puzzle(request, sessions, library, puzzles, visitor, token, link=link_of(token), name=name)
-    return created(session)
+    return created(response, session)
 
 
 @router.api_route("/puzzle/{token}", methods=["GET", "HEAD"], include_in_schema=False)
@@ -227,43 +249,43 @@ async def page(request: Request, library: Logs, token: str) -> Response:
 
 @router.get("/api/sessions/{session_id}/puzzle")
 @guests_may(GuestRight.LINKED_SESSION)
-async def attempt(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+async def attempt(puzzles: AllPuzzles, session_id: str) -> Attempt:
     """Return how far the attempt of a session is: the causes, hints, measures, points, and at the end the answer."""
-    return dict(puzzles.game(session_id).public())
+    return puzzles.game(session_id).public()
 
 
 @router.post("/api/sessions/{session_id}/puzzle/answer")
 @guests_may(GuestRight.LINKED_SESSION)
-async def answer(puzzles: AllPuzzles, session_id: str, given: Answer) -> dict[str, Any]:
+async def answer(puzzles: AllPuzzles, session_id: str, given: Answer) -> Attempt:
     """Name the cause; answer as GET does."""
     game = puzzles.game(session_id)
     game.answer(given.cause)
-    return dict(game.public())
+    return game.public()
 
 
 @router.post("/api/sessions/{session_id}/puzzle/hint")
 @guests_may(GuestRight.LINKED_SESSION)
-async def hint(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+async def hint(puzzles: AllPuzzles, session_id: str) -> Attempt:
     """Show one more hint, which costs points; answer as GET does."""
     game = puzzles.game(session_id)
     game.hint()
-    return dict(game.public())
+    return game.public()
 
 
 @router.post("/api/sessions/{session_id}/puzzle/solution")
 @guests_may(GuestRight.LINKED_SESSION)
-async def solution(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+async def solution(puzzles: AllPuzzles, session_id: str) -> Attempt:
     """Show the answer, which ends the attempt without points; answer as GET does."""
     game = puzzles.game(session_id)
     game.give_up()
-    return dict(game.public())
+    return game.public()
 
 
 @router.post("/api/sessions/{session_id}/puzzle/check")
 @guests_may(GuestRight.LINKED_SESSION)
 async def check(
     request: Request, sessions: Sessions, puzzles: AllPuzzles, work: RequestWork, visitor: Visitor, session_id: str
-) -> dict[str, Any]:
+) -> Attempt:
     """Measure the map of all scans with the session's present parameters and poses; answer as GET does."""
     game, session = puzzles.game(session_id), sessions.get(session_id)
     recording = session.model.recording
@@ -285,4 +307,4 @@ async def check(
         game.check(now)
 
     await while_connected(request, measured())
-    return dict(game.public())
+    return game.public()

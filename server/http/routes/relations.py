@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
-from server.library.processing.relation_scores import relations_text
+from server.library.processing.relation_scores import PoseScore, relations_text
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -22,7 +22,7 @@ async def score(
     visitor: Visitor,
     session_id: str,
     name: Annotated[str, Query(max_length=200, description="Name of the file, as intel.relations.")] = "relations",
-) -> dict[str, Any]:
+) -> PoseScore:
     """Return the mean errors of the trajectory in use over known relations: the body is their file.
 
     The definitions are those of ``gridbloom evaluate --relations``. The file is not kept.

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Literal
 
 from fastapi import APIRouter, Request
-from fastapi.responses import JSONResponse
+from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.scan_series import has_times, scan_series
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
 from server.http.request_work import in_turn
-from server.http.series_answer import BUCKETS, Buckets, Seconds, series_answer
+from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import RequestWork, Sessions, Visitor
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-@router.get("/{session_id}/scan-series")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanSeries(SeriesAnswer):
+    """The series of a log's scans along a trajectory; ``times`` are numbers of scans where ``axis`` is "scan"."""
+
+    axis: Literal["time", "scan"]
+    trajectory: str
+
+
+@router.get("/{session_id}/scan-series", response_model=ScanSeries)
 @guests_may(GuestRight.LINKED_SESSION)
 async def of_scans(
     request: Request,
@@ -29,7 +38,7 @@ async def of_scans(
     start: Seconds | None = None,
     end: Seconds | None = None,
     buckets: Buckets = BUCKETS,
-) -> JSONResponse:
+) -> Response:
     """Return speed, turn rate, share of returns, pose step and interval at the log's scans, at most two per bucket.
 
     The poses are those of the session's present trajectory. ``axis`` is "time", in seconds since the first scan, or
@@ -39,11 +48,12 @@ async def of_scans(
     if recording is None:
         raise MapperError("session.not_a_log", "Only the recording of a log has scans to plot, not a live world.")
     log, trajectory = recording.log, recording.trajectory
-    return await in_turn(request, work, visitor, lambda: JSONResponse(_answer(log, trajectory, start, end, buckets)))
+    return await in_turn(request, work, visitor, lambda: json_answer(_answer(log, trajectory, start, end, buckets)))
 
 
-def _answer(log: ScanLog, trajectory: str, start: float | None, end: float | None, buckets: int) -> dict[str, Any]:
+def _answer(log: ScanLog, trajectory: str, start: float | None, end: float | None, buckets: int) -> ScanSeries:
     is_timed = has_times(log)
     origin_ns = int(log.stamps_ns.min()) if is_timed else 0
-    answer = series_answer(scan_series(log, trajectory), origin_ns, start, end, buckets)
-    return answer | {"axis": "time" if is_timed else "scan", "trajectory": trajectory}
+    axis = "time" if is_timed else "scan"
+    series = scan_series(log, trajectory)
+    return ScanSeries.of(series, origin_ns, start, end, buckets, axis=axis, trajectory=trajectory)

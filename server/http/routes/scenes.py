@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -15,24 +16,24 @@ from server.scenes.cameras import CAMERAS, CameraName
 if TYPE_CHECKING:
     from server.scenes.scene import Scene
 
-router = APIRouter(prefix="/scenes", include_in_schema=False)
+router = APIRouter(prefix="/scenes", tags=["scenes"])
 
 
-@router.get("/{session_id}")
+@router.get("/{session_id}", include_in_schema=False)
 async def without_slash(sessions: Sessions, session_id: str) -> Response:
     """Redirect to the page's address, from which the address of its WebSocket is derived."""
     sessions.get(session_id)
     return RedirectResponse(f"/scenes/{session_id}/", status_code=308)
 
 
-@router.api_route("/{session_id}/", methods=["GET", "HEAD"])
+@router.api_route("/{session_id}/", methods=["GET", "HEAD"], include_in_schema=False)
 async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client. The scene is created when the page opens its WebSocket."""
     sessions.get(session_id)
     return _client(request, plain_view=False)
 
 
-@router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"])
+@router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"], include_in_schema=False)
 async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client without its panel, for a page that has controls of its own."""
     sessions.get(session_id)
@@ -64,8 +65,17 @@ class SceneSettings(BaseModel):
     layers: dict[str, bool] = Field(default_factory=dict, max_length=100)
 
 
+@dataclass(frozen=True, slots=True)
+class SceneAnswer:
+    """A 3D view: its cameras, whether each layer is visible, and the height of the columns."""
+
+    cameras: list[str]
+    layers: dict[str, bool]
+    height: float
+
+
 @router.get("/{session_id}/settings")
-async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> dict[str, Any]:
+async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> SceneAnswer:
     """Return the cameras, the layers with their visibility, and the height of the columns."""
     return _settings(await scenes.get(sessions.get(session_id)))
 
@@ -73,7 +83,7 @@ async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> d
 @router.post("/{session_id}/settings")
 async def change(
     sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, wanted: SceneSettings
-) -> dict[str, Any]:
+) -> SceneAnswer:
     """Move the cameras of this visitor's views; set height and layers of all views of the session."""
     scene = await scenes.get(sessions.get(session_id))
     if wanted.camera is not None:
@@ -85,8 +95,8 @@ async def change(
     return _settings(scene)
 
 
-def _settings(scene: Scene) -> dict[str, Any]:
-    return {"cameras": list(CAMERAS), "layers": scene.layers, "height": scene.height}
+def _settings(scene: Scene) -> SceneAnswer:
+    return SceneAnswer(list(CAMERAS), scene.layers, scene.height)
 
 
 @router.websocket("/{session_id}")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -33,6 +34,14 @@ class NewSensor(BaseModel):
     )
 
 
+@dataclass(frozen=True, slots=True)
+class SensorAnswer:
+    """The sensor that is mapped, null for the log's default, and how its scans are cut out."""
+
+    topic: str | None
+    cut: dict[str, float]
+
+
 @router.put("/{session_id}/sensor")
 async def use(
     request: Request,
@@ -44,7 +53,7 @@ async def use(
     name: Annotated[
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
-) -> dict[str, Any]:
+) -> SensorAnswer:
     """Map another sensor of the session's log, or cut its scans otherwise; the session goes on at the same time.
 
     The recording may be read for it, which ends if the client disconnects.
@@ -61,4 +70,4 @@ async def use(
             of_log.session.enqueue(UseSensor(log, view))
 
     await while_connected(request, read())
-    return {"topic": wanted.topic, "cut": cut.values}
+    return SensorAnswer(wanted.topic, cut.values)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
+from server.http.file_answer import file_answer
 from server.http.routes import trajectories
 from server.http.routes.trajectories import AddedTrajectory, Name
 from server.http.services import Logs, Sessions
@@ -28,7 +29,7 @@ async def put(
     return await trajectories.put(request, library, sessions, of_log.owner, of_log.log_id, name)
 
 
-@router.get("/{session_id}/trajectories/{name}")
+@router.get("/{session_id}/trajectories/{name}", **file_answer("text/plain"))
 async def get(library: Logs, sessions: Sessions, session_id: str, name: Name) -> Response:
     """Return a trajectory that was added to the session's log, as a TUM file."""
     of_log = writable_session(sessions, session_id)

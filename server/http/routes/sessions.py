@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import dataclass
 from functools import reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Body, Request
-from fastapi.responses import JSONResponse, Response
+from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
+from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from server.http.following import join_jobs
@@ -21,6 +22,7 @@ from server.http.routes.clients import chosen_place, client_address, while_conne
 from server.http.services import Logs, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
+from server.sessions.models.simulation_kind import PresentStory
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -28,20 +30,84 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
-def public(session: SessionHost) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class SessionAnswer:
+    """A session: the map has ``index`` of ``count`` scans, and ``watching`` clients receive its ``stream``."""
+
+    id: str
+    kind: str
+    title: str
+    stream: str
+    playing: bool
+    index: int
+    count: int
+    watching: int
+
+
+@dataclass(frozen=True, slots=True)
+class SessionList:
+    """Sessions that a visitor began."""
+
+    sessions: list[SessionAnswer]
+
+
+@dataclass(frozen=True, slots=True)
+class MakingAnswer:
+    """The progress of a session that is being created; ``what`` is null where that is what was asked for.
+
+    ``fraction`` is the share that is done, 0 to 1, null if not known.
+    """
+
+    what: str | None
+    fraction: float | None
+    elapsed_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class WorldAnswer:
+    """A simulated world; ``bounds`` are the least x and y and the greatest, metres."""
+
+    name: str
+    title: str
+    bounds: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class WorldList:
+    """The simulated worlds."""
+
+    worlds: list[WorldAnswer]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTables:
+    """The tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
+
+    parameters: tuple[Parameter, ...]
+    sensor: tuple[Parameter, ...]
+    cut: tuple[Parameter, ...]
+
+
+def public(session: SessionHost) -> SessionAnswer:
     """Return what the HTTP interface shows of a session."""
     model = session.model
     index, count = model.progress
-    return {
-        "id": session.id,
-        "kind": model.kind,
-        "title": model.title,
-        "stream": f"/api/sessions/{session.id}/stream",
-        "playing": model.playback.playing,
-        "index": index,
-        "count": count,
-        "watching": len(session.hub.clients),
-    }
+    return SessionAnswer(
+        id=session.id,
+        kind=model.kind,
+        title=model.title,
+        stream=f"/api/sessions/{session.id}/stream",
+        playing=model.playback.playing,
+        index=index,
+        count=count,
+        watching=len(session.hub.clients),
+    )
+
+
+def created(response: Response, session: SessionHost) -> SessionAnswer:
+    """Return the answer to the beginning of a session, and name its address in the ``response``."""
+    response.headers["Location"] = f"/api/sessions/{session.id}"
+    return public(session)
 
 
 def creating(kinds: Mapping[str, Kind]) -> APIRouter:
@@ -49,14 +115,19 @@ def creating(kinds: Mapping[str, Kind]) -> APIRouter:
     router = APIRouter(prefix="/api", tags=["sessions"])
 
     async def create(
-        request: Request, wanted: SessionRequest, sessions: Sessions, library: Logs, visitor: Visitor
-    ) -> Response:
+        request: Request,
+        response: Response,
+        wanted: SessionRequest,
+        sessions: Sessions,
+        library: Logs,
+        visitor: Visitor,
+    ) -> SessionAnswer:
         """Begin a session. If the client disconnects, the work is cancelled."""
         where = {"address": client_address(request), "place": chosen_place(request)}
         work = sessions.create(kinds[wanted.kind], wanted, visitor, library, **where)
         session = await while_connected(request, work)
         join_jobs(library, sessions, session)
-        return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+        return created(response, session)
 
     body = reduce(or_, (kind.request for kind in kinds.values()))
     create.__annotations__["wanted"] = Annotated[body, Body(discriminator="kind")]
@@ -65,14 +136,18 @@ def creating(kinds: Mapping[str, Kind]) -> APIRouter:
 
 
 @router.get("/sessions")
-async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
+async def mine(sessions: Sessions, visitor: Visitor) -> SessionList:
     """List the sessions that this visitor began."""
-    return {"sessions": [public(s) for s in sessions.all() if s.owner == visitor]}
+    return SessionList([public(session) for session in sessions.all() if session.owner == visitor])
 
 
-@router.get("/sessions/making/{name}", responses={204: {"description": "No session of that name is being created."}})
+@router.get(
+    "/sessions/making/{name}",
+    response_model=MakingAnswer,
+    responses={204: {"description": "No session of that name is being created."}},
+)
 @guests_may(GuestRight.ALWAYS)
-async def making(sessions: Sessions, visitor: Visitor, name: str) -> Any:  # noqa: ANN401 - the progress, or no content
+async def making(sessions: Sessions, visitor: Visitor, name: str) -> MakingAnswer | Response:
     """Return the progress of a session that is being created for this visitor.
 
     It is what is being done (null: what was asked for), the fraction of it that is done (0 to 1; null if not known),
@@ -82,16 +157,13 @@ async def making(sessions: Sessions, visitor: Visitor, name: str) -> Any:  # noq
     if under_way is None:
         return Response(status_code=204)
     what, fraction = under_way.progress()
-    return {
-        "what": what,
-        "fraction": None if fraction is None else round(fraction, 3),
-        "elapsed_s": round(time.monotonic() - under_way.began, 2),
-    }
+    elapsed_s = round(time.monotonic() - under_way.began, 2)
+    return MakingAnswer(what, None if fraction is None else round(fraction, 3), elapsed_s)
 
 
 @router.get("/sessions/{session_id}")
 @guests_may(GuestRight.LINKED_SESSION)
-async def one(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def one(sessions: Sessions, session_id: str) -> SessionAnswer:
     """Return the state of a session."""
     return public(sessions.get(session_id))
 
@@ -106,28 +178,25 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 
 @router.get("/sessions/{session_id}/story")
-async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def current_story(sessions: Sessions, session_id: str) -> PresentStory:
     """Return the history of a simulation, from which another session can begin."""
     story = sessions.get(session_id).model.story
     if story is None:
         raise MapperError("session.not_a_world", "Only a simulation has a story.")
-    return await story.current()
+    return PresentStory.model_validate(await story.current())
 
 
 @router.get("/worlds")
-def worlds() -> dict[str, Any]:
+def worlds() -> WorldList:
     """List the simulated worlds."""
     from mapper.simulation import WORLDS  # noqa: PLC0415 - imported with the first use, on a worker thread
 
-    return {
-        "worlds": [{"name": w.name, "title": w.title, "bounds": [float(v) for v in w.bounds]} for w in WORLDS.values()]
-    }
+    return WorldList([WorldAnswer(world.name, world.title, world.bounds) for world in WORLDS.values()])
 
 
 @router.get("/parameters")
-def parameters() -> dict[str, Any]:
+def parameters() -> ParameterTables:
     """Return the tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
     from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
 
-    tables = {"parameters": PARAMETERS, "sensor": SENSOR_PARAMETERS, "cut": CUT_PARAMETERS}
-    return {name: [asdict(row) for row in rows] for name, rows in tables.items()}
+    return ParameterTables(PARAMETERS, SENSOR_PARAMETERS, CUT_PARAMETERS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Body, Query
@@ -15,8 +16,10 @@ from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
+from server.library.processing.log_jobs import ParameterTable
 from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
 from server.sessions import SessionRegistry
+from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
 
@@ -75,10 +78,17 @@ class Change(BaseModel):
     reset: bool = Field(False, description="Whether the graph is to be as SLAM left it.")
 
 
+@dataclass(frozen=True, slots=True)
+class PresentGraph:
+    """The pose graph of the trajectory in use; null where it has none."""
+
+    graph: PoseGraphAnswer | None
+
+
 @router.get("/slam/parameters")
-async def parameters(_visitor: Visitor) -> dict[str, Any]:
+async def parameters(_visitor: Visitor) -> ParameterTable:
     """Return the table of SLAM's parameters."""
-    return {"table": await asyncio.to_thread(parameter_table)}
+    return await asyncio.to_thread(parameter_table)
 
 
 @router.post("/logs/{log_id}/slam", status_code=202)
@@ -166,42 +176,42 @@ def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tupl
 
 @router.get("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
-async def graph(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGraph:
     """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session.
 
     ``graph`` is null where the trajectory has none.
     """
     _, found, source = _graph(library, sessions, session_id)
     try:
-        return {"graph": await found.public(source)}
+        return PresentGraph(await found.public(source))
     except ConfigError as error:
         if error.code != "graph.none":
             raise
-        return {"graph": None}
+        return PresentGraph(None)
 
 
 @router.post("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
-async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> dict[str, Any]:
+async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> PresentGraph:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
     _, found, source = _graph(library, sessions, session_id)
-    return {"graph": await found.change(GraphChange(**wanted.model_dump()), source)}
+    return PresentGraph(await found.change(GraphChange(**wanted.model_dump()), source))
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}")
 @guests_may(GuestRight.LINKED_SESSION)
-async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> dict[str, Any]:
+async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> EdgeAnswer:
     """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
     _, found, source = _graph(library, sessions, session_id)
     return await found.edge(edge, source)
 
 
-@router.get("/sessions/{session_id}/graph/edges/{edge}/hill")
+@router.get("/sessions/{session_id}/graph/edges/{edge}/landscape")
 @guests_may(GuestRight.LINKED_SESSION)
-async def hill(library: Logs, sessions: Sessions, session_id: str, edge: int) -> dict[str, Any]:
+async def landscape(library: Logs, sessions: Sessions, session_id: str, edge: int) -> ScoreLandscape:
     """Return how well the later scan of an edge fits the earlier one at the poses around the edge's measurement."""
     _, found, source = _graph(library, sessions, session_id)
-    return await found.hill(edge, source)
+    return await found.landscape(edge, source)
 
 
 @router.get("/sessions/{session_id}/graph/candidates")
@@ -212,7 +222,7 @@ async def near(
     session_id: str,
     x: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
     y: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
-) -> dict[str, Any]:
+) -> TriedNear:
     """Return which loops SLAM tried near a place, and what refused them."""
     _, found, source = _graph(library, sessions, session_id)
     return await found.near(x, y, source)
@@ -220,7 +230,7 @@ async def near(
 
 @router.get("/sessions/{session_id}/graph/candidates/{candidate}")
 @guests_may(GuestRight.LINKED_SESSION)
-async def candidate(library: Logs, sessions: Sessions, session_id: str, candidate: int) -> dict[str, Any]:
+async def candidate(library: Logs, sessions: Sessions, session_id: str, candidate: int) -> TriedLoopScans:
     """Return a loop that SLAM tried, with both of its scans, in map metres."""
     _, found, source = _graph(library, sessions, session_id)
     return await found.candidate(candidate, source)

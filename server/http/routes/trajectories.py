@@ -11,6 +11,7 @@ from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
 
 from server.downloads.names import disposition, file_name, file_stem
+from server.http.file_answer import file_answer
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library.library import Library
@@ -50,7 +51,7 @@ async def put(
     return AddedTrajectory(**asdict(added.public()), notes=tuple(notes))
 
 
-@router.get("/{log_id}/trajectories/{name}")
+@router.get("/{log_id}/trajectories/{name}", **file_answer("text/plain"))
 async def get(library: Logs, visitor: Visitor, log_id: str, name: Name) -> Response:
     """Return a trajectory that the visitor has added, as a TUM file."""
     library.get(visitor, log_id)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from fastapi import APIRouter, Query, Request
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
-from mapper.evaluation import Comparison, ComparisonOptions, ErrorSeries, compare_trajectories
+from mapper.evaluation import Alignment, ComparisonOptions, ErrorSeries, ErrorStatistics, compare_trajectories
 from mapper.io.contents.downsampling import min_max
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
@@ -24,6 +24,61 @@ PATH_POINTS = 2000  #: points of each path
 BUCKETS = 500  #: of the errors over time
 
 Name = Annotated[str, Query(max_length=400, description="Name of one of the log's trajectories.")]
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorFigures:
+    """Statistics of the errors of the place and of the heading."""
+
+    translation_m: ErrorStatistics
+    rotation_rad: ErrorStatistics
+
+
+@dataclass(frozen=True, slots=True)
+class RelativeFigures(ErrorFigures):
+    """Those of relative errors over ``delta`` of a ``unit``."""
+
+    delta: float
+    unit: str
+    pairs: int
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorsOverTime:
+    """Errors at some times, seconds since the log's first scan."""
+
+    times: list[float]
+    translation_m: list[float]
+    rotation_rad: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class SeriesOfErrors:
+    """Absolute and relative errors over time."""
+
+    absolute: ErrorsOverTime
+    relative: ErrorsOverTime
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedPaths:
+    """Places of both trajectories in the frame of the reference, metres, and the errors there."""
+
+    reference: list[tuple[float, float]]
+    estimate: list[tuple[float, float]]
+    errors_m: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryErrors:
+    """The errors of a trajectory: figures, errors over time, both paths."""
+
+    pairs: int
+    alignment: Alignment
+    absolute: ErrorFigures
+    relative: RelativeFigures
+    series: SeriesOfErrors
+    paths: ComparedPaths
 
 
 @router.get("/{session_id}/trajectory-errors")
@@ -41,8 +96,8 @@ async def errors(
     ] = "rigid",
     delta: Annotated[float, Query(gt=0.0, le=1e6, description="Distance or time of the relative error.")] = 1.0,
     unit: Annotated[Literal["m", "s", "frames"], Query(description="Unit of delta.")] = "m",
-) -> dict[str, Any]:
-    """Return absolute and relative errors of a trajectory at the log's scans: figures, courses over time, both paths.
+) -> TrajectoryErrors:
+    """Return absolute and relative errors of a trajectory at the log's scans: figures, errors over time, both paths.
 
     The definitions are those of ``gridbloom evaluate``. Paths are in the frame of ``reference``, the estimate aligned.
     """
@@ -54,46 +109,41 @@ async def errors(
     return await in_turn(request, work, visitor, lambda: _errors(log, reference, estimate, options))
 
 
-def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> dict[str, Any]:
+def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> TrajectoryErrors:
     sides = [TimedPoses(log.stamps_ns, log.trajectory(name).poses) for name in (reference, estimate)]
     found = compare_trajectories(sides[0], sides[1], options)
     origin_ns = int(log.stamps_ns.min())
     step = max(1, -(-len(found.estimate) // PATH_POINTS))
-    return {
-        "pairs": len(found.estimate),
-        "alignment": asdict(found.alignment),
-        "absolute": _figures(found.absolute_translation, found.absolute_rotation),
-        "relative": _figures(found.relative_translation, found.relative_rotation)
-        | {"delta": options.delta, "unit": options.delta_unit, "pairs": len(found.relative_translation.errors)},
-        "series": {
-            "absolute": _course(found.absolute_translation, found.absolute_rotation, origin_ns),
-            "relative": _course(found.relative_translation, found.relative_rotation, origin_ns),
-        },
-        "paths": _paths(found, step),
-    }
+    translation, rotation = found.relative_translation, found.relative_rotation
+    return TrajectoryErrors(
+        pairs=len(found.estimate),
+        alignment=found.alignment,
+        absolute=ErrorFigures(found.absolute_translation.statistics, found.absolute_rotation.statistics),
+        relative=RelativeFigures(
+            translation.statistics, rotation.statistics, options.delta, options.delta_unit, len(translation.errors)
+        ),
+        series=SeriesOfErrors(
+            _over_time(found.absolute_translation, found.absolute_rotation, origin_ns),
+            _over_time(translation, rotation, origin_ns),
+        ),
+        paths=ComparedPaths(
+            _places(found.reference.poses[::step]),
+            _places(found.estimate.poses[::step]),
+            found.absolute_translation.errors[::step].round(6).tolist(),
+        ),
+    )
 
 
-def _figures(translation: ErrorSeries, rotation: ErrorSeries) -> dict[str, Any]:
-    return {"translation_m": asdict(translation.statistics), "rotation_rad": asdict(rotation.statistics)}
-
-
-def _course(translation: ErrorSeries, rotation: ErrorSeries, origin_ns: int) -> dict[str, list[float]]:
+def _over_time(translation: ErrorSeries, rotation: ErrorSeries, origin_ns: int) -> ErrorsOverTime:
     order = np.argsort(translation.stamps_ns, kind="stable")
     both = np.column_stack([translation.errors, rotation.errors])[order].astype(np.float32)
     stamps, values = min_max(translation.stamps_ns[order], both, BUCKETS)
-    return {
-        "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
-        "translation_m": values[:, 0].round(6).tolist(),
-        "rotation_rad": values[:, 1].round(6).tolist(),
-    }
+    return ErrorsOverTime(
+        ((stamps - origin_ns) * 1e-9).round(6).tolist(),
+        values[:, 0].round(6).tolist(),
+        values[:, 1].round(6).tolist(),
+    )
 
 
-def _paths(found: Comparison, step: int) -> dict[str, list[Any]]:
-    def places(poses: NDArray[np.float64]) -> list[Any]:
-        return list(poses[::step, :2].round(4).tolist())
-
-    return {
-        "reference": places(found.reference.poses),
-        "estimate": places(found.estimate.poses),
-        "errors_m": found.absolute_translation.errors[::step].round(6).tolist(),
-    }
+def _places(poses: NDArray[np.float64]) -> list[tuple[float, float]]:
+    return [(float(x), float(y)) for x, y in poses[:, :2].round(4)]

@@ -13,6 +13,7 @@ from mapper.io.maps import yaml_text
 from mapper.io.maps.images import pgm_pieces
 from mapper.io.maps.pixels import trinary_pixels
 from server.downloads import Content, Download, file_name
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
@@ -22,7 +23,7 @@ MEDIA = {"pgm": "image/x-portable-graymap", "yaml": "application/yaml"}
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-@router.get("/{session_id}/volume.{kind}")
+@router.get("/{session_id}/volume.{kind}", **file_answer("application/octet-stream"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def volume_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["bt", "ot"]
@@ -31,7 +32,7 @@ async def volume_file(
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.octree_bytes(f".{kind}"))
 
 
-@router.get("/{session_id}/surface.{kind}")
+@router.get("/{session_id}/surface.{kind}", **file_answer("application/octet-stream"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def surface_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["ply", "glb"]
@@ -43,7 +44,7 @@ async def surface_file(
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
 
 
-@router.get("/{session_id}/above.{kind}")
+@router.get("/{session_id}/above.{kind}", **file_answer("application/yaml", "image/x-portable-graymap"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def above_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["pgm", "yaml"]

@@ -69,21 +69,52 @@ class GivenMap:
             arrays: dict[str, Any] = {**self.arrays()}
             np.savez_compressed(file, **arrays)
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> MapAnswer:
         """Return what the HTTP interface shows."""
-        return public_map(self.title, self.geometry, self.notes)
+        return MapAnswer.of(self.title, self.geometry, self.notes)
 
 
-def public_map(title: str, geometry: GridGeometry, notes: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return what the HTTP interface shows of a map."""
-    return {
-        "title": title,
-        "rows": geometry.rows,
-        "cols": geometry.cols,
-        "resolution": geometry.resolution,
-        "origin": list(geometry.origin),
-        "notes": list(notes),
-    }
+@dataclass(frozen=True, slots=True)
+class TerrainCounts:
+    """Numbers of patches of each class."""
+
+    safe: int
+    unsafe: int
+    unknown: int
+
+
+@dataclass(frozen=True, slots=True)
+class MapAnswer:
+    """A map as the HTTP interface shows it: ``resolution`` metres a cell, ``origin`` x, y (m) and yaw (rad).
+
+    ``classes`` counts the patches of the terrain of a cloud, null of other maps.
+    """
+
+    title: str
+    rows: int
+    cols: int
+    resolution: float
+    origin: tuple[float, float, float]
+    notes: tuple[str, ...]
+    classes: TerrainCounts | None = None
+
+    @classmethod
+    def of(
+        cls,
+        title: str,
+        geometry: GridGeometry,
+        notes: tuple[str, ...] = (),
+        classes: TerrainCounts | None = None,
+    ) -> MapAnswer:
+        """Return the answer of a map with a geometry."""
+        return cls(title, geometry.rows, geometry.cols, geometry.resolution, geometry.origin, notes, classes)
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenMap:
+    """The map that was chosen; null for none."""
+
+    map: MapAnswer | None
 
 
 def read_given_map(path: Path) -> GivenMap:

@@ -13,7 +13,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from server.library.packs.course import Course, course_bytes, thinned
 from server.library.packs.given_map import read_given_map
 from server.library.packs.log import log_in
 from server.library.processing.given_maps import GivenMaps
-from server.library.processing.log_jobs import Parameters, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
@@ -331,8 +331,8 @@ def changed_values(values: Parameters) -> Parameters:
     }
 
 
-def parameter_table() -> list[dict[str, Any]]:
+def parameter_table() -> ParameterTable:
     """Return the table of localization's parameters (worker thread: it imports the filter)."""
     from mapper.localization import PARAMETERS  # noqa: PLC0415 - few visitors localize a log
 
-    return [asdict(row) for row in PARAMETERS]
+    return ParameterTable(PARAMETERS)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
+from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.planar.options import PlanarCut
@@ -32,6 +33,13 @@ from server.storage import StorageError, private_folder
 
 Parameters = dict[str, bool | int | float | str]
 """Values of parameters by their names: those that differ from the first values."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTable:
+    """The rows of a table of parameters."""
+
+    table: tuple[Parameter, ...]
 
 
 class Logs(Protocol):

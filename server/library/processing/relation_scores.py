@@ -9,14 +9,15 @@ import asyncio
 import math
 import secrets
 from collections.abc import AsyncIterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError, MapperError
+from mapper.evaluation.published import PublishedResult
 from mapper.sensors.scan import ScanLog
 from server.jobs import process
 from server.jobs.workers import PoolWorker
@@ -30,6 +31,38 @@ if TYPE_CHECKING:
     from mapper.evaluation import ErrorSeries
 
 MOST_BYTES = 4 << 20  #: of a file of relations: forty thousand lines
+
+
+@dataclass(frozen=True, slots=True)
+class MeanErrors:
+    """Mean errors over ``count`` relations."""
+
+    count: int
+    translation_m: float
+    rotation_deg: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RelationMeans:
+    """Mean errors over the relations of a file, without those ``left_out``; ``policy`` says how stamps were mapped.
+
+    ``unambiguous`` are those over the relations whose stamps name one message each, None where all do.
+    """
+
+    relations: int
+    policy: str
+    left_out: int
+    all: MeanErrors
+    unambiguous: MeanErrors | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoseScore(RelationMeans):
+    """The mean errors of a ``trajectory``, and ``published`` ones on the ``benchmark`` that the file's name tells."""
+
+    trajectory: str
+    benchmark: str | None
+    published: tuple[PublishedResult, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,12 +81,12 @@ class ScoreJob:
     cpu_s: float
 
 
-def score_job(job: ScoreJob) -> dict[str, Any]:
+def score_job(job: ScoreJob) -> RelationMeans:
     """Do the job. Raises :class:`MapperError`, which crosses to the server with its code."""
     return process.bounded(job.timeout_s, job.cpu_s, lambda: _score(job))
 
 
-def _score(job: ScoreJob) -> dict[str, Any]:
+def _score(job: ScoreJob) -> RelationMeans:
     from mapper.evaluation import evaluate_relations  # noqa: PLC0415 - only the process that reads needs the readers
     from mapper.io.logs import odometry_records  # noqa: PLC0415
     from mapper.io.trajectories import read_relations  # noqa: PLC0415
@@ -63,21 +96,21 @@ def _score(job: ScoreJob) -> dict[str, Any]:
     records = None if job.source is None else odometry_records(job.source, topic=job.topic)
     found = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
     clear = found.only_unambiguous() if found.policy == "records" and found.unambiguous.any() else None
-    return {
-        "relations": len(known),
-        "policy": found.policy,
-        "left_out": found.left_out,
-        "all": _means(found.translation, found.rotation),
-        "unambiguous": None if clear is None else _means(*clear),
-    }
+    return RelationMeans(
+        relations=len(known),
+        policy=found.policy,
+        left_out=found.left_out,
+        all=_means(found.translation, found.rotation),
+        unambiguous=None if clear is None else _means(*clear),
+    )
 
 
-def _means(translation: ErrorSeries, rotation: ErrorSeries) -> dict[str, Any]:
-    return {
-        "count": len(translation.errors),
-        "translation_m": float(translation.statistics.mean),
-        "rotation_deg": math.degrees(float(rotation.statistics.mean)),
-    }
+def _means(translation: ErrorSeries, rotation: ErrorSeries) -> MeanErrors:
+    return MeanErrors(
+        len(translation.errors),
+        float(translation.statistics.mean),
+        math.degrees(float(rotation.statistics.mean)),
+    )
 
 
 class RelationScores:
@@ -105,7 +138,7 @@ class RelationScores:
         topic: str | None,
         *,
         address: str = "",
-    ) -> dict[str, Any]:
+    ) -> PoseScore:
         """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
 
         ``benchmark`` is the log of the benchmark that the name tells, and ``published`` the results on it. Raises
@@ -133,13 +166,18 @@ class RelationScores:
             await asyncio.to_thread(relations.unlink, missing_ok=True)
         benchmark = benchmark_named(name)
         published = () if benchmark is None else PUBLISHED[benchmark]
-        return found | {
-            "trajectory": trajectory,
-            "benchmark": benchmark,
-            "published": [asdict(one) for one in published],
-        }
+        return PoseScore(
+            relations=found.relations,
+            policy=found.policy,
+            left_out=found.left_out,
+            all=found.all,
+            unambiguous=found.unambiguous,
+            trajectory=trajectory,
+            benchmark=benchmark,
+            published=published,
+        )
 
-    async def _done(self, job: ScoreJob, source: Path, name: str) -> dict[str, Any]:
+    async def _done(self, job: ScoreJob, source: Path, name: str) -> RelationMeans:
         try:
             return await outcome_of(self._worker, self._worker.run(score_job, job), self._timeout_s)
         except MapperError as error:

@@ -10,9 +10,9 @@ import math
 import time
 import zipfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from server.jobs import process
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
-from server.library.processing.log_jobs import Parameters, PoseRequest, Run
+from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
 
 if TYPE_CHECKING:
     from mapper.diagnosis.figures import MapFigures
@@ -277,8 +277,8 @@ def changed_parameters(values: Parameters) -> Parameters:
     return {name: value for name, value in SlamConfig().with_values(values).as_dict().items() if value != first[name]}
 
 
-def parameter_table() -> list[dict[str, Any]]:
+def parameter_table() -> ParameterTable:
     """Return the table of SLAM's parameters (worker thread: it imports SLAM)."""
     from mapper.slam.config import SLAM_PARAMETERS  # noqa: PLC0415 - few visitors begin SLAM
 
-    return [asdict(row) for row in SLAM_PARAMETERS]
+    return ParameterTable(SLAM_PARAMETERS)

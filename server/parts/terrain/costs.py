@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import NO_INFORMATION
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
-from server.library.packs.given_map import public_map
+from server.library.packs.given_map import MapAnswer, TerrainCounts
 from server.parts.terrain.assessment import TerrainParameters, assessed
 from server.sessions.parts import LayerCosts
 
@@ -48,7 +48,7 @@ class TerrainMap:
         known = {-1: "unknown", 0: "safe", 100: "unsafe"}
         return f"Terrain: {known.get(value, f'{value} of 100')}, in the map {self.given.title!r:.80}."
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> MapAnswer:
         """Return what the HTTP interface shows."""
         return self.given.public()
 
@@ -105,6 +105,6 @@ class TerrainOfCloud:
         """Say the class of a patch, and the slope, the roughness and the step that it comes from."""
         return self.terrain.why(row, col)
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> MapAnswer:
         """Return what the HTTP interface shows."""
-        return {**public_map(self.title, self.geometry), "classes": self.terrain.counts()}
+        return MapAnswer.of(self.title, self.geometry, classes=TerrainCounts(**self.terrain.counts()))

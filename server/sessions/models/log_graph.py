@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
@@ -17,6 +17,13 @@ from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
 
 if TYPE_CHECKING:
+    from server.sessions.graph_answers import (
+        EdgeAnswer,
+        PoseGraphAnswer,
+        ScoreLandscape,
+        TriedLoopScans,
+        TriedNear,
+    )
     from server.sessions.models.solved_graph import SolvedGraph
 
 LAYER = "graph"
@@ -72,7 +79,7 @@ class LogGraph:
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
-    async def public(self, source: GraphSource) -> dict[str, Any]:
+    async def public(self, source: GraphSource) -> PoseGraphAnswer:
         """Return the loops of the present trajectory's graph, and show its layer.
 
         ``source`` reads the graph's file. Raises :class:`ConfigError` for a trajectory without a graph.
@@ -80,33 +87,35 @@ class LogGraph:
         async with self._changing:
             return (await self._present(source)).public()
 
-    async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
+    async def edge(self, edge: int, source: GraphSource) -> EdgeAnswer:
         """Return an edge with both of its scans. Raises as :meth:`public` and :meth:`SolvedGraph.edge`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.edge, self._recording.log, edge))
 
-    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+    async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
         """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
-        from server.sessions.models.loop_hill import hill_of  # noqa: PLC0415 - imports SLAM, which few sessions need
+        from server.sessions.models.loop_landscape import (  # noqa: PLC0415 - imports SLAM, few need it
+            landscape_of,
+        )
 
         async with self._changing:
             solved = await self._present(source)
-        return await self._host.on_thread(partial(hill_of, solved, self._recording.log, edge))
+        return await self._host.on_thread(partial(landscape_of, solved, self._recording.log, edge))
 
-    async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
+    async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:
         """Return the loops that were tried near a place. Raises as :meth:`public`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.near, x, y))
 
-    async def candidate(self, candidate: int, source: GraphSource) -> dict[str, Any]:
+    async def candidate(self, candidate: int, source: GraphSource) -> TriedLoopScans:
         """Return a loop that was tried with both of its scans. Raises as :meth:`public`."""
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.candidate, self._recording.log, candidate))
 
-    async def change(self, change: GraphChange, source: GraphSource) -> dict[str, Any]:
+    async def change(self, change: GraphChange, source: GraphSource) -> PoseGraphAnswer:
         """Change the graph, solve it and map the log along its poses; return as :meth:`public`.
 
         Raises :class:`mapper.core.errors.MapperError` for a change that cannot be made; nothing has changed then.

@@ -16,7 +16,7 @@ from server.sessions.hosting import ModelHost
 from server.sessions.models.localization_message import COLUMNS, OFF
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.part import Part
-from server.sessions.parts import GraphSource
+from server.sessions.parts import FilterHistory, GraphSource
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
@@ -151,7 +151,7 @@ class LogLocalization(Part):
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
-    async def public(self, source: GraphSource) -> dict[str, Any] | None:
+    async def public(self, source: GraphSource) -> FilterHistory | None:
         """Return the series of the trajectory in use, None where it comes from no localization; show its layers.
 
         ``source`` reads its file. Raises :class:`mapper.core.errors.ReadError` for a file that cannot be read.
@@ -176,20 +176,20 @@ class LogLocalization(Part):
         self._newest = None
 
 
-def series_of(course: Course, seconds: np.ndarray[Any, Any]) -> dict[str, Any]:
-    """Return the course's numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
+def series_of(course: Course, seconds: np.ndarray[Any, Any]) -> FilterHistory:
+    """Return the numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
     n = len(course.share)
     at = np.unique(np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(int))
     xy = np.trace(course.covariance[at, :2, :2], axis1=1, axis2=2)
     converged = np.flatnonzero(course.is_converged)
-    return {
-        "map": course.given.public(),
-        "scans": at.tolist(),
-        "seconds": np.round(seconds[at], 2).tolist(),
-        "entropy": np.round(course.entropy[at], 3).tolist(),
-        "deviation_m": np.round(np.sqrt(np.maximum(xy, 0.0)), 4).tolist(),
-        "fit": np.round(course.fit[at], 4).tolist(),
-        "is_converged": course.is_converged[at].tolist(),
-        "n_particles": course.n_particles[at].tolist(),
-        "first_converged": int(converged[0]) if len(converged) else None,
-    }
+    return FilterHistory(
+        map=course.given.public(),
+        scans=at.tolist(),
+        seconds=np.round(seconds[at], 2).tolist(),
+        entropy=np.round(course.entropy[at], 3).tolist(),
+        deviation_m=np.round(np.sqrt(np.maximum(xy, 0.0)), 4).tolist(),
+        fit=np.round(course.fit[at], 4).tolist(),
+        is_converged=course.is_converged[at].tolist(),
+        n_particles=course.n_particles[at].tolist(),
+        first_converged=int(converged[0]) if len(converged) else None,
+    )

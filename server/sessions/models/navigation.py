@@ -22,10 +22,11 @@ from server.sessions.models.navigation_messages import (
     commands_of,
     cost_message,
     costmap_message,
-    footprint_fields,
+    footprint_of_parameters,
 )
 from server.sessions.models.painted_zones import painted_filters, strokes_of
 from server.sessions.part import Part
+from server.sessions.parts import FootprintAnswer
 from server.sessions.tick import TickResult
 from server.stream.commands import CostCommand, CostmapCommand, GoalCommand, Nav2Command
 from server.stream.layers import Layer
@@ -87,9 +88,9 @@ class Navigation(Part, ABC):
         """Return the commands from which another session gets the same costmap and goal."""
         return commands_of(self._costmap, self._path)
 
-    def present_footprint(self) -> dict[str, Any] | None:
+    def present_footprint(self) -> FootprintAnswer | None:
         """Return the footprint with both radii, None while there is no costmap."""
-        return None if self._costmap is None else footprint_fields(self._costmap.parameters)
+        return None if self._costmap is None else footprint_of_parameters(self._costmap.parameters)
 
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from typing import Any
 
 from mapper.costmap import CellReason
@@ -11,6 +12,7 @@ from mapper.planning.nav2_parameters import nav2_path_yaml
 from server.sessions.models.lab_costmap import LabCostmap
 from server.sessions.models.lab_navigation_parameters import IN_NAV2, INITIAL, LabParameters
 from server.sessions.models.lab_path import LabPath
+from server.sessions.parts import FootprintAnswer
 from server.stream.commands import CostmapCommand, GoalCommand, Nav2Command
 from server.stream.protocol import ProtocolError, command_of, type_of
 
@@ -23,19 +25,17 @@ def costmap_message(costmap: LabCostmap | None) -> dict[str, Any]:
         "type": "costmap",
         "is_on": costmap is not None,
         "values": dict(parameters.values),
-        **footprint_fields(parameters),
+        **asdict(footprint_of_parameters(parameters)),
         "keepout": [one.message() for one in strokes],
     }
 
 
-def footprint_fields(parameters: LabParameters) -> dict[str, Any]:
-    """Return the corners of the footprint, metres in the robot's frame, and both radii of the padded one, metres."""
+def footprint_of_parameters(parameters: LabParameters) -> FootprintAnswer:
+    """Return the footprint with both radii of the padded one."""
     outline = parameters.outline
-    return {
-        "footprint": [list(corner) for corner in parameters.footprint.vertices],
-        "inscribed_radius": round(outline.inscribed_radius, 4),
-        "circumscribed_radius": round(outline.circumscribed_radius, 4),
-    }
+    return FootprintAnswer(
+        [*parameters.footprint.vertices], round(outline.inscribed_radius, 4), round(outline.circumscribed_radius, 4)
+    )
 
 
 def cost_message(x: float, y: float, reasons: list[CellReason], speed: str | None) -> dict[str, Any]:

@@ -44,6 +44,13 @@ class Story(BaseModel):
     speed: float | None = Field(None, description="Simulated seconds per second.")
 
 
+class PresentStory(Story):
+    """The history of a simulation, and the world and the seed that it begins with."""
+
+    world: str = Field(description="Name of the world.")
+    seed: int = Field(description="Seed of the random numbers.")
+
+
 class NewSimulation(SessionRequest):
     """A session of a simulation."""
 

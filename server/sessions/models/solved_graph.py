@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from msgspec import Struct
@@ -20,6 +19,16 @@ from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.scan_store import scans_of
+from server.sessions.graph_answers import (
+    EdgeAnswer,
+    LoopAnswer,
+    PoseGraphAnswer,
+    ScanPair,
+    ScanPoints,
+    TriedLoop,
+    TriedLoopScans,
+    TriedNear,
+)
 from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
 
@@ -159,52 +168,52 @@ class SolvedGraph:
         nodes = np.stack([*poses.T, graph.nodes.astype(np.float64)])
         layer.set(nodes, np.stack([graph.i, graph.j], axis=1), values)
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> PoseGraphAnswer:
         """Return what the HTTP interface shows: the loops, worst first, and how the graph is solved."""
         graph = self.graph
         loops = np.flatnonzero(graph.kind == LOOP)
         order = loops[np.argsort(-graph.residual[loops], kind="stable")]
-        return {
-            "trajectory": self.trajectory,
-            "nodes": len(graph.nodes),
-            "odometry": int(len(graph.i) - len(loops)),
-            "loops": [self._loop(int(edge)) for edge in order],
-            "tried": len(self.candidates),
-            "robust": self.options.robust,
-            "robust_scale": self.options.robust_scale,
-            "changed": self.is_changed,
-        }
+        return PoseGraphAnswer(
+            trajectory=self.trajectory,
+            nodes=len(graph.nodes),
+            odometry=int(len(graph.i) - len(loops)),
+            loops=[self._loop(int(edge)) for edge in order],
+            tried=len(self.candidates),
+            robust=self.options.robust,
+            robust_scale=self.options.robust_scale,
+            changed=self.is_changed,
+        )
 
-    def _loop(self, edge: int) -> dict[str, Any]:
+    def _loop(self, edge: int) -> LoopAnswer:
         graph = self.graph
         i, j = int(graph.i[edge]), int(graph.j[edge])
-        return {
-            "edge": edge,
-            "scans": [int(graph.nodes[i]), int(graph.nodes[j])],
-            "residual": round(float(graph.residual[edge]), 3),
-            "weight": round(float(graph.weight[edge]), 3),
-            "locked": bool(graph.locked[edge]),
-        }
+        return LoopAnswer(
+            edge=edge,
+            scans=(int(graph.nodes[i]), int(graph.nodes[j])),
+            residual=round(float(graph.residual[edge]), 3),
+            weight=round(float(graph.weight[edge]), 3),
+            locked=bool(graph.locked[edge]),
+        )
 
-    def pair(self, log: ScanLog, i: int, j: int, relative: Float64Array | None) -> dict[str, Any]:
+    def pair(self, log: ScanLog, i: int, j: int, relative: Float64Array | None) -> ScanPair:
         """Return the scans of the nodes i and j in the map: as the poses have them, and as ``relative`` aligns j.
 
         Points are map metres; without ``relative``, which is ``Tᵢ⁻¹ ∘ Tⱼ``, there is no third list.
         """
         poses = self.node_poses
-        found = {"i": self._points(log, i, poses[i]), "j": self._points(log, j, poses[j])}
-        if relative is not None:
-            found["aligned"] = self._points(log, j, compose(poses[i], relative))
-        return {"poses": [np.round(poses[k], 4).tolist() for k in (i, j)], "points": found}
+        aligned = None if relative is None else self._points(log, j, compose(poses[i], relative))
+        points = ScanPoints(self._points(log, i, poses[i]), self._points(log, j, poses[j]), aligned)
+        both = [(float(x), float(y), float(yaw)) for x, y, yaw in np.round(poses[[i, j]], 4)]
+        return ScanPair(both, points)
 
-    def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[list[float]]:
+    def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[tuple[float, float]]:
         scan = int(self.graph.nodes[node])
         scans = scans_of(log, [scan])
         points = scans.points[0][scans.kind[0] != NO_POINT].astype(np.float64)
         in_map = transform_points(pose, points[:: max(1, -(-len(points) // MAX_POINTS))])
-        return [[float(x), float(y)] for x, y in np.round(in_map, 3)]
+        return [(float(x), float(y)) for x, y in np.round(in_map, 3)]
 
-    def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:
+    def edge(self, log: ScanLog, edge: int) -> EdgeAnswer:
         """Return one edge with both of its scans. Raises :class:`ConfigError` for an edge that there is not."""
         graph = self.graph
         self.check_edge(edge)
@@ -214,16 +223,20 @@ class SolvedGraph:
         tried = np.flatnonzero((self.candidates.j == j) & self.candidates.accepted)
         score = float(self.candidates.score[tried[0]]) if len(tried) else None
         inliers = float(self.candidates.inliers[tried[0]]) if len(tried) else None
-        return (
-            self._loop(edge)
-            | {
-                "kind": "loop" if graph.kind[edge] == LOOP else "odometry",
-                "off_m": round(float(np.hypot(off[0], off[1])), 4),
-                "off_deg": round(math.degrees(float(wrap_angle(off[2]))), 3),
-                "score": None if score is None else round(score, 3),
-                "inliers": None if inliers is None else round(inliers, 3),
-            }
-            | self.pair(log, i, j, relative)
+        loop, pair = self._loop(edge), self.pair(log, i, j, relative)
+        return EdgeAnswer(
+            edge=edge,
+            scans=loop.scans,
+            residual=loop.residual,
+            weight=loop.weight,
+            locked=loop.locked,
+            kind="loop" if graph.kind[edge] == LOOP else "odometry",
+            off_m=round(float(np.hypot(off[0], off[1])), 4),
+            off_deg=round(math.degrees(float(wrap_angle(off[2]))), 3),
+            score=None if score is None else round(score, 3),
+            inliers=None if inliers is None else round(inliers, 3),
+            poses=pair.poses,
+            points=pair.points,
         )
 
     def check_edge(self, edge: int) -> None:
@@ -231,7 +244,7 @@ class SolvedGraph:
         if not 0 <= edge < len(self.graph.i):
             raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
 
-    def near(self, x: float, y: float) -> dict[str, Any]:
+    def near(self, x: float, y: float) -> TriedNear:
         """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.
 
         ``visits`` are the runs of scans near it, and ``pair`` the nearest scan of the first and of the last of them.
@@ -245,37 +258,38 @@ class SolvedGraph:
         pair = None
         if len(visits) > 1:
             ends = [self.graph.nodes[self._nearest_of(visit, distance)] for visit in (visits[0], visits[-1])]
-            pair = [int(scan) for scan in ends]
-        return {
-            "visits": visits,
-            "pair": pair,
-            "candidates": [self._candidate(int(k), float(away[k])) for k in order if away[k] <= RADIUS],
-        }
+            pair = (int(ends[0]), int(ends[1]))
+        candidates = [self._candidate(int(k), float(away[k])) for k in order if away[k] <= RADIUS]
+        return TriedNear(visits, pair, candidates)
 
-    def _nearest_of(self, visit: list[int], distance: Float64Array) -> int:
+    def _nearest_of(self, visit: tuple[int, int], distance: Float64Array) -> int:
         """Return the node of a visit, its first and its last scan, that is nearest; ``distance`` (m,) of all."""
         rows = np.flatnonzero((self.graph.nodes >= visit[0]) & (self.graph.nodes <= visit[1]))
         return int(rows[distance[rows].argmin()])
 
-    def _candidate(self, k: int, away: float) -> dict[str, Any]:
+    def _candidate(self, k: int, away: float) -> TriedLoop:
         tried = self.candidates
         i, j = int(tried.i[k]), int(tried.j[k])
-        return {
-            "candidate": k,
-            "scans": [int(self.graph.nodes[i]), int(self.graph.nodes[j])],
-            "away_m": round(away, 2),
-            "score": round(float(tried.score[k]), 3),
-            "inliers": round(float(tried.inliers[k]), 3),
-            "accepted": bool(tried.accepted[k]),
-            "reason": tried.reason[k],
-        }
+        return TriedLoop(
+            candidate=k,
+            scans=(int(self.graph.nodes[i]), int(self.graph.nodes[j])),
+            away_m=round(away, 2),
+            score=round(float(tried.score[k]), 3),
+            inliers=round(float(tried.inliers[k]), 3),
+            accepted=bool(tried.accepted[k]),
+            reason=tried.reason[k],
+        )
 
-    def candidate(self, log: ScanLog, k: int) -> dict[str, Any]:
+    def candidate(self, log: ScanLog, k: int) -> TriedLoopScans:
         """Return a loop that was tried, with both of its scans. Raises :class:`ConfigError` for one that was not."""
         if not 0 <= k < len(self.candidates):
             raise ConfigError("graph.candidate", f"{len(self.candidates)} loops were tried; there is no number {k}.")
         i, j = int(self.candidates.i[k]), int(self.candidates.j[k])
-        return self._candidate(k, 0.0) | self.pair(log, i, j, None)
+        loop, pair = self._candidate(k, 0.0), self.pair(log, i, j, None)
+        return TriedLoopScans(
+            loop.candidate, loop.scans, loop.away_m, loop.score, loop.inliers, loop.accepted, loop.reason,
+            pair.poses, pair.points,
+        )  # fmt: skip
 
     def in_log(self, log: ScanLog) -> ScanLog:
         """Return ``log`` with the present poses as the trajectory that the graph belongs to."""
@@ -284,13 +298,13 @@ class SolvedGraph:
         return replace(log, trajectories={**log.trajectories, self.trajectory: changed})
 
 
-def _visits(scans: NDArray[np.int64]) -> list[list[int]]:
+def _visits(scans: NDArray[np.int64]) -> list[tuple[int, int]]:
     """Return the runs [first, last] of scan numbers with fewer than 50 between one and the next."""
     if not len(scans):
         return []
     cuts = np.flatnonzero(np.diff(scans) > 50)
     return [
-        [int(a), int(b)] for a, b in zip(scans[np.r_[0, cuts + 1]], scans[np.r_[cuts, len(scans) - 1]], strict=True)
+        (int(a), int(b)) for a, b in zip(scans[np.r_[0, cuts + 1]], scans[np.r_[cuts, len(scans) - 1]], strict=True)
     ]
 
 

@@ -1,14 +1,11 @@
-import type { Work } from "../ui/Working";
+import { ask } from "../wire/ask";
+import type { MakingAnswer as Making } from "../wire/http";
+
+export type { Making };
 
 /** A request that takes longer shows its progress. */
 const SHOWN_AFTER_MS = 300;
 const POLL_MS = 250;
-
-/** The progress of a session that the server makes. */
-export interface Making extends Work {
-  /** What the server does; null: what was asked for. */
-  readonly what: string | null;
-}
 
 /** A random name for a session that is requested. */
 export const newName = (): string =>
@@ -19,8 +16,8 @@ export function followMaking(name: string, show: (making: Making | null) => void
   const ending = new AbortController();
   const poll = async (): Promise<void> => {
     try {
-      const answer = await fetch(`/api/sessions/making/${name}`, { signal: ending.signal });
-      if (answer.status === 200) show((await answer.json()) as Making);
+      const making = await ask("GET /api/sessions/making/{name}", { name }, { ending: ending.signal });
+      if (making) show(making);
     } catch {
       // The request for the session itself reports that the server does not answer.
     }

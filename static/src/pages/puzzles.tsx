@@ -12,10 +12,11 @@ import { ProgressBar } from "../ui/ProgressBar";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
-import { nextPuzzle, type Offered } from "./puzzles/attempt";
+import type { OfferedPuzzle } from "../wire/http";
+import { nextPuzzle } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
-import { allPuzzles, beginAttempt, preparing, rememberSolved, solvedPoints } from "./puzzles/puzzles";
+import { allPuzzles, type Beginning, beginAttempt, preparing, rememberSolved, solvedPoints } from "./puzzles/puzzles";
 
 /** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
@@ -26,13 +27,12 @@ const chosen = signal<string | null>(hasList ? new URLSearchParams(location.sear
 const session = signal<string | null>(null);
 const failure = signal<string | null>(null);
 /** The puzzles of the list, for the one that is opened and for the next one; none where there is no list. */
-const offered = signal<readonly Offered[]>([]);
+const offered = signal<readonly OfferedPuzzle[]>([]);
 let ending: AbortController | null = null;
 
-const beginning = (name: string): string => {
-  if (followedCode !== null) return `/api/classes/${followedCode}/puzzle/sessions`;
-  if (token !== null) return `/api/shared-puzzles/${token}/sessions`;
-  return `/api/puzzles/${encodeURIComponent(name)}/sessions`;
+const beginning = (puzzle: string): Beginning => {
+  if (followedCode !== null) return { code: followedCode };
+  return token === null ? { puzzle } : { token };
 };
 
 async function loadOffered(): Promise<void> {

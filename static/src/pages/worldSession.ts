@@ -2,6 +2,7 @@ import { signal } from "@preact/signals";
 import { FIRST_SEED } from "../store/firstPicture";
 import { reducedMotion } from "../ui/browser/reducedMotion";
 import type { Work } from "../ui/Working";
+import { ask, RequestError } from "../wire/ask";
 import { followMaking, newName } from "./making";
 
 const KEY = "gridbloom.world";
@@ -70,19 +71,14 @@ async function timed<T>(request: () => Promise<T>): Promise<T> {
   }
 }
 
-async function post(wanted: object, ending?: AbortSignal): Promise<string> {
-  const answer = await fetch("/api/sessions", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(wanted),
-    ...(ending && { signal: ending }),
-  });
-  // A proxy that reaches no service answers with a page of its own.
-  const body = (await answer.json().catch(() => ({}))) as { id?: string; message?: string };
-  if (answer.ok && body.id) return body.id;
-  const message = body.message ?? `The server answered ${answer.status}.`;
-  const isRefused = answer.status >= 400 && answer.status < 500 && !MAY_SUCCEED_LATER.includes(answer.status);
-  throw isRefused ? new RefusedError(message) : new Error(message);
+async function post(body: object, ending?: AbortSignal): Promise<string> {
+  try {
+    return (await ask("POST /api/sessions", {}, { body, ending })).id;
+  } catch (error) {
+    const status = error instanceof RequestError ? (error.status ?? 0) : 0;
+    const isRefused = status >= 400 && status < 500 && !MAY_SUCCEED_LATER.includes(status);
+    throw isRefused ? new RefusedError((error as Error).message) : error;
+  }
 }
 
 /** The session storage; null if the browser forbids it. */

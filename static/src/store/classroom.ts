@@ -4,8 +4,10 @@
  */
 
 import { batch, computed, signal } from "@preact/signals";
+import { ask, RequestError } from "../wire/ask";
 import { decodeClassText } from "../wire/decodeClassText";
 import { OutdatedPageError } from "../wire/decodeText";
+import type { OpenClassAnswer } from "../wire/http";
 import {
   type ClassCommand,
   type ClassMessage,
@@ -205,18 +207,10 @@ const remembered = followedCode === null && parent === window ? storage()?.getIt
 if (followedCode !== null) classroom.value = new Classroom(followedCode, true);
 else if (remembered) void reopen();
 
-/** The class that the service has open for this visitor. */
-export interface OpenClass {
-  readonly code: string;
-  readonly address: string;
-  readonly qr: string;
-  readonly results: string;
-}
-
 /** What the service says of the lecturer's own class, for the screen with its code. */
-export const openClass = signal<OpenClass | null>(null);
+export const openClass = signal<OpenClassAnswer | null>(null);
 
-function begin(found: OpenClass): void {
+function begin(found: OpenClassAnswer): void {
   batch(() => {
     storage()?.setItem(KEY, found.code);
     openClass.value = found;
@@ -226,25 +220,27 @@ function begin(found: OpenClass): void {
 
 /** Connect to the class that was open when the browser last showed a page. */
 async function reopen(): Promise<void> {
-  const answer = await fetch("/api/classes").catch(() => null);
-  if (answer?.status === 200) begin((await answer.json()) as OpenClass);
-  else if (answer) storage()?.removeItem(KEY);
+  try {
+    const found = await ask("GET /api/classes", {});
+    if (found) begin(found);
+    else storage()?.removeItem(KEY);
+  } catch (error) {
+    if (error instanceof RequestError && error.status !== null) storage()?.removeItem(KEY);
+  }
 }
 
 /** Open a class, as its lecturer. Throws the service's refusal. */
 export async function openOne(): Promise<void> {
-  const answer = await fetch("/api/classes", { method: "POST" });
-  const body = (await answer.json()) as OpenClass & { readonly message?: string };
-  if (!answer.ok) throw new Error(body.message ?? `The server answered ${answer.status}.`);
-  begin(body);
+  begin(await ask("POST /api/classes", {}));
 }
 
 /** End the lecturer's class. */
 export async function endClass(): Promise<void> {
   const room = classroom.peek();
   if (!room || room.isFollowed) return;
-  const answer = await fetch(`/api/classes/${room.code}`, { method: "DELETE" });
-  if (!answer.ok && answer.status !== 404) throw new Error(`The server answered ${answer.status}.`);
+  await ask("DELETE /api/classes/{code}", { code: room.code }).catch((error: RequestError) => {
+    if (error.status !== 404) throw error;
+  });
   storage()?.removeItem(KEY);
   room.leave();
   batch(() => {

@@ -7,6 +7,7 @@ import { type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
 import type { MapPicture } from "../render/map/mapPicture";
 import type { Size, View } from "../render/view";
 import type { Work } from "../ui/Working";
+import type { EdgeAnswer } from "../wire/http";
 import { KINDS } from "../wire/kinds";
 import type {
   CellMessage,
@@ -46,10 +47,7 @@ interface Notice {
 }
 
 /** Two scans in the map, m: each at its pose, and the second where a measurement between them puts it. */
-export interface ScanPair {
-  readonly poses: readonly Pose[];
-  readonly points: { readonly i: readonly Point[]; readonly j: readonly Point[]; readonly aligned?: readonly Point[] };
-}
+export type ScanPair = Pick<EdgeAnswer, "poses" | "points">;
 
 /** The cell of a map at a point; null outside the grid. */
 export function cellIn(map: MapPicture | null, point: Point): Cell | null {

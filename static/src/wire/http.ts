@@ -11,6 +11,67 @@ export interface AddedTrajectory {
   readonly notes: readonly string[];
 }
 
+/** p ↦ `scale` · R(theta) · p + (x, y): metres, radians, for points and poses of the estimate. */
+export interface Alignment {
+  readonly x: number;
+  readonly y: number;
+  readonly theta: number;
+  readonly scale: number;
+}
+
+/**
+ * What the yaml of an AMCL says: `values` that differ from the first ones. `others` are what does not change where the
+ * robot is found; `notes` are on names that AMCL does not have.
+ */
+export interface AmclParameters {
+  readonly values: Readonly<Record<string, boolean | number | string>>;
+  readonly layout: "nav2" | "ros1";
+  readonly others: Readonly<Record<string, unknown>>;
+  readonly notes: readonly string[];
+}
+
+/**
+ * The state of an attempt, which tells no more than the visitor has found. `measures` are those that the repair is
+ * judged by, `repair` the share of the repair of the map that was checked last, `best` of the best one, and `enough` of
+ * one that solves the puzzle, 0 to 1.
+ */
+export interface Attempt {
+  readonly title: string;
+  readonly story: string;
+  readonly level: number;
+  readonly causes: readonly NamedCause[];
+  readonly is_named: boolean;
+  readonly wrong: readonly string[];
+  readonly hints: readonly string[];
+  readonly hints_left: number;
+  readonly costs: Costs;
+  readonly first: Measures;
+  readonly goal: Measures;
+  readonly now: Measures | null;
+  readonly measures: readonly ("agreement" | "entropy" | "sharpness")[];
+  readonly repair: number | null;
+  readonly best: number;
+  readonly enough: number;
+  readonly can_repair: boolean | null;
+  readonly repaired_with: RepairedWith | null;
+  readonly points: number;
+  readonly is_solved: boolean;
+  readonly gave_up: boolean;
+  readonly answer: SolutionAnswer | null;
+}
+
+/** The map that was chosen; null for none. */
+export interface ChosenMap {
+  readonly map: MapAnswer | null;
+}
+
+/** A class that one may join, how many are in it, and which page it shows. */
+export interface ClassAnswer {
+  readonly code: string;
+  readonly present: number;
+  readonly page: string;
+}
+
 /** Workers that map logs, and how many logs they map at once; `error` says why there are none or fewer. */
 export interface ClusterState {
   readonly workers: number;
@@ -18,10 +79,140 @@ export interface ClusterState {
   readonly error: string;
 }
 
+/** Places of both trajectories in the frame of the reference, metres, and the errors there. */
+export interface ComparedPaths {
+  readonly reference: readonly (readonly [number, number])[];
+  readonly estimate: readonly (readonly [number, number])[];
+  readonly errors_m: readonly number[];
+}
+
+/** The numbers of a comparison, see :class:`mapper.grid.compare.Comparison`; pairs are of A and B. */
+export interface ComparisonAnswer {
+  readonly a: SecondMap | null;
+  readonly refused: null;
+  readonly cells: number;
+  readonly states: readonly (readonly number[])[];
+  readonly same: number;
+  readonly only: readonly [number, number];
+  readonly both: number;
+  readonly entropy_bits: readonly [number, number];
+  readonly contrast: readonly [number, number];
+  readonly mean_difference: number;
+  readonly max_difference: number;
+  readonly max_at: readonly [number, number] | null;
+}
+
+/** What the recording holds; `pictures` are the topics with images or clouds, `frames` counts frames. */
+export interface ContentsAnswer {
+  readonly topics: readonly TopicAnswer[];
+  readonly series: readonly PlottedTopic[];
+  readonly frames: number;
+  readonly pictures: readonly string[];
+  readonly notes: readonly string[];
+  readonly state: "ready";
+}
+
+/** What the recording holds is still being found out: `progress` from 0 to 1. */
+export interface ContentsReading {
+  readonly progress: number;
+  readonly state: "reading";
+}
+
+/** Points that a wrong answer and a hint cost. */
+export interface Costs {
+  readonly wrong: number;
+  readonly hint: number;
+}
+
+/** The diagnosis of a log along a trajectory: findings, causes first, and events in the order of their times. */
+export interface DoctorAnswer {
+  readonly trajectory: string;
+  readonly findings: readonly FindingAnswer[];
+  readonly events: readonly LogEvent[];
+}
+
+/**
+ * An edge with both of its scans; `off_m` and `off_deg` are how far the poses are from its measurement. `score` and
+ * `inliers` are those of the match, 0 to 1, null of an edge of odometry.
+ */
+export interface EdgeAnswer {
+  readonly edge: number;
+  readonly scans: readonly [number, number];
+  readonly residual: number;
+  readonly weight: number;
+  readonly locked: boolean;
+  readonly kind: "loop" | "odometry";
+  readonly off_m: number;
+  readonly off_deg: number;
+  readonly score: number | null;
+  readonly inliers: number | null;
+  readonly poses: readonly (readonly [number, number, number])[];
+  readonly points: ScanPoints;
+}
+
+/** Statistics of the errors of the place and of the heading. */
+export interface ErrorFigures {
+  readonly translation_m: ErrorStatistics;
+  readonly rotation_rad: ErrorStatistics;
+}
+
+/**
+ * Figures of n errors, in their unit; `sse`, the sum of squared errors, in its square. `std` is the standard deviation
+ * of the errors around their mean, divided by n, not n − 1.
+ */
+export interface ErrorStatistics {
+  readonly rmse: number;
+  readonly mean: number;
+  readonly median: number;
+  readonly std: number;
+  readonly min: number;
+  readonly max: number;
+  readonly sse: number;
+}
+
+/** Errors at some times, seconds since the log's first scan. */
+export interface ErrorsOverTime {
+  readonly times: readonly number[];
+  readonly translation_m: readonly number[];
+  readonly rotation_rad: readonly number[];
+}
+
 /** Error of a job that failed: a stable code and one sentence. */
 export interface Failure {
   readonly code: string;
   readonly message: string;
+}
+
+/**
+ * How certain the poses of a localization in `map` are along the log, at some of its `scans`. `deviation_m` is that of
+ * the place, `entropy` bits, `fit` 0 to 1; `first_converged` is the first scan of all at which the filter had
+ * converged.
+ */
+export interface FilterHistory {
+  readonly map: MapAnswer;
+  readonly scans: readonly number[];
+  readonly seconds: readonly number[];
+  readonly entropy: readonly number[];
+  readonly deviation_m: readonly number[];
+  readonly fit: readonly number[];
+  readonly is_converged: readonly boolean[];
+  readonly n_particles: readonly number[];
+  readonly first_converged: number | null;
+}
+
+/**
+ * A finding of an examination; `sensor` is empty in a log of one, `possible`: too uncertain for a fact. `sure` is 0 to
+ * 1, `scans` are numbers from 0, and `parameters` the values of mapping parameters that would help.
+ */
+export interface FindingAnswer {
+  readonly check: string;
+  readonly sentence: string;
+  readonly advice: string;
+  readonly sure: number;
+  readonly scans: readonly number[];
+  readonly parameters: Readonly<Record<string, number | string | boolean>> | null;
+  readonly sensor: string;
+  readonly possible: boolean;
 }
 
 /**
@@ -72,6 +263,44 @@ export interface FleetState {
   readonly cluster: ClusterState | null;
   readonly counts: Readonly<Record<"none" | "queued" | "running" | "done" | "failed", number>>;
   readonly logs: readonly FleetLog[];
+}
+
+/** The footprint of a robot: its corners in its frame, metres, and both radii of the padded one, metres. */
+export interface FootprintAnswer {
+  readonly footprint: readonly (readonly [number, number])[];
+  readonly inscribed_radius: number;
+  readonly circumscribed_radius: number;
+}
+
+/**
+ * The transforms between two frames; `age_s` is that of the newest at the moment, null before the first. `used` is
+ * false for a second parent of the same frame, which is not followed.
+ */
+export interface FrameEdgeAnswer {
+  readonly parent: string;
+  readonly child: string;
+  readonly static: boolean;
+  readonly count: number;
+  readonly rate_hz: number | null;
+  readonly age_s: number | null;
+  readonly used: boolean;
+}
+
+/** The transforms on the topic `tf`, one of `trees`, `at` seconds; `faults` are sentences. */
+export interface FramesAnswer {
+  readonly at: number;
+  readonly tf: string;
+  readonly trees: readonly string[];
+  readonly fixed: string;
+  readonly sensor: string;
+  readonly frames: readonly string[];
+  readonly edges: readonly FrameEdgeAnswer[];
+  readonly faults: readonly string[];
+}
+
+/** State of the service. */
+export interface Health {
+  readonly status: "alive" | "ready";
 }
 
 /**
@@ -167,6 +396,39 @@ export interface LogAnswer {
   readonly notes: readonly string[];
 }
 
+/** An event of a log: the robot was moved as its wheels did not measure, or its clock was set. */
+export interface LogEvent {
+  readonly kind: "pushed" | "slipped" | "lifted" | "clock";
+  /** begin in recorded time, s */
+  readonly seconds: number;
+  /** end in recorded time, s */
+  readonly until_s: number;
+  /** begin in recorded time, m:ss.mmm */
+  readonly time: string;
+  /** begin in UTC, ISO 8601; null where the log's clock does not tell it */
+  readonly utc: string | null;
+  /** begin on the log's clock, ns */
+  readonly stamp_ns: number | null;
+  /** last scan before it, from 0 */
+  readonly scan: number;
+  /** first scan after it */
+  readonly until_scan: number;
+  /** motion by the scans less that by the wheels: ahead, m */
+  readonly ahead_m: number | null;
+  /** the same to the left, m */
+  readonly left_m: number | null;
+  /** the same, counter-clockwise, rad */
+  readonly turned_rad: number | null;
+  /** length of it, m */
+  readonly distance_m: number | null;
+  /** side of the robot to which it went */
+  readonly direction: "ahead" | "behind" | "left" | "right" | null;
+  /** by how much the clock was set, s */
+  readonly step_s: number;
+  /** what happened, in words */
+  readonly sentence: string;
+}
+
 /** The logs of one page of a list, how many were found, and the visitor's tags with the number of logs of each. */
 export interface LogList {
   readonly logs: readonly LogAnswer[];
@@ -174,11 +436,89 @@ export interface LogList {
   readonly tags: Readonly<Record<string, number>>;
 }
 
+/** Part of the map that a picture shows. */
+export interface Look {
+  /** The place in the middle, metres. */
+  readonly x: number;
+  /** The place in the middle, metres. */
+  readonly y: number;
+  /** Metres that one pixel of the page shows. */
+  readonly scale: number;
+  /** Pixels of the picture. */
+  readonly width: number;
+  /** Pixels of the picture. */
+  readonly height: number;
+}
+
+/**
+ * A loop of a pose graph: the constraint between two scans that were taken at one place at different times. `residual`
+ * is how far the graph's solution is from the measurement, in standard deviations, `weight` what the robust kernel
+ * leaves of the loop, 0 to 1, unless it is `locked`.
+ */
+export interface LoopAnswer {
+  readonly edge: number;
+  readonly scans: readonly [number, number];
+  readonly residual: number;
+  readonly weight: number;
+  readonly locked: boolean;
+}
+
+/** A puzzle that a visitor made, as that visitor sees it. */
+export interface MadePuzzleAnswer {
+  readonly token: string;
+  readonly address: string;
+  readonly title: string;
+  readonly created_s: number;
+  readonly fault: string;
+}
+
+/**
+ * The progress of a session that is being created; `what` is null where that is what was asked for. `fraction` is the
+ * share that is done, 0 to 1, null if not known.
+ */
+export interface MakingAnswer {
+  readonly what: string | null;
+  readonly fraction: number | null;
+  readonly elapsed_s: number;
+}
+
+/**
+ * A map as the HTTP interface shows it: `resolution` metres a cell, `origin` x, y (m) and yaw (rad). `classes` counts
+ * the patches of the terrain of a cloud, null of other maps.
+ */
+export interface MapAnswer {
+  readonly title: string;
+  readonly rows: number;
+  readonly cols: number;
+  readonly resolution: number;
+  readonly origin: readonly [number, number, number];
+  readonly notes: readonly string[];
+  readonly classes: TerrainCounts | null;
+}
+
 /** The size of a map in cells, and the side of a cell in metres. */
 export interface MapSummary {
   readonly rows: number;
   readonly cols: number;
   readonly resolution: number;
+}
+
+/** Mean errors over `count` relations. */
+export interface MeanErrors {
+  readonly count: number;
+  readonly translation_m: number;
+  readonly rotation_deg: number;
+}
+
+/**
+ * Measures of one map. `agreement` is the F-score of its walls with the reference's, 0 … 1 (:func:`wall_agreement`),
+ * `sharpness` the contrast of its walls, 0 … 1 (:func:`wall_contrast`), `entropy` the mean entropy of its observed
+ * cells, bits.
+ */
+export interface Measures {
+  readonly agreement: number;
+  readonly sharpness: number;
+  readonly entropy: number;
 }
 
 /** What a merge has made: `trajectory` of both logs, and the log of both, its id and its name. */
@@ -207,6 +547,12 @@ export interface MergeStatus {
   readonly stage: string | null;
 }
 
+/** A cause of a spoiled map, and its name for people. */
+export interface NamedCause {
+  readonly name: string;
+  readonly label: string;
+}
+
 /** A note as the HTTP interface shows it, with the fields of its :class:`Pin`; `mine` is the asking visitor's. */
 export interface NoteAnswer {
   readonly id: string;
@@ -225,9 +571,294 @@ export interface NoteList {
   readonly notes: readonly NoteAnswer[];
 }
 
+/** A puzzle that comes with the program. */
+export interface OfferedPuzzle {
+  readonly name: string;
+  readonly level: number;
+  readonly title: string;
+  readonly story: string;
+}
+
+/** A class as its lecturer sees it: the addresses of its page, of the counted answers, and of its QR code. */
+export interface OpenClassAnswer {
+  readonly code: string;
+  readonly present: number;
+  readonly page: string;
+  readonly address: string;
+  readonly results: string;
+  readonly qr: string;
+}
+
+/**
+ * One row of a table of parameters; `kind` says which of the other fields are used. `number`: low ≤ value ≤ high in
+ * `unit`, with a slider of step `step`. `choice`: one of `choices`. `flag`: true or false. `group` names the panel that
+ * shows the row. `only_for` lists the choices of the table's first row (the model, the sensor's kind) for which the
+ * parameter is used; empty means all.
+ */
+export interface Parameter {
+  readonly name: string;
+  readonly label: string;
+  readonly group: string;
+  readonly kind: "number" | "choice" | "flag";
+  readonly initial: number | string | boolean;
+  readonly sentence: string;
+  readonly unit: string;
+  readonly low: number;
+  readonly high: number;
+  readonly step: number;
+  readonly choices: readonly string[];
+  readonly only_for: readonly string[];
+}
+
+/** The rows of a table of parameters. */
+export interface ParameterTable {
+  readonly table: readonly Parameter[];
+}
+
+/** The tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud. */
+export interface ParameterTables {
+  readonly parameters: readonly Parameter[];
+  readonly sensor: readonly Parameter[];
+  readonly cut: readonly Parameter[];
+}
+
+/** A topic whose numbers can be plotted. */
+export interface PlottedTopic {
+  readonly topic: string;
+  readonly type: string;
+  readonly samples: number;
+  readonly plots: readonly string[];
+}
+
+/**
+ * The pose graph of a trajectory: its loops, worst first; `tried` counts them with those that were refused. `nodes` and
+ * `odometry` are numbers of nodes and of edges of odometry; `changed` says whether it is not as SLAM left it.
+ */
+export interface PoseGraphAnswer {
+  readonly trajectory: string;
+  readonly nodes: number;
+  readonly odometry: number;
+  readonly loops: readonly LoopAnswer[];
+  readonly tried: number;
+  readonly robust: string;
+  readonly robust_scale: number;
+  readonly changed: boolean;
+}
+
+/** The mean errors of a `trajectory`, and `published` ones on the `benchmark` that the file's name tells. */
+export interface PoseScore {
+  readonly relations: number;
+  readonly policy: string;
+  readonly left_out: number;
+  readonly all: MeanErrors;
+  readonly unambiguous: MeanErrors | null;
+  readonly trajectory: string;
+  readonly benchmark: string | null;
+  readonly published: readonly PublishedResult[];
+}
+
+/** The pose graph of the trajectory in use; null where it has none. */
+export interface PresentGraph {
+  readonly graph: PoseGraphAnswer | null;
+}
+
+/** The history of the filter that made the poses in use; null where they come from no localization. */
+export interface PresentHistory {
+  readonly course: FilterHistory | null;
+}
+
+/** The history of a simulation, and the world and the seed that it begins with. */
+export interface PresentStory {
+  /** Initial values of the simulated sensor. */
+  readonly sensor: Readonly<Record<string, unknown>>;
+  /** Initial edits of the world: added, erased. */
+  readonly edits: Readonly<Record<string, readonly unknown[]>>;
+  /** Physics steps of 0.02 s since the beginning. */
+  readonly steps: number;
+  /** Each action with the step before which it was carried out; null if only the pose is known. */
+  readonly journal: readonly (readonly [number, Readonly<Record<string, unknown>>])[] | null;
+  /** Final pose of the robot, if journal is null. */
+  readonly pose: readonly [number, number, number] | null;
+  /** Whether the robot explores by itself then. */
+  readonly auto: boolean;
+  /** Mapping parameters that differ from the initial ones. */
+  readonly parameters: Readonly<Record<string, unknown>>;
+  /** The robot's faults. */
+  readonly faults: Readonly<Record<string, unknown>>;
+  /** The commands that begin the costmap and set the goal of its path. */
+  readonly navigation: readonly (Readonly<Record<string, unknown>>)[];
+  /** Whether the session plays. */
+  readonly playing: boolean;
+  /** Simulated seconds per second. */
+  readonly speed: number | null;
+  /** Name of the world. */
+  readonly world: string;
+  /** Seed of the random numbers. */
+  readonly seed: number;
+}
+
+/**
+ * The mean error of a program's poses over the relations of a log, metres and degrees; null: not published. `policy` is
+ * how stamps were mapped, as :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper": that of the source.
+ * `count` is the number of relations, where it is known.
+ */
+export interface PublishedResult {
+  readonly program: string;
+  readonly translation: number;
+  readonly translation_std: number | null;
+  readonly rotation: number | null;
+  readonly rotation_std: number | null;
+  readonly policy: string;
+  readonly source: string;
+  readonly count: number | null;
+}
+
+/** Puzzles that come with the program, faults that can be added to a map, and this visitor's own puzzles. */
+export interface PuzzleList {
+  readonly puzzles: readonly OfferedPuzzle[];
+  readonly faults: readonly NamedCause[];
+  readonly mine: readonly MadePuzzleAnswer[];
+}
+
 /** How many logs were queued. */
 export interface QueuedLogs {
   readonly queued: number;
+}
+
+/** Two maps that are both shown, and why their cells cannot be compared. */
+export interface RefusedComparison {
+  readonly a: SecondMap | null;
+  readonly refused: string;
+}
+
+/** Those of relative errors over `delta` of a `unit`. */
+export interface RelativeFigures {
+  readonly translation_m: ErrorStatistics;
+  readonly rotation_rad: ErrorStatistics;
+  readonly delta: number;
+  readonly unit: string;
+  readonly pairs: number;
+}
+
+/** What repairs the map, without the values: names of parameters, and whether it is other poses. */
+export interface RepairedWith {
+  readonly parameters: readonly string[];
+  readonly poses: boolean;
+}
+
+/** The end points of two scans, metres; `aligned` are those of the later one as a loop's measurement puts it. */
+export interface ScanPoints {
+  readonly i: readonly (readonly [number, number])[];
+  readonly j: readonly (readonly [number, number])[];
+  readonly aligned: readonly (readonly [number, number])[] | null;
+}
+
+/** The series of a log's scans along a trajectory; `times` are numbers of scans where `axis` is "scan". */
+export interface ScanSeries {
+  readonly topic: string;
+  readonly type: string;
+  readonly samples: number;
+  readonly gaps: readonly (readonly [number, number])[];
+  readonly times: readonly number[];
+  readonly columns: readonly SeriesColumn[];
+  readonly axis: "time" | "scan";
+  readonly trajectory: string;
+}
+
+/** A 3D view: its cameras, whether each layer is visible, and the height of the columns. */
+export interface SceneAnswer {
+  readonly cameras: readonly string[];
+  readonly layers: Readonly<Record<string, boolean>>;
+  readonly height: number;
+}
+
+/**
+ * How well the later scan of an edge fits the earlier one at the poses around the edge's measurement. `scores` are
+ * percent, `size` rows of as many cells of `cell_m` metres from the least y, each at the best of the angles `turn_deg`
+ * apart, whose number is in `turn_of`; `by_turn` is the greatest at each angle. `centre` is where the edge puts the
+ * scan, `present` its pose in the map.
+ */
+export interface ScoreLandscape {
+  readonly edge: number;
+  readonly cell_m: number;
+  readonly turn_deg: number;
+  readonly size: number;
+  readonly scores: readonly number[];
+  readonly turn_of: readonly number[];
+  readonly by_turn: readonly number[];
+  readonly centre: readonly [number, number, number];
+  readonly present: readonly [number, number, number];
+}
+
+/** Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same. */
+export interface SecondMap {
+  readonly values: Readonly<Record<string, number | string | boolean>>;
+  readonly with_faults: boolean;
+  readonly trajectory: string;
+  readonly log: string | null;
+  readonly topic: string | null;
+  readonly title: string;
+}
+
+/** The sensor that is mapped, null for the log's default, and how its scans are cut out. */
+export interface SensorAnswer {
+  readonly topic: string | null;
+  readonly cut: Readonly<Record<string, number>>;
+}
+
+/**
+ * The numbers of a topic's messages, or of a log's scans: `times` in seconds, `samples` before downsampling. `gaps` are
+ * the pauses of the recording, from a sample to the next one, in seconds.
+ */
+export interface SeriesAnswer {
+  readonly topic: string;
+  readonly type: string;
+  readonly samples: number;
+  readonly gaps: readonly (readonly [number, number])[];
+  readonly times: readonly number[];
+  readonly columns: readonly SeriesColumn[];
+}
+
+/** One number over time. */
+export interface SeriesColumn {
+  readonly label: string;
+  readonly unit: string;
+  readonly plot: string;
+  readonly values: readonly (number | null)[];
+}
+
+/** Absolute and relative errors over time. */
+export interface SeriesOfErrors {
+  readonly absolute: ErrorsOverTime;
+  readonly relative: ErrorsOverTime;
+}
+
+/** A session: the map has `index` of `count` scans, and `watching` clients receive its `stream`. */
+export interface SessionAnswer {
+  readonly id: string;
+  readonly kind: string;
+  readonly title: string;
+  readonly stream: string;
+  readonly playing: boolean;
+  readonly index: number;
+  readonly count: number;
+  readonly watching: number;
+}
+
+/** Sessions that a visitor began. */
+export interface SessionList {
+  readonly sessions: readonly SessionAnswer[];
+}
+
+/** A link as everyone who has it sees it; `look` is the visible part of the map, null for all of it. */
+export interface SharedAnswer {
+  readonly title: string;
+  readonly look: Look | null;
+}
+
+/** The title of a puzzle that a visitor made. */
+export interface SharedPuzzle {
+  readonly title: string;
 }
 
 /** What SLAM has made of a log: `trajectory` is its name; figures of the map before and after it. */
@@ -259,6 +890,24 @@ export interface SlamStatus {
   readonly stage: string | null;
   readonly scans: number;
   readonly loops: number;
+}
+
+/** The answer to a puzzle: its cause, what a `lesson`'s `section` says of it, and what repairs the map. */
+export interface SolutionAnswer {
+  readonly cause: string;
+  readonly label: string;
+  readonly explanation: string;
+  readonly lesson: string;
+  readonly section: string;
+  readonly repair: Readonly<Record<string, number | string | boolean>>;
+  readonly trajectory: string | null;
+}
+
+/** Numbers of patches of each class. */
+export interface TerrainCounts {
+  readonly safe: number;
+  readonly unsafe: number;
+  readonly unknown: number;
 }
 
 /**
@@ -293,6 +942,23 @@ export interface Topic {
 }
 
 /**
+ * A topic of the recording; times are seconds since it began, null for messages without a time. `mapped` says whether
+ * the map is made of it, null for a topic of which no map can be made; `cut` whether it has clouds or images, out of
+ * which scans can be cut.
+ */
+export interface TopicAnswer {
+  readonly name: string;
+  readonly type: string;
+  readonly messages: number;
+  readonly bytes: number;
+  readonly rate_hz: number | null;
+  readonly first_s: number | null;
+  readonly last_s: number | null;
+  readonly mapped: boolean | null;
+  readonly cut: boolean;
+}
+
+/**
  * A trajectory of a log: its own (`source` is "log"), or one that the visitor has added. `created_s` is when it was
  * added, seconds since 1970; `has_graph` says whether its pose graph is kept.
  */
@@ -305,44 +971,169 @@ export interface TrajectoryAnswer {
   readonly has_graph: boolean;
 }
 
+/** The errors of a trajectory: figures, errors over time, both paths. */
+export interface TrajectoryErrors {
+  readonly pairs: number;
+  readonly alignment: Alignment;
+  readonly absolute: ErrorFigures;
+  readonly relative: RelativeFigures;
+  readonly series: SeriesOfErrors;
+  readonly paths: ComparedPaths;
+}
+
+/** A loop that SLAM tried, `away_m` metres from a place; `reason` says what refused it, empty if accepted. */
+export interface TriedLoop {
+  readonly candidate: number;
+  readonly scans: readonly [number, number];
+  readonly away_m: number;
+  readonly score: number;
+  readonly inliers: number;
+  readonly accepted: boolean;
+  readonly reason: string;
+}
+
+/** A loop that SLAM tried, with both of its scans. */
+export interface TriedLoopScans {
+  readonly candidate: number;
+  readonly scans: readonly [number, number];
+  readonly away_m: number;
+  readonly score: number;
+  readonly inliers: number;
+  readonly accepted: boolean;
+  readonly reason: string;
+  readonly poses: readonly (readonly [number, number, number])[];
+  readonly points: ScanPoints;
+}
+
+/**
+ * What was tried near a place. `visits` are the runs of scans, first and last, that were taken near it. `pair` is a
+ * scan of the first visit and one of the last, which a loop could join; null without two visits.
+ */
+export interface TriedNear {
+  readonly visits: readonly (readonly [number, number])[];
+  readonly pair: readonly [number, number] | null;
+  readonly candidates: readonly TriedLoop[];
+}
+
 /** How many bytes of an upload have arrived: the next part starts there; the `total` is known with the first. */
 export interface UploadOffset {
   readonly offset: number;
   readonly total: number | null;
 }
 
+/** A simulated world; `bounds` are the least x and y and the greatest, metres. */
+export interface WorldAnswer {
+  readonly name: string;
+  readonly title: string;
+  readonly bounds: readonly [number, number, number, number];
+}
+
+/** The simulated worlds. */
+export interface WorldList {
+  readonly worlds: readonly WorldAnswer[];
+}
+
 /** The answer to each request, by method and address. */
 export interface Answers {
+  "DELETE /api/classes/{code}": undefined;
+  "DELETE /api/classes/{code}/puzzle": undefined;
+  "DELETE /api/fleet": undefined;
+  "DELETE /api/links/{token}": undefined;
+  "DELETE /api/logs/uploads/{key}": undefined;
+  "DELETE /api/logs/{log_id}": undefined;
   "DELETE /api/logs/{log_id}/slam": SlamStatus;
+  "DELETE /api/logs/{log_id}/trajectories/{name}": undefined;
+  "DELETE /api/puzzles/{token}": undefined;
+  "DELETE /api/sessions/{session_id}": undefined;
+  "DELETE /api/sessions/{session_id}/compare": undefined;
+  "DELETE /api/sessions/{session_id}/contents": undefined;
   "DELETE /api/sessions/{session_id}/heal": SlamStatus;
+  "DELETE /api/sessions/{session_id}/links/{token}": undefined;
   "DELETE /api/sessions/{session_id}/localization": LocalizationStatus;
   "DELETE /api/sessions/{session_id}/merge": MergeStatus;
+  "DELETE /api/sessions/{session_id}/notes/{note_id}": undefined;
+  "DELETE /api/sessions/{session_id}/trajectories/{name}": undefined;
+  "GET /api/classes": OpenClassAnswer | undefined;
+  "GET /api/classes/{code}": ClassAnswer;
   "GET /api/fleet": FleetState;
   "GET /api/links": LinkList;
+  "GET /api/localization/parameters": ParameterTable;
   "GET /api/logs": LogList;
   "GET /api/logs/uploads/{key}": UploadOffset;
   "GET /api/logs/{log_id}": LogAnswer;
   "GET /api/logs/{log_id}/slam": SlamStatus;
+  "GET /api/parameters": ParameterTables;
+  "GET /api/puzzles": PuzzleList;
+  "GET /api/sessions": SessionList;
+  "GET /api/sessions/making/{name}": MakingAnswer | undefined;
+  "GET /api/sessions/{session_id}": SessionAnswer;
+  "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
+  "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
+  "GET /api/sessions/{session_id}/contents/series": SeriesAnswer;
+  "GET /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;
+  "GET /api/sessions/{session_id}/doctor": DoctorAnswer;
+  "GET /api/sessions/{session_id}/graph": PresentGraph;
+  "GET /api/sessions/{session_id}/graph/candidates": TriedNear;
+  "GET /api/sessions/{session_id}/graph/candidates/{candidate}": TriedLoopScans;
+  "GET /api/sessions/{session_id}/graph/edges/{edge}": EdgeAnswer;
+  "GET /api/sessions/{session_id}/graph/edges/{edge}/landscape": ScoreLandscape;
   "GET /api/sessions/{session_id}/heal": SlamStatus;
   "GET /api/sessions/{session_id}/links": LinkList;
   "GET /api/sessions/{session_id}/localization": LocalizationStatus;
+  "GET /api/sessions/{session_id}/localization/course": PresentHistory;
+  "GET /api/sessions/{session_id}/localization/map": ChosenMap;
   "GET /api/sessions/{session_id}/merge": MergeStatus;
   "GET /api/sessions/{session_id}/notes": NoteList;
+  "GET /api/sessions/{session_id}/puzzle": Attempt;
+  "GET /api/sessions/{session_id}/scan-series": ScanSeries;
+  "GET /api/sessions/{session_id}/story": PresentStory;
+  "GET /api/sessions/{session_id}/trajectory-errors": TrajectoryErrors;
+  "GET /api/shared-puzzles/{token}": SharedPuzzle;
+  "GET /api/shared/{token}": SharedAnswer;
+  "GET /api/slam/parameters": ParameterTable;
+  "GET /api/worlds": WorldList;
+  "GET /livez": Health;
+  "GET /readyz": Health;
+  "GET /scenes/{session_id}/settings": SceneAnswer;
+  "POST /api/classes": OpenClassAnswer;
+  "POST /api/classes/{code}/puzzle/sessions": SessionAnswer;
+  "POST /api/classes/{code}/sessions": SessionAnswer;
   "POST /api/fleet": QueuedLogs;
   "POST /api/links": LinkAnswer;
   "POST /api/logs/{log_id}/cancel": LogAnswer;
   "POST /api/logs/{log_id}/read": LogAnswer;
   "POST /api/logs/{log_id}/slam": SlamStatus;
+  "POST /api/puzzles": MadePuzzleAnswer;
+  "POST /api/puzzles/{puzzle}/sessions": SessionAnswer;
+  "POST /api/sessions": SessionAnswer;
   "POST /api/sessions/{session_id}/edited-map": LogAnswer;
+  "POST /api/sessions/{session_id}/graph": PresentGraph;
   "POST /api/sessions/{session_id}/graph/keep": TrajectoryAnswer;
   "POST /api/sessions/{session_id}/heal": SlamStatus;
   "POST /api/sessions/{session_id}/kept-map": LogAnswer;
   "POST /api/sessions/{session_id}/localization": LocalizationStatus;
   "POST /api/sessions/{session_id}/merge": MergeStatus;
   "POST /api/sessions/{session_id}/notes": NoteAnswer;
+  "POST /api/sessions/{session_id}/puzzle/answer": Attempt;
+  "POST /api/sessions/{session_id}/puzzle/check": Attempt;
+  "POST /api/sessions/{session_id}/puzzle/hint": Attempt;
+  "POST /api/sessions/{session_id}/puzzle/solution": Attempt;
+  "POST /api/shared-puzzles/{token}/sessions": SessionAnswer;
+  "POST /api/shared/{token}/sessions": SessionAnswer;
+  "POST /scenes/{session_id}/settings": SceneAnswer;
+  "PUT /api/classes/{code}/puzzle": undefined;
+  "PUT /api/localization/parameters": AmclParameters;
   "PUT /api/logs": LogAnswer;
   "PUT /api/logs/{log_id}/tags": LogAnswer;
   "PUT /api/logs/{log_id}/trajectories/{name}": AddedTrajectory;
+  "PUT /api/sessions/{session_id}/compare": ComparisonAnswer | RefusedComparison;
+  "PUT /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;
+  "PUT /api/sessions/{session_id}/costmap/terrain": ChosenMap;
+  "PUT /api/sessions/{session_id}/localization/map": ChosenMap;
+  "PUT /api/sessions/{session_id}/localization/map-files": ChosenMap;
   "PUT /api/sessions/{session_id}/notes/{note_id}": NoteAnswer;
+  "PUT /api/sessions/{session_id}/relations": PoseScore;
+  "PUT /api/sessions/{session_id}/sensor": SensorAnswer;
   "PUT /api/sessions/{session_id}/trajectories/{name}": AddedTrajectory;
 }

@@ -445,9 +445,6 @@ export interface ClassView {
   readonly on_slide?: readonly [number, number] | null;
 }
 
-/** what happened to the robot */
-export type EventKind = "clock" | "lifted" | "pushed" | "slipped";
-
 /** First message of a connection: description of the session. */
 export interface Hello {
   readonly type: "hello";
@@ -1501,40 +1498,6 @@ export interface RaiseCommand {
   readonly type: "raise";
   /** whether one asks for it */
   readonly value: boolean;
-}
-
-/** An event of a log: the robot was moved as its wheels did not measure, or its clock was set. */
-export interface LogEvent {
-  /** what happened to the robot */
-  readonly kind: EventKind;
-  /** begin in recorded time, s */
-  readonly seconds: number;
-  /** end in recorded time, s */
-  readonly until_s: number;
-  /** begin in recorded time, m:ss.mmm */
-  readonly time: string;
-  /** begin in UTC, ISO 8601; null where the log's clock does not tell it */
-  readonly utc: string | null;
-  /** begin on the log's clock, ns */
-  readonly stamp_ns: number | null;
-  /** last scan before it, from 0 */
-  readonly scan: number;
-  /** first scan after it */
-  readonly until_scan: number;
-  /** motion by the scans less that by the wheels: ahead, m */
-  readonly ahead_m: number | null;
-  /** the same to the left, m */
-  readonly left_m: number | null;
-  /** the same, counter-clockwise, rad */
-  readonly turned_rad: number | null;
-  /** length of it, m */
-  readonly distance_m: number | null;
-  /** side of the robot to which it went */
-  readonly direction: "ahead" | "behind" | "left" | "right" | null;
-  /** by how much the clock was set, s */
-  readonly step_s: number;
-  /** what happened, in words */
-  readonly sentence: string;
 }
 
 export type ServerMessage =

@@ -59,7 +59,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/graph"),
     ("POST", "/api/sessions/{session_id}/graph"),
     ("GET", "/api/sessions/{session_id}/graph/edges/{edge}"),
-    ("GET", "/api/sessions/{session_id}/graph/edges/{edge}/hill"),
+    ("GET", "/api/sessions/{session_id}/graph/edges/{edge}/landscape"),
     ("GET", "/api/sessions/{session_id}/graph/candidates"),
     ("GET", "/api/sessions/{session_id}/graph/candidates/{candidate}"),
     ("GET", "/api/sessions/{session_id}/localization/course"),

@@ -11,7 +11,8 @@ from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes, read_graph
-from server.sessions.models.loop_hill import hill_of
+from server.sessions.graph_answers import TriedNear
+from server.sessions.models.loop_landscape import landscape_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
 from tests.mapper.slam.worlds import drive
@@ -34,7 +35,7 @@ def log() -> ScanLog:
 
 def test_without_a_change_the_poses_are_the_healed_ones(solved: SolvedGraph) -> None:
     assert solved.poses is HEALED
-    assert not solved.public()["changed"]
+    assert not solved.public().changed
 
 
 def test_without_its_loop_a_chain_is_as_long_as_its_odometry(solved: SolvedGraph, log: ScanLog) -> None:
@@ -44,21 +45,21 @@ def test_without_its_loop_a_chain_is_as_long_as_its_odometry(solved: SolvedGraph
     shift = np.arange(6) * (1.0 - np.diff(solved.graph.poses[:, 0]).mean())
     np.testing.assert_allclose(changed.poses[:, 0], HEALED[:, 0] + shift, atol=1e-3)
     np.testing.assert_allclose(changed.poses[:, 1], HEALED[:, 1], atol=1e-6)
-    assert (changed.public()["loops"], changed.public()["changed"]) == ([], True)
+    assert (changed.public().loops, changed.public().changed) == ([], True)
     again = changed.changed(log, GraphChange(reset=True))
     assert again.poses is HEALED
-    assert len(again.public()["loops"]) == 1
+    assert len(again.public().loops) == 1
 
 
 def test_a_lock_and_another_kernel_change_the_weight_of_a_loop(solved: SolvedGraph, log: ScanLog) -> None:
     strict = solved.changed(log, GraphChange(robust_scale=0.5))
-    (loop,) = strict.public()["loops"]
-    assert loop["weight"] < 0.2
-    locked = strict.changed(log, GraphChange(lock=loop["edge"]))
-    assert locked.public()["loops"][0]["locked"]
-    assert locked.public()["loops"][0]["weight"] == 1.0
+    (loop,) = strict.public().loops
+    assert loop.weight < 0.2
+    locked = strict.changed(log, GraphChange(lock=loop.edge))
+    assert locked.public().loops[0].locked
+    assert locked.public().loops[0].weight == 1.0
     assert locked.poses[-1, 0] < strict.poses[-1, 0], "the locked loop pulls its end"
-    assert strict.changed(log, GraphChange(robust="none")).public()["loops"][0]["weight"] == 1.0
+    assert strict.changed(log, GraphChange(robust="none")).public().loops[0].weight == 1.0
 
 
 def test_a_loop_by_hand_puts_the_scans_where_they_were_taken(log: ScanLog) -> None:
@@ -85,34 +86,34 @@ def test_a_loop_by_hand_puts_the_scans_where_they_were_taken(log: ScanLog) -> No
     expected = compose(inverse(true[0]), true[10])
     assert np.hypot(*(between - expected)[:2]) < 0.05
     assert abs(wrap_angle(between[2] - expected[2])) < np.radians(2.0)
-    (loop,) = changed.public()["loops"]
-    assert (loop["scans"], loop["locked"]) == ([0, 10], True)
-    found = changed.edge(log, loop["edge"])
-    assert found["off_m"] < 0.05
-    np.testing.assert_allclose(found["points"]["aligned"], found["points"]["j"], atol=0.1)
-    assert changed.near(1.5, 2.0)["visits"] == [[0, 10]]
+    (loop,) = changed.public().loops
+    assert (loop.scans, loop.locked) == ((0, 10), True)
+    found = changed.edge(log, loop.edge)
+    assert found.off_m < 0.05
+    np.testing.assert_allclose(np.array(found.points.aligned), np.array(found.points.j), atol=0.1)
+    assert changed.near(1.5, 2.0).visits == [(0, 10)]
     # The score around it is highest where the scans were taken, and lower away from there.
-    hill = hill_of(changed, log, loop["edge"])
-    scores = np.array(hill["scores"]).reshape(hill["size"], hill["size"])
+    landscape = landscape_of(changed, log, loop.edge)
+    scores = np.array(landscape.scores).reshape(landscape.size, landscape.size)
     row, col = np.unravel_index(scores.argmax(), scores.shape)
-    best = np.array([col, row]) * hill["cell_m"] - 1.0 + hill["centre"][:2]
+    best = np.array([col, row]) * landscape.cell_m - 1.0 + landscape.centre[:2]
     np.testing.assert_allclose(best, changed.node_poses[10][:2], atol=0.08)
-    assert abs(hill["turn_of"][int(scores.argmax())] - 10) <= 1, "the loop's own angle"
-    assert scores.max() == max(hill["by_turn"]) > 70 > scores[0, 0]
-    assert hill["present"][:2] == pytest.approx(changed.node_poses[10][:2], abs=1e-3)
+    assert abs(landscape.turn_of[int(scores.argmax())] - 10) <= 1, "the loop's own angle"
+    assert scores.max() == max(landscape.by_turn) > 70 > scores[0, 0]
+    assert landscape.present[:2] == pytest.approx(changed.node_poses[10][:2], abs=1e-3)
     with pytest.raises(ConfigError, match="edge"):
-        hill_of(changed, log, 99)
+        landscape_of(changed, log, 99)
 
 
 def test_near_a_place_there_is_what_was_tried_and_why_it_was_refused(solved: SolvedGraph, log: ScanLog) -> None:
     found = solved.near(1.0, 0.1)
-    assert [(one["scans"], one["accepted"], one["reason"]) for one in found["candidates"]] == [
-        ([1, 4], False, "only 30 % of the points are on walls of the earlier scans"),
-        ([0, 5], True, ""),
+    assert [(one.scans, one.accepted, one.reason) for one in found.candidates] == [
+        ((1, 4), False, "only 30 % of the points are on walls of the earlier scans"),
+        ((0, 5), True, ""),
     ]
-    assert found["visits"] == [[0, 4]]
-    assert solved.near(100.0, 0.0) == {"visits": [], "pair": None, "candidates": []}
-    assert solved.candidate(log, 1)["scans"] == [1, 4]
+    assert found.visits == [(0, 4)]
+    assert solved.near(100.0, 0.0) == TriedNear([], None, [])
+    assert solved.candidate(log, 1).scans == (1, 4)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { ask } from "../../wire/ask";
 import { run } from "../logs/library/describeLog";
 import { LogPicture } from "../logs/library/LogPicture";
 import type { LogRecord } from "../logs/library/library";
-import { ask } from "../logs/request";
 
 const SAMPLE = "sample-office";
 /** Time between two questions whether the sample was made. */

@@ -1,7 +1,7 @@
 /** The state of the fleet, asked for while it changes. */
 
 import { signal } from "@preact/signals";
-import { ask, request } from "../logs/request";
+import { ask } from "../../wire/ask";
 import { type Cluster, type Counts, type FleetLog, merged } from "./fleetLogs";
 
 /** Time between two requests while logs are being mapped, and while none are. */
@@ -63,6 +63,6 @@ export async function mapAll(again: boolean): Promise<void> {
 
 /** Map no more. Rejects with the server's sentence. */
 export async function stopMapping(): Promise<void> {
-  await request("/api/fleet", "DELETE");
+  await ask("DELETE /api/fleet", {});
   await refresh();
 }

@@ -7,6 +7,7 @@ import type { View } from "../../render/view";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
+import { ask } from "../../wire/ask";
 import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
 
@@ -100,9 +101,8 @@ export function visibleState(store: Store): VisibleState {
 
 /** The current state: the world's story and what the page shows of it. Throws if the server does not answer. */
 export async function currentLinkState(id: string, store: Store): Promise<LinkState> {
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(id)}/story`);
-  if (!answer.ok) throw new Error(`The server answered ${answer.status}.`);
-  return { story: (await answer.json()) as Story, ...visibleState(store) };
+  const story = await ask("GET /api/sessions/{session_id}/story", { session_id: id });
+  return { story: { ...story }, ...visibleState(store) };
 }
 
 /** The fragment of an address. */

@@ -1,6 +1,7 @@
 import { computed, effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
+import { ask, RequestError } from "../../wire/ask";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
@@ -28,13 +29,15 @@ export async function openSession(isPaused = false): Promise<Opened> {
   const shown = await linkFromAddress();
   let notice: string | null = null;
   if (wanted) {
-    const answer = await fetch(`/api/sessions/${encodeURIComponent(wanted)}`);
-    if (answer.ok) {
-      const { kind } = (await answer.json()) as { kind?: string };
+    try {
+      const { kind } = await ask("GET /api/sessions/{session_id}", { session_id: wanted });
       if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(wanted)}`);
       return { id: wanted, notice: null, shown: null };
+    } catch (error) {
+      const status = error instanceof RequestError ? error.status : null;
+      if (status === null) throw error;
+      if (status !== 404) throw new Error(`The server answered ${status}; the page tries again by itself.`);
     }
-    if (answer.status !== 404) throw new Error(`The server answered ${answer.status}; the page tries again by itself.`);
     notice = shown
       ? "That session had ended because it had no viewers. Its world was restored."
       : "That session has ended because it had no viewers. This is a new world.";

@@ -3,7 +3,7 @@ import { render } from "preact";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test } from "vitest";
 import { Store } from "../../store/store";
-import type { LogEvent } from "../../wire/messages";
+import type { LogEvent } from "../../wire/http";
 import type { Command } from "../../wire/protocol";
 import { Events } from "./Doctor";
 

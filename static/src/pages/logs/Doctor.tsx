@@ -7,18 +7,9 @@ import { Icon } from "../../ui/Icon";
 import { Panel } from "../../ui/Panel";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
-import type { EventKind, LogEvent } from "../../wire/messages";
+import type { DoctorAnswer, FindingAnswer, LogEvent } from "../../wire/http";
 import type { Making } from "../making";
-import {
-  confidenceLabel,
-  type Examination,
-  examine,
-  type Finding,
-  findingsLabel,
-  isLongEnough,
-  utcLabel,
-  wellLabel,
-} from "./doctor";
+import { confidenceLabel, examine, findingsLabel, isLongEnough, utcLabel, wellLabel } from "./doctor";
 import "./doctor.css";
 import { standsStill } from "./heal/standsStill";
 import { trajectoryLabel } from "./library/describeLog";
@@ -28,7 +19,7 @@ type State =
   | { readonly kind: "busy" }
   | { readonly kind: "cancelled" }
   | { readonly kind: "failed"; readonly why: string }
-  | { readonly kind: "done"; readonly examination: Examination; readonly isShown: boolean };
+  | { readonly kind: "done"; readonly examination: DoctorAnswer; readonly isShown: boolean };
 
 const IDLE_MS = 2000;
 const FIRST_NOTES = 3; // number of notes that are shown without unfolding
@@ -175,7 +166,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
   );
 }
 
-const EVENTS: Readonly<Record<EventKind, string>> = {
+const EVENTS: Readonly<Record<LogEvent["kind"], string>> = {
   pushed: "Pushed",
   slipped: "Slipped",
   lifted: "Lifted",
@@ -251,7 +242,7 @@ function Notes({ notes }: { readonly notes: readonly string[] }) {
 }
 
 interface FindingProps {
-  readonly finding: Finding;
+  readonly finding: FindingAnswer;
   readonly store: Store;
   readonly onHeal?: () => void;
 }

@@ -3,13 +3,9 @@
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { ask } from "../../wire/ask";
+import type { MapAnswer } from "../../wire/http";
 import { type ChosenLog, LogChoice } from "./LogChoice";
-import { request } from "./request";
-
-/** Patches of each class, of a cloud. */
-interface Chosen {
-  readonly classes?: { readonly safe: number; readonly unsafe: number; readonly unknown: number };
-}
 
 const HINT =
   "A cloud in the frame of the log's poses, z up: its patches are assessed. Or the yaml and pgm of gridbloom terrain: " +
@@ -24,13 +20,13 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
   const chosen = useSignal<ChosenLog | null>(null);
   const isBusy = useSignal(false);
   const failure = useSignal<string | null>(null);
-  const found = useSignal<Chosen | null>(null);
+  const found = useSignal<MapAnswer | null>(null);
   const choose = async (next: ChosenLog | null): Promise<void> => {
     isBusy.value = true;
     failure.value = null;
     try {
-      const address = `/api/sessions/${encodeURIComponent(session)}/costmap/terrain`;
-      const answer = await request<{ map: Chosen | null }>(address, "PUT", { log: next?.log ?? null });
+      const body = { log: next?.log ?? null };
+      const answer = await ask("PUT /api/sessions/{session_id}/costmap/terrain", { session_id: session }, { body });
       chosen.value = next;
       found.value = answer.map;
       store.setPart("costmap", { terrain_layer: next !== null });

@@ -11,6 +11,7 @@ import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import type { TrajectoryErrors } from "../../wire/http";
 import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
@@ -29,7 +30,6 @@ import { useSensor } from "./sensor/useSensor";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedView";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
-import type { TrajectoryErrors } from "./trajectories/errors";
 
 interface ViewerProps {
   readonly session: string;

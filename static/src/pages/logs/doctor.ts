@@ -1,34 +1,11 @@
 /** The server's examination of a log. */
 
+import { ask } from "../../wire/ask";
 import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
-import type { LogEvent } from "../../wire/messages";
-import type { LogInfo, Value } from "../../wire/protocol";
+import type { DoctorAnswer, FindingAnswer } from "../../wire/http";
+import type { LogInfo } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
 import { SENSOR_SEPARATOR } from "./library/describeLog";
-
-export interface Finding {
-  readonly check: string;
-  /** The topic of the sensor that it is about, in a log of several; else empty. */
-  readonly sensor: string;
-  readonly sentence: string;
-  readonly advice: string;
-  /** 0 … 1 */
-  readonly sure: number;
-  /** Too uncertain to be stated as a fact. */
-  readonly possible: boolean;
-  /** Scan numbers, from 0. */
-  readonly scans: readonly number[];
-  /** Values of mapping parameters that would help. */
-  readonly parameters: Readonly<Record<string, Value>> | null;
-}
-
-export interface Examination {
-  readonly trajectory: string;
-  /** Causes first. */
-  readonly findings: readonly Finding[];
-  /** In the order of their times. */
-  readonly events: readonly LogEvent[];
-}
 
 /**
  * Whether the server certainly examines a log: it refuses one in which no sensor has enough scans. The numbers of the
@@ -41,21 +18,17 @@ export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): bo
 /**
  * Examine the log of a session; `show` is called with how far that is, and `signal` ends it.
  *
- * Throws an error with the server's message if it is refused.
+ * Rejects with the server's sentence if it is refused.
  */
-export async function examine(
+export function examine(
   session: string,
   show: (making: Making | null) => void,
   signal: AbortSignal,
-): Promise<Examination> {
+): Promise<DoctorAnswer> {
   const name = newName();
   const stop = followMaking(name, show);
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`, { signal }).finally(
-    stop,
-  );
-  const body: unknown = await answer.json();
-  if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The log could not be examined.");
-  return body as Examination;
+  const options = { query: { name }, ending: signal };
+  return ask("GET /api/sessions/{session_id}/doctor", { session_id: session }, options).finally(stop);
 }
 
 /**
@@ -68,14 +41,14 @@ export function wellLabel(poses: string, stands: boolean): readonly [result: str
 }
 
 /** The certainty of a finding in words. */
-export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
+export function confidenceLabel({ sure, possible }: Pick<FindingAnswer, "sure" | "possible">): string {
   if (possible) return "possible";
   if (sure >= 0.95) return "certain";
   return sure >= 0.8 ? "very likely" : "likely";
 }
 
 /** The label of the button that shows the findings and events, of which there are some. */
-export function findingsLabel({ findings, events }: Pick<Examination, "findings" | "events">): string {
+export function findingsLabel({ findings, events }: Pick<DoctorAnswer, "findings" | "events">): string {
   const counted = (count: number, name: string): string => `${count} ${name}${count === 1 ? "" : "s"}`;
   const parts = [
     ...(findings.length > 0 ? [counted(findings.length, "finding")] : []),

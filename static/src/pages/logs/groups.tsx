@@ -8,6 +8,7 @@ import type { Comparison } from "../../tools/compare/comparison";
 import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
+import type { TrajectoryErrors } from "../../wire/http";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
@@ -26,7 +27,6 @@ import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
 import { Share } from "./share/Share";
 import { TerrainChoice } from "./TerrainChoice";
-import type { TrajectoryErrors } from "./trajectories/errors";
 import { Trajectories } from "./trajectories/Trajectories";
 
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);

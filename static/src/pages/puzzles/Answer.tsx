@@ -5,13 +5,14 @@ import { Button } from "../../ui/Button";
 import { Icon } from "../../ui/Icon";
 import { Panel } from "../../ui/Panel";
 import { toast } from "../../ui/Toast";
-import { type Attempt, type Offered, resultText } from "./attempt";
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
+import { resultText } from "./attempt";
 
 interface AnswerProps {
   readonly store: Store;
   readonly attempt: Attempt;
   readonly onClose: (() => void) | undefined;
-  readonly next: Offered | null;
+  readonly next: OfferedPuzzle | null;
   readonly onNext: (name: string) => void;
 }
 

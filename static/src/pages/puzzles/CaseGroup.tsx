@@ -9,10 +9,11 @@ import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { Answer } from "./Answer";
-import { type Attempt, MEASURE_NAMES, type Measure, type Offered, percent, progressText } from "./attempt";
-import { ask, nameCause } from "./puzzles";
+import { MEASURE_NAMES, type Measure, percent, progressText } from "./attempt";
+import { nameCause, step as stepOf } from "./puzzles";
 
 interface CaseProps {
   readonly session: string;
@@ -23,7 +24,7 @@ interface CaseProps {
   readonly isChecking: boolean;
   readonly onClose: (() => void) | undefined;
   /** A puzzle that is not solved yet, for the end of this one; null for none. */
-  readonly next: Offered | null;
+  readonly next: OfferedPuzzle | null;
   readonly onNext: (name: string) => void;
 }
 
@@ -80,14 +81,14 @@ export function CaseGroup(props: CaseProps) {
             </ol>
           )}
           <div class="actions">
-            <Button disabled={now.hints_left === 0} onClick={() => void step(ask(session, "hint"))}>
+            <Button disabled={now.hints_left === 0} onClick={() => void step(stepOf(session, "hint"))}>
               {now.hints_left > 0 ? `Show a hint (−${now.costs.hint} points)` : "No more hints"}
             </Button>
             <Button
               kind="quiet"
               onClick={async () => {
                 const text = "The attempt ends with 0 points.";
-                if (await confirm("Show the answer?", text, "Show the answer")) await step(ask(session, "solution"));
+                if (await confirm("Show the answer?", text, "Show the answer")) await step(stepOf(session, "solution"));
               }}
             >
               Show the answer

@@ -5,9 +5,9 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
-import type { Offered } from "./attempt";
+import type { MadePuzzleAnswer, OfferedPuzzle, PuzzleList as Puzzles } from "../../wire/http";
 import { PuzzlePicture } from "./PuzzlePicture";
-import { type AllPuzzles, allPuzzles, giveToClass, type Made, removePuzzle, solvedPoints } from "./puzzles";
+import { allPuzzles, giveToClass, removePuzzle, solvedPoints } from "./puzzles";
 
 const LEVELS: Readonly<Record<number, string>> = { 1: "Level 1", 2: "Level 2", 3: "Level 3" };
 
@@ -24,7 +24,7 @@ async function give(puzzle: string): Promise<void> {
 
 /** All puzzles by level, and those that the visitor made. */
 export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void }) {
-  const all = useSignal<AllPuzzles | null>(null);
+  const all = useSignal<Puzzles | null>(null);
   const failure = useSignal<string | null>(null);
   const load = async (): Promise<void> => {
     try {
@@ -88,7 +88,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
 }
 
 interface CardProps {
-  readonly puzzle: Offered;
+  readonly puzzle: OfferedPuzzle;
   readonly points: number | undefined;
   readonly onOpen: (name: string) => void;
 }
@@ -114,7 +114,7 @@ function Card({ puzzle, points, onOpen }: CardProps) {
   );
 }
 
-function Mine({ made, onGone }: { readonly made: Made; readonly onGone: () => void }) {
+function Mine({ made, onGone }: { readonly made: MadePuzzleAnswer; readonly onGone: () => void }) {
   const address = new URL(made.address, location.href).href;
   const remove = async (): Promise<void> => {
     if (!(await confirm("Remove this puzzle?", "Its link stops working, and all attempts at it end.", "Remove")))

@@ -1,10 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { isDark } from "../../ui/browser/theme";
 import { Icon } from "../../ui/Icon";
-import type { Offered } from "./attempt";
+import type { OfferedPuzzle } from "../../wire/http";
 
 /** The map that an attempt at a puzzle begins with. */
-export function PuzzlePicture({ puzzle }: { readonly puzzle: Offered }) {
+export function PuzzlePicture({ puzzle }: { readonly puzzle: OfferedPuzzle }) {
   const state = useSignal<"awaited" | "shown" | "failed">("awaited");
   return (
     <div class={`card-picture ${state.value}`}>

@@ -6,6 +6,7 @@ import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { Dock, type DockGroup } from "../../ui/dock/Dock";
 import { toast } from "../../ui/Toast";
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
 import { Compare } from "../logs/compare/Compare";
 import { useComparison } from "../logs/compare/useComparison";
 import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
@@ -14,9 +15,9 @@ import { Settings } from "../logs/Settings";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
-import { type Attempt, leadsToCase, type Offered, percent, progressText } from "./attempt";
+import { leadsToCase, percent, progressText } from "./attempt";
 import { CaseGroup } from "./CaseGroup";
-import { ask } from "./puzzles";
+import { attemptOf, step } from "./puzzles";
 
 interface PuzzleViewerProps {
   readonly session: string;
@@ -26,7 +27,7 @@ interface PuzzleViewerProps {
   readonly onGone: () => void;
   readonly onSolved: (points: number) => void;
   /** A puzzle that is not solved yet; null for none. */
-  readonly next: Offered | null;
+  readonly next: OfferedPuzzle | null;
   readonly onNext: (name: string) => void;
 }
 
@@ -42,7 +43,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
   const isChecking = useSignal(false);
   const load = async (): Promise<void> => {
     try {
-      attempt.value = await ask(session);
+      attempt.value = await attemptOf(session);
     } catch (error) {
       toast((error as Error).message, "error");
     }
@@ -61,7 +62,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
   const check = async (): Promise<void> => {
     isChecking.value = true;
     try {
-      const checked = await ask(session, "check");
+      const checked = await step(session, "check");
       attempt.value = checked;
       if (leadsToCase(checked)) openGroup.value = "case";
     } catch (error) {

@@ -1,9 +1,10 @@
 // @vitest-environment happy-dom
+
 import { h, render } from "preact";
 import { afterEach, expect, test, vi } from "vitest";
 import type { Store } from "../../store/store";
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
 import { Answer } from "./Answer";
-import type { Attempt, Offered } from "./attempt";
 
 afterEach(() => render(null, document.body));
 
@@ -25,7 +26,7 @@ const given = (is_solved: boolean): Attempt =>
     },
   }) as unknown as Attempt;
 
-function shown(attempt: Attempt, next: Offered | null) {
+function shown(attempt: Attempt, next: OfferedPuzzle | null) {
   const store = { hello: { value: null }, setTogether: vi.fn(), send: vi.fn() };
   const onNext = vi.fn();
   render(h(Answer, { store: store as unknown as Store, attempt, onClose: undefined, next, onNext }), document.body);

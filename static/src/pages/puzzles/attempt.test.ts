@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { type Attempt, leadsToCase, nextPuzzle, type Offered, progressText, resultText } from "./attempt";
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
+import { leadsToCase, nextPuzzle, progressText, resultText } from "./attempt";
 
 const attempt = (given: Partial<Attempt>): Attempt =>
   ({ answer: null, best: 0, enough: 0.9, is_named: false, wrong: [], hints: [], ...given }) as Attempt;
@@ -36,7 +37,7 @@ test("a check says how far the repair is, and what is missing most", () => {
 });
 
 test("the next puzzle is the first unsolved one in turn, never the same", () => {
-  const puzzles = ["a", "b", "c"].map((name): Offered => ({ name, level: 1, title: name, story: "" }));
+  const puzzles = ["a", "b", "c"].map((name): OfferedPuzzle => ({ name, level: 1, title: name, story: "" }));
   const next = (name: string, ...solved: string[]) =>
     nextPuzzle(puzzles, name, Object.fromEntries(solved.map((one) => [one, 100])))?.name;
   expect(next("a")).toBe("b");

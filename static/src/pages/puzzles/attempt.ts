@@ -1,58 +1,8 @@
-/** A puzzle that is offered, an attempt at one, and what follows from its state. */
+/** What follows from the state of an attempt at a puzzle. */
 
-export interface Offered {
-  readonly name: string;
-  readonly level: number;
-  readonly title: string;
-  readonly story: string;
-}
+import type { Attempt, OfferedPuzzle } from "../../wire/http";
 
-/** What is measured of a map: agreement and sharpness 0 … 1, entropy in bits. */
-export interface Measures {
-  readonly agreement: number;
-  readonly sharpness: number;
-  readonly entropy: number;
-}
-
-export type Measure = keyof Measures;
-
-/** The state of an attempt: the server tells no more than the visitor has found. */
-export interface Attempt {
-  readonly title: string;
-  readonly story: string;
-  readonly level: number;
-  readonly causes: readonly { readonly name: string; readonly label: string }[];
-  readonly is_named: boolean;
-  readonly wrong: readonly string[];
-  readonly hints: readonly string[];
-  readonly hints_left: number;
-  readonly costs: { readonly wrong: number; readonly hint: number };
-  readonly first: Measures;
-  readonly goal: Measures;
-  /** The measures that the repair is judged by. */
-  readonly measures: readonly Measure[];
-  readonly now: Measures | null;
-  /** Share of the repair of the map that was checked last, and of the best one. */
-  readonly repair: number | null;
-  readonly best: number;
-  readonly enough: number;
-  readonly can_repair: boolean | null;
-  /** What repairs the map, without the values, once the cause is named: names of parameters, and whether other poses. */
-  readonly repaired_with: { readonly parameters: readonly string[]; readonly poses: boolean } | null;
-  readonly points: number;
-  readonly is_solved: boolean;
-  readonly gave_up: boolean;
-  readonly answer: {
-    readonly cause: string;
-    readonly label: string;
-    readonly explanation: string;
-    /** A sentence of the section. */
-    readonly lesson: string;
-    readonly section: string;
-    readonly repair: Readonly<Record<string, number | string | boolean>>;
-    readonly trajectory: string | null;
-  } | null;
-}
+export type Measure = Attempt["measures"][number];
 
 /** Whether what a check found is for the group Case: the answer, or the question for the cause of a repaired map. */
 export const leadsToCase = ({ answer, best, enough, is_named }: Attempt): boolean =>
@@ -81,10 +31,10 @@ export function progressText({ answer, repair, best, enough, is_named, measures,
 
 /** The first puzzle after the one of this name, else the first of all, that is not solved; null for none. */
 export function nextPuzzle(
-  puzzles: readonly Offered[],
+  puzzles: readonly OfferedPuzzle[],
   name: string,
   points: Readonly<Record<string, number>>,
-): Offered | null {
+): OfferedPuzzle | null {
   const at = puzzles.findIndex((one) => one.name === name);
   const inTurn = [...puzzles.slice(at + 1), ...puzzles.slice(0, at + 1)];
   return inTurn.find((one) => one.name !== name && !(one.name in points)) ?? null;

@@ -1,55 +1,52 @@
 /** The service's puzzles: which there are, an attempt at one, and what this browser remembers of earlier ones. */
 
 import { signal } from "@preact/signals";
-import { request } from "../logs/request";
+import { ask } from "../../wire/ask";
+import type { Attempt, PuzzleList, SessionAnswer } from "../../wire/http";
 import { followMaking, type Making, newName } from "../making";
-import type { Attempt, Offered } from "./attempt";
 
-/** A puzzle that this visitor made. */
-export interface Made {
-  readonly token: string;
-  readonly address: string;
-  readonly title: string;
-  /** Seconds since 1970. */
-  readonly created_s: number;
-}
+export const allPuzzles = (): Promise<PuzzleList> => ask("GET /api/puzzles", {});
 
-export interface AllPuzzles {
-  readonly puzzles: readonly Offered[];
-  readonly mine: readonly Made[];
-}
-
-export const allPuzzles = (): Promise<AllPuzzles> => request("/api/puzzles");
-
-export const removePuzzle = (token: string): Promise<void> => request(`/api/puzzles/${token}`, "DELETE");
+export const removePuzzle = (token: string): Promise<void> => ask("DELETE /api/puzzles/{token}", { token });
 
 export const giveToClass = (code: string, puzzle: string): Promise<void> =>
-  request(`/api/classes/${code}/puzzle`, "PUT", { puzzle });
+  ask("PUT /api/classes/{code}/puzzle", { code }, { body: { puzzle } });
 
 /** The progress of a puzzle that the server prepares. */
 export const preparing = signal<Making | null>(null);
 
-/** Begin an attempt; `at` is the address that begins it. Resolves to the id of its session. */
-export async function beginAttempt(at: string, ending: AbortSignal): Promise<string> {
+/** What an attempt begins with: a puzzle of the program, one that was made, or that of a class. */
+export type Beginning = { readonly puzzle: string } | { readonly token: string } | { readonly code: string };
+
+function begun(at: Beginning, options: { query: { name: string }; ending: AbortSignal }): Promise<SessionAnswer> {
+  if ("code" in at) return ask("POST /api/classes/{code}/puzzle/sessions", at, options);
+  if ("token" in at) return ask("POST /api/shared-puzzles/{token}/sessions", at, options);
+  return ask("POST /api/puzzles/{puzzle}/sessions", at, options);
+}
+
+/** Begin an attempt. Resolves to the id of its session. */
+export async function beginAttempt(at: Beginning, ending: AbortSignal): Promise<string> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     preparing.value = making;
   });
   try {
-    return (await request<{ id: string }>(`${at}?name=${name}`, "POST", undefined, ending)).id;
+    return (await begun(at, { query: { name }, ending })).id;
   } finally {
     stop();
   }
 }
 
-/** One of the requests about the attempt of a session. */
-export function ask(session: string, what?: "hint" | "solution" | "check", ending?: AbortSignal): Promise<Attempt> {
-  const at = `/api/sessions/${encodeURIComponent(session)}/puzzle`;
-  return what ? request(`${at}/${what}`, "POST", undefined, ending) : request(at);
-}
+/** The attempt of a session. */
+export const attemptOf = (session: string): Promise<Attempt> =>
+  ask("GET /api/sessions/{session_id}/puzzle", { session_id: session });
+
+/** Go on with the attempt of a session. */
+export const step = (session: string, what: "hint" | "solution" | "check"): Promise<Attempt> =>
+  ask(`POST /api/sessions/{session_id}/puzzle/${what}`, { session_id: session });
 
 export const nameCause = (session: string, cause: string): Promise<Attempt> =>
-  request(`/api/sessions/${encodeURIComponent(session)}/puzzle/answer`, "POST", { cause });
+  ask("POST /api/sessions/{session_id}/puzzle/answer", { session_id: session }, { body: { cause } });
 
 const KEY = "gridbloom.puzzles";
 

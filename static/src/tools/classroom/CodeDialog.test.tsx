@@ -18,7 +18,14 @@ test.each([
   ["http://192.168.1.7:8000", false],
   ["https://maps.example.org", false],
 ])("the code of a class at %s says whether other devices cannot open it: %s", (origin, isSaid) => {
-  openClass.value = { code: "BCDFGH", address: `${origin}/class/BCDFGH`, qr: "/qr.svg", results: "/results.csv" };
+  openClass.value = {
+    present: 1,
+    page: "lab",
+    code: "BCDFGH",
+    address: `${origin}/class/BCDFGH`,
+    qr: "/qr.svg",
+    results: "/results.csv",
+  };
   act(() => render(h(CodeDialog, { isOpen: signal(true) }), document.body));
   expect(document.body.textContent?.includes("Only this computer reaches this address.")).toBe(isSaid);
 });

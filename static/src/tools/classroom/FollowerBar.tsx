@@ -3,15 +3,13 @@ import { useEffect } from "preact/hooks";
 import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
+import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage } from "./OutdatedPage";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {
-  const answer = await fetch(`/api/classes/${room.code}/sessions`, { method: "POST" });
-  const body = (await answer.json()) as { id?: string; message?: string };
-  if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);
-  room.own.value = body.id;
+  room.own.value = (await ask("POST /api/classes/{code}/sessions", { code: room.code })).id;
 }
 
 /** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */

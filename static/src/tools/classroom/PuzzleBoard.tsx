@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { type Classroom, lecturersClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
+import { ask } from "../../wire/ask";
 import type { ClassPuzzle, ClassSolver } from "../../wire/protocol";
 
 const percent = (share: number): string => `${Math.floor(100 * share)} %`;
@@ -20,8 +21,9 @@ const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named
 export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readonly puzzle: ClassPuzzle }) {
   const isOpen = useSignal(false);
   const close = async (): Promise<void> => {
-    const answer = await fetch(`/api/classes/${room.code}/puzzle`, { method: "DELETE" }).catch(() => null);
-    if (!answer?.ok) toast("The puzzle was not taken away: the server does not answer.", "error");
+    await ask("DELETE /api/classes/{code}/puzzle", { code: room.code }).catch(() =>
+      toast("The puzzle was not taken away: the server does not answer.", "error"),
+    );
   };
   return (
     <section class="class-card" aria-label="Puzzle of the class">

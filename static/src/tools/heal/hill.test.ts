@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
-import { type LoopHill, pairAt, placeAt, presentIn, summitOf } from "./hill";
+import type { ScoreLandscape } from "../../wire/http";
+import { pairAt, placeAt, presentIn, summitOf } from "./hill";
 
-const HILL: LoopHill = {
+const HILL: ScoreLandscape = {
   edge: 4,
   cell_m: 0.5,
   turn_deg: 90,

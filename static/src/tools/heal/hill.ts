@@ -1,23 +1,8 @@
 /** The scores of the poses around a loop, as the server computes them, and what a place among them stands for. */
 
 import type { ScanPair } from "../../store/sessionSignals";
-import type { Point, Pose } from "../../wire/protocol";
-
-export interface LoopHill {
-  readonly edge: number;
-  readonly cell_m: number;
-  readonly turn_deg: number;
-  /** Cells along each side; the middle one is the loop's measurement. */
-  readonly size: number;
-  /** Percent, row by row from the least y, at the best angle; and the number of that angle. */
-  readonly scores: readonly number[];
-  readonly turn_of: readonly number[];
-  /** Percent, the greatest at each angle. */
-  readonly by_turn: readonly number[];
-  /** Where the loop puts the later scan, and its pose in the map. */
-  readonly centre: Pose;
-  readonly present: Pose;
-}
+import type { ScoreLandscape } from "../../wire/http";
+import type { Point } from "../../wire/protocol";
 
 /** A cell of a hill: its score in percent, and how far it is from the loop's measurement. */
 export interface HillPlace {
@@ -30,7 +15,7 @@ export interface HillPlace {
 }
 
 /** The cell at a column and row, which are limited to those of the hill. */
-export function placeAt(hill: LoopHill, col: number, row: number): HillPlace {
+export function placeAt(hill: ScoreLandscape, col: number, row: number): HillPlace {
   const limited = (n: number): number => Math.min(hill.size - 1, Math.max(0, Math.round(n)));
   const [c, r] = [limited(col), limited(row)];
   const index = r * hill.size + c;
@@ -46,13 +31,13 @@ export function placeAt(hill: LoopHill, col: number, row: number): HillPlace {
 }
 
 /** The highest cell; of equal ones the first. */
-export function summitOf(hill: LoopHill): HillPlace {
+export function summitOf(hill: ScoreLandscape): HillPlace {
   const index = hill.scores.indexOf(Math.max(...hill.scores));
   return placeAt(hill, index % hill.size, Math.floor(index / hill.size));
 }
 
 /** Where the present pose is among the cells, in columns and rows; it may lie outside. */
-export function presentIn(hill: LoopHill): Point {
+export function presentIn(hill: ScoreLandscape): Point {
   const middle = (hill.size - 1) / 2;
   return [
     middle + (hill.present[0] - hill.centre[0]) / hill.cell_m,
@@ -61,7 +46,7 @@ export function presentIn(hill: LoopHill): Point {
 }
 
 /** Both scans, with the later one where a cell of the hill puts it. */
-export function pairAt(pair: ScanPair, hill: LoopHill, { dx, dy, turnDeg }: HillPlace): ScanPair {
+export function pairAt(pair: ScanPair, hill: ScoreLandscape, { dx, dy, turnDeg }: HillPlace): ScanPair {
   const angle = (turnDeg * Math.PI) / 180;
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const [x0, y0] = hill.centre;

@@ -1,7 +1,8 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
 import type { LayerContent } from "../../render/picture/overlays";
-import { type Candidate, edgeAt, loopAt, residualLabel, whyNone } from "./model";
+import type { TriedLoop } from "../../wire/http";
+import { edgeAt, loopAt, residualLabel, whyNone } from "./model";
 
 const graph: LayerContent = {
   kind: "graph",
@@ -28,7 +29,7 @@ test("the nearest loop within ten pixels is found, never an edge of odometry", (
   expect(edgeAt(graph, [9.7, 1], 0.05)).toBeNull();
 });
 
-const tried = (accepted: boolean): Candidate => ({
+const tried = (accepted: boolean): TriedLoop => ({
   candidate: 0,
   scans: [1, 9],
   away_m: 1,

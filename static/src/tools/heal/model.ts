@@ -1,64 +1,9 @@
 /** The pose graph of a healed log, as the server tells of it, and what a place of the picture stands for. */
 
 import { columnOf, type LayerContent } from "../../render/picture/overlays";
-import type { ScanPair } from "../../store/sessionSignals";
+import type { TriedNear } from "../../wire/http";
 import type { Point } from "../../wire/protocol";
 import { CONTRADICTS, STRAINED } from "./poseGraph";
-
-/** A loop of the graph: the constraint between two scans that were taken at one place at different times. */
-export interface Loop {
-  readonly edge: number;
-  /** The two scans, from 0. */
-  readonly scans: readonly [number, number];
-  /** How far the graph's solution is from the measurement, in standard deviations. */
-  readonly residual: number;
-  /** What the robust kernel leaves of the loop, 0 to 1. */
-  readonly weight: number;
-  readonly locked: boolean;
-}
-
-export interface PoseGraph {
-  readonly trajectory: string;
-  readonly nodes: number;
-  readonly odometry: number;
-  /** The worst first. */
-  readonly loops: readonly Loop[];
-  /** Number of loops that were tried, accepted or not. */
-  readonly tried: number;
-  readonly robust: string;
-  readonly robust_scale: number;
-  readonly changed: boolean;
-}
-
-/** An edge with both of its scans. */
-export interface Edge extends Loop, ScanPair {
-  readonly kind: "loop" | "odometry";
-  readonly off_m: number;
-  readonly off_deg: number;
-  readonly score: number | null;
-  readonly inliers: number | null;
-}
-
-/** A loop that was tried. */
-export interface Candidate {
-  readonly candidate: number;
-  readonly scans: readonly [number, number];
-  readonly away_m: number;
-  readonly score: number;
-  readonly inliers: number;
-  readonly accepted: boolean;
-  /** What refused it; empty where it was accepted. */
-  readonly reason: string;
-}
-
-/** What was tried near a place. */
-export interface Place {
-  /** Runs of scans, first and last, that were taken near it. */
-  readonly visits: readonly (readonly [number, number])[];
-  /** A scan of the first visit and one of the last, which a loop could join; null where there are no two visits. */
-  readonly pair: readonly [number, number] | null;
-  readonly candidates: readonly Candidate[];
-}
 
 const REACH_PX = 10;
 /** Edges of odometry are many, and are meant only from nearer. */
@@ -105,7 +50,7 @@ function nearest(
 }
 
 /** Why no loop closed at a place, in one sentence. */
-export function whyNone({ visits, candidates }: Pick<Place, "visits" | "candidates">): string {
+export function whyNone({ visits, candidates }: Pick<TriedNear, "visits" | "candidates">): string {
   if (visits.length === 0) return "The robot was never within 3 m of this place.";
   const times = ["never", "once", "twice"][visits.length] ?? `${visits.length} times`;
   const accepted = candidates.filter((one) => one.accepted).length;

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
+import { ask } from "../../wire/ask";
 
 /** Where a map of the library is opened. */
 export const mapAddress = (id: string): string => `/logs.html?log=${encodeURIComponent(id)}`;
@@ -12,16 +13,11 @@ export function EditMap({ session, name }: { readonly session: string; readonly 
   const begin = async (): Promise<void> => {
     isBusy.value = true;
     try {
-      const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/kept-map`, {
-        method: "POST",
-        headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ name: `Map of ${name}`.slice(0, 100) }),
-      });
-      const body = (await answer.json()) as { id?: string; message?: string };
-      if (answer.ok && body.id) location.href = mapAddress(body.id);
-      else toast(body.message ?? `The server answered ${answer.status}.`, "error");
-    } catch {
-      toast("The server does not answer.", "error");
+      const body = { name: `Map of ${name}`.slice(0, 100) };
+      const kept = await ask("POST /api/sessions/{session_id}/kept-map", { session_id: session }, { body });
+      location.href = mapAddress(kept.id);
+    } catch (error) {
+      toast((error as Error).message, "error");
     }
     isBusy.value = false;
   };

@@ -3,24 +3,15 @@
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { ask } from "../../wire/ask";
+import type { NamedCause } from "../../wire/http";
 import "./makePuzzle.css";
 
-interface Fault {
-  readonly name: string;
-  readonly label: string;
-}
-
-const AS_IT_IS: Fault = { name: "as-it-is", label: "The fault that this map has now" };
-
-async function answered<T>(answer: Response): Promise<T> {
-  const body = (await answer.json()) as T & { readonly message?: string };
-  if (!answer.ok) throw new Error(body.message ?? `The server answered ${answer.status}.`);
-  return body;
-}
+const AS_IT_IS: NamedCause = { name: "as-it-is", label: "The fault that this map has now" };
 
 /** A button that opens the choice of the fault, and one that makes the link. */
 export function MakePuzzle({ session }: { readonly session: string }) {
-  const faults = useSignal<readonly Fault[] | null>(null);
+  const faults = useSignal<readonly NamedCause[] | null>(null);
   const fault = useSignal(AS_IT_IS.name);
   const address = useSignal<string | null>(null);
   const said = useSignal("");
@@ -31,20 +22,17 @@ export function MakePuzzle({ session }: { readonly session: string }) {
     try {
       await work();
     } catch (error) {
-      said.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      said.value = (error as Error).message;
     }
     isBusy.value = false;
   };
   const open = (): Promise<void> =>
     attempt(async () => {
-      const found = await answered<{ faults: readonly Fault[] }>(await fetch("/api/puzzles"));
-      faults.value = [AS_IT_IS, ...found.faults];
+      faults.value = [AS_IT_IS, ...(await ask("GET /api/puzzles", {})).faults];
     });
   const make = (): Promise<void> =>
     attempt(async () => {
-      const headers = { "Content-Type": "application/json" };
-      const body = JSON.stringify({ session, fault: fault.value });
-      const made = await answered<{ address: string }>(await fetch("/api/puzzles", { method: "POST", headers, body }));
+      const made = await ask("POST /api/puzzles", {}, { body: { session, fault: fault.value } });
       address.value = new URL(made.address, location.href).href;
       try {
         await navigator.clipboard.writeText(address.value);

@@ -6,7 +6,8 @@ import { Button } from "../../ui/Button";
 import { isDark, printing } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
-import { askScene, type SceneSettings, sceneAddress } from "./settings";
+import type { SceneAnswer } from "../../wire/http";
+import { askScene, sceneAddress } from "./settings";
 import "./scene.css";
 
 interface SceneProps {
@@ -59,7 +60,7 @@ function fullScreen(element: Element): void {
 }
 
 function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
-  const now = useSignal<SceneSettings | null>(null);
+  const now = useSignal<SceneAnswer | null>(null);
   /** Beginnings and ends of changes: an answer from before one of them is out of date. */
   const changes = useRef(0);
   useEffect(() => {

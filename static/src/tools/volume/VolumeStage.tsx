@@ -6,7 +6,8 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
-import { askScene, type SceneSettings, sceneAddress } from "../scene/settings";
+import type { SceneAnswer } from "../../wire/http";
+import { askScene, sceneAddress } from "../scene/settings";
 import "./volume.css";
 
 interface VolumeStageProps {
@@ -44,7 +45,7 @@ function fullScreen(element: Element | null): void {
 const AGAIN_MS = 700;
 
 function Cameras({ session, onFullScreen }: { readonly session: string; readonly onFullScreen: () => void }) {
-  const now = useSignal<SceneSettings | null>(null);
+  const now = useSignal<SceneAnswer | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
     const look = async (): Promise<void> => {

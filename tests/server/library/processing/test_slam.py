@@ -21,7 +21,7 @@ from mapper.simulation.lidar import SensorConfig
 from server.library.packs.graph import read_graph
 from server.library.processing.log_jobs import packed
 from server.library.processing.slam import SlamJob, SlamOutcome, _slam, read_progress
-from server.sessions.models.loop_hill import hill_of
+from server.sessions.models.loop_landscape import landscape_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
 from tests.mapper.slam.worlds import drive, without_poses
@@ -120,7 +120,7 @@ def test_two_lidars_are_healed_and_their_graph_shows_each_scan_where_it_was_take
     # Where the scans end in the world, in the frame of the healed poses, which is that of the first of them.
     to_map = compose(poses.poses[0], inverse(true[0]))
     changed = solved.changed(log, GraphChange(add=(3, 56)))
-    (edge,) = [one["edge"] for one in changed.public()["loops"] if one["scans"] == [3, 56]]
+    (edge,) = [one.edge for one in changed.public().loops if one.scans == (3, 56)]
     pair = changed.edge(log, edge)
     for name, scan in (("i", 3), ("aligned", 56)):
         part = log.parts[log.part_of_scan[scan]]
@@ -128,11 +128,11 @@ def test_two_lidars_are_healed_and_their_graph_shows_each_scan_where_it_was_take
         angles, ranges = part.angles[seen], log.ranges[scan, : part.n_beams][seen].astype(np.float64)
         points = np.stack([ranges * np.cos(angles), ranges * np.sin(angles)], axis=1)
         expected = transform_points(compose(compose(to_map, true[scan]), np.array(part.mount)), points)
-        found = np.array(pair["points"][name])
+        found = np.array(getattr(pair, name))
         assert len(found) == seen.sum() > 100
         away = np.hypot(*(found[:, np.newaxis] - expected).transpose(2, 0, 1)).min(axis=1)
         assert away.max() < 0.1
-    assert max(hill_of(changed, log, edge)["scores"]) > 50
+    assert max(landscape_of(changed, log, edge).scores) > 50
     # After a change of its poses each sensor's own log has those of its scans.
     parts = changed.in_log(log)
     assert isinstance(parts, JointLog)

@@ -2,6 +2,7 @@
 
 import { readable } from "../../../tools/parameters/parameters";
 import { written } from "../../../ui/numbers";
+import { ask } from "../../../wire/ask";
 import type { Compared, Parameter, Value, Values } from "../../../wire/protocol";
 import { trajectoryLabel } from "../library/describeLog";
 
@@ -56,35 +57,17 @@ export function differing(table: readonly Parameter[], compared: Compared, value
   });
 }
 
-const address = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/compare`;
-
-const AWAY = "The server does not answer.";
-
-async function refusal(answer: Response): Promise<string> {
-  try {
-    return ((await answer.json()) as { message: string }).message;
-  } catch {
-    return `The server answered ${answer.status}.`;
-  }
-}
+/** The error message of a request that is refused, or null. */
+const refusalOf = (request: Promise<unknown>): Promise<string | null> =>
+  request.then(
+    () => null,
+    (error: Error) => error.message,
+  );
 
 /** Start or change the comparison; resolves to an error message, or null. */
-export async function compareWith(session: string, other: Other): Promise<string | null> {
-  try {
-    const headers = { "Content-Type": "application/json" };
-    const answer = await fetch(address(session), { method: "PUT", headers, body: JSON.stringify(other) });
-    return answer.ok ? null : await refusal(answer);
-  } catch {
-    return AWAY;
-  }
-}
+export const compareWith = (session: string, body: Other): Promise<string | null> =>
+  refusalOf(ask("PUT /api/sessions/{session_id}/compare", { session_id: session }, { body }));
 
 /** End the comparison; resolves to an error message, or null. */
-export async function endComparison(session: string): Promise<string | null> {
-  try {
-    const answer = await fetch(address(session), { method: "DELETE" });
-    return answer.ok ? null : await refusal(answer);
-  } catch {
-    return AWAY;
-  }
-}
+export const endComparison = (session: string): Promise<string | null> =>
+  refusalOf(ask("DELETE /api/sessions/{session_id}/compare", { session_id: session }));

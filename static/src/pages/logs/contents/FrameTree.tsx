@@ -2,10 +2,14 @@
 
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";
-import { ageLabel, contentsAddress, type FrameEdge, type Frames, rateLabel } from "./contents";
+import { addressOf, answerAt } from "../../../wire/ask";
+import type { FrameEdgeAnswer, FramesAnswer } from "../../../wire/http";
+import { ageLabel, rateLabel } from "./contents";
 import { isLate, type PlacedFrame, placedFrames } from "./placedFrames";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
+
+const FRAMES = "GET /api/sessions/{session_id}/contents/frames";
 
 interface FrameTreeProps {
   readonly store: Store;
@@ -33,7 +37,11 @@ function Tree({ store, session }: FrameTreeProps) {
     ...(chosen.value === null ? {} : { fixed: chosen.value }),
     ...(topic.value === null ? {} : { tf: topic.value }),
   };
-  const found = useAtMoment<Frames>(store, (at) => contentsAddress(session, "/frames", { at: String(at), ...query }));
+  const found = useAtMoment<FramesAnswer>(
+    store,
+    (at) => addressOf(FRAMES, { session_id: session }, { at, ...query }),
+    (address, ending) => answerAt(FRAMES, address, { ending }),
+  );
   if (found.kind === "failed") return <p role="alert">{found.why}</p>;
   if (found.kind === "none") return <p class="quiet">…</p>;
   const frames = found.value;
@@ -99,7 +107,7 @@ const INDENT = 22;
 const BOX = 24;
 const CHARACTER = 7.6; // px of a character in a box, on the safe side
 
-function Picture({ frames }: { readonly frames: Frames }) {
+function Picture({ frames }: { readonly frames: FramesAnswer }) {
   const placed = placedFrames(frames.frames, frames.edges, frames.fixed);
   const boxOf = ({ name }: PlacedFrame): number => CHARACTER * Math.min(name.length, 40) + 20;
   const width = Math.max(...placed.map((one) => INDENT * one.depth + boxOf(one) + 150));
@@ -138,14 +146,14 @@ function Picture({ frames }: { readonly frames: Frames }) {
   );
 }
 
-function edgeLabel(edge: FrameEdge): string {
+function edgeLabel(edge: FrameEdgeAnswer): string {
   if (edge.static) return "static";
   const age = edge.age_s === null ? "not yet" : `${ageLabel(edge.age_s)} old`;
   return edge.rate_hz === null ? age : `${rateLabel(edge.rate_hz)}, ${age}`;
 }
 
 /** The tree for screen readers. */
-function inWords({ edges, fixed }: Frames): string {
+function inWords({ edges, fixed }: FramesAnswer): string {
   const said = edges.filter(({ used }) => used).map((edge) => `${edge.child} in ${edge.parent}, ${edgeLabel(edge)}`);
   return `Fixed frame ${fixed}. ${said.join("; ")}.`;
 }

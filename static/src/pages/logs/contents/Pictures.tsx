@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { signed } from "../../../ui/numbers";
-import { contentsAddress } from "./contents";
+import { addressOf, fetched } from "../../../wire/ask";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
 
@@ -34,8 +34,7 @@ interface Shown {
 
 /** Fetch a picture. Throws an error with the server's message if it is refused. */
 async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown> {
-  const answer = await fetch(address, { signal });
-  if (!answer.ok) throw new Error(((await answer.json()) as { message?: string }).message ?? "There is no picture.");
+  const answer = await fetched(address, { signal });
   const seconds = Number(answer.headers.get("X-Picture-Seconds"));
   return { address: URL.createObjectURL(await answer.blob()), seconds };
 }
@@ -44,7 +43,8 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
   const topic = useSignal(topics[0] ?? "");
   const found = useAtMoment<Shown>(
     store,
-    (at) => contentsAddress(session, "/picture", { topic: topic.value, at: String(at) }),
+    (at) =>
+      addressOf("GET /api/sessions/{session_id}/contents/picture", { session_id: session }, { topic: topic.value, at }),
     fetchPicture,
   );
   const shown = found.kind === "ready" ? found.value : null;

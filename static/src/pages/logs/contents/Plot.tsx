@@ -8,13 +8,14 @@ import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
 import { clock, written } from "../../../ui/numbers";
+import type { SeriesAnswer } from "../../../wire/http";
 import { brokenAtGaps } from "./gaps";
 import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, zoomInto } from "./plotParts";
-import { type SeriesOfTopic, type Span, scanAtTime } from "./series";
+import { type Span, scanAtTime } from "./series";
 
 interface PlotProps {
   readonly store: Store;
-  readonly series: SeriesOfTopic;
+  readonly series: SeriesAnswer;
   /** Which columns. */
   readonly plot: string;
   /**
@@ -93,7 +94,7 @@ function levelOf(values: readonly (number | null)[]): number | null {
 }
 
 /** The range of each line, for screen readers. */
-function inWords(series: SeriesOfTopic, plot: string): string {
+function inWords(series: SeriesAnswer, plot: string): string {
   const lines = series.columns
     .filter((column) => column.plot === plot)
     .map(({ label, unit, values }) => {
@@ -107,8 +108,8 @@ function inWords(series: SeriesOfTopic, plot: string): string {
 function optionsOf(
   store: Store,
   element: HTMLElement,
-  series: SeriesOfTopic,
-  columns: SeriesOfTopic["columns"],
+  series: SeriesAnswer,
+  columns: SeriesAnswer["columns"],
   width: number,
 ): UPlot.Options {
   const axis = axisStyle(element);

@@ -4,9 +4,10 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
-import { type Contents, contentsAddress, fetchJson } from "./contents";
+import { ask } from "../../../wire/ask";
+import type { PlottedTopic, SeriesAnswer } from "../../../wire/http";
 import { Plot } from "./LazyPlot";
-import type { SeriesOfTopic, Span } from "./series";
+import type { Span } from "./series";
 import { WhenKnown } from "./useContents";
 
 interface PlotsProps {
@@ -31,9 +32,9 @@ export function Plots({ store, session }: PlotsProps) {
   );
 }
 
-function Topic({ store, session, series }: PlotsProps & { readonly series: Contents["series"] }) {
+function Topic({ store, session, series }: PlotsProps & { readonly series: readonly PlottedTopic[] }) {
   const chosen = useSignal(series[0]?.topic ?? "");
-  const found = useSignal<SeriesOfTopic | null>(null);
+  const found = useSignal<SeriesAnswer | null>(null);
   const failure = useSignal<string | null>(null);
   const topic = chosen.value;
   const zoom = useSignal<Span | null>(null);
@@ -41,11 +42,12 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: Conte
   useEffect(() => {
     const abort = new AbortController();
     if (found.peek()?.topic !== topic) found.value = null;
-    const query = { topic, ...(span && { start: String(span[0]), end: String(span[1]) }) };
-    fetchJson<SeriesOfTopic>(contentsAddress(session, "/series", query), abort.signal).then(
-      ({ body }) => {
+    const query = { topic, ...(span && { start: span[0], end: span[1] }) };
+    const options = { query, ending: abort.signal };
+    ask("GET /api/sessions/{session_id}/contents/series", { session_id: session }, options).then(
+      (series) => {
         failure.value = null;
-        found.value = body;
+        found.value = series;
       },
       (error: Error) => {
         if (!abort.signal.aborted) failure.value = error.message;

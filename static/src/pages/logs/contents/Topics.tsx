@@ -1,10 +1,11 @@
 import { Button } from "../../../ui/Button";
 import { bytes, clock } from "../../../ui/numbers";
+import type { ContentsAnswer, TopicAnswer } from "../../../wire/http";
 import type { LogInfo } from "../../../wire/protocol";
 import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
-import { type Contents, rateLabel, type TopicContents } from "./contents";
+import { rateLabel } from "./contents";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
 
@@ -31,11 +32,11 @@ export function Topics({ session, sensor, log }: TopicsProps) {
 }
 
 /** Images that a scan can be cut out of have depths: drivers name their topics so. */
-const isSensor = ({ mapped, cut, name, type }: TopicContents): boolean =>
+const isSensor = ({ mapped, cut, name, type }: TopicAnswer): boolean =>
   mapped !== null || (cut && (!type.endsWith("Image") || /depth/i.test(name)));
 
 interface TableProps {
-  readonly contents: Contents;
+  readonly contents: ContentsAnswer;
   readonly sensor: SensorState | null;
   /** The topics that the map is made of. */
   readonly mapped: readonly string[];
@@ -92,11 +93,11 @@ function Table({ contents, sensor, mapped }: TableProps) {
   );
 }
 
-const wholeSpan = (topics: readonly TopicContents[]): number =>
+const wholeSpan = (topics: readonly TopicAnswer[]): number =>
   topics.reduce((last, topic) => Math.max(last, topic.last_s ?? 0), 0);
 
 interface RowProps {
-  readonly topic: TopicContents;
+  readonly topic: TopicAnswer;
   readonly whole: number;
   readonly isMapped: boolean;
   /** Maps the topic by itself; null where no map can be made of it. */

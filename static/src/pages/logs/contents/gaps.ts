@@ -1,9 +1,10 @@
 /** Lines of a plot that end where the recording has a gap. */
 
 import type UPlot from "uplot";
-import type { SeriesOfTopic, Span } from "./series";
+import type { SeriesAnswer } from "../../../wire/http";
+import type { Span } from "./series";
 
-type Gapped = Pick<SeriesOfTopic, "times" | "gaps">;
+type Gapped = Pick<SeriesAnswer, "times" | "gaps">;
 
 /** Whether a place on the axis is within a gap, and not at one of its ends. */
 export function isInGap(gaps: readonly Span[], at: number): boolean {

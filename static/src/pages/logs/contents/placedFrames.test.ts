@@ -1,8 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { ageLabel, type FrameEdge, rateLabel } from "./contents";
+import type { FrameEdgeAnswer } from "../../../wire/http";
+import { ageLabel, rateLabel } from "./contents";
 import { isLate, placedFrames } from "./placedFrames";
 
-const edge = (parent: string, child: string, more: Partial<FrameEdge> = {}): FrameEdge => ({
+const edge = (parent: string, child: string, more: Partial<FrameEdgeAnswer> = {}): FrameEdgeAnswer => ({
   parent,
   child,
   static: false,

@@ -1,6 +1,6 @@
 /** The layout of a tree of frames: one line per frame, children indented under their parent. */
 
-import type { FrameEdge } from "./contents";
+import type { FrameEdgeAnswer } from "../../../wire/http";
 
 export interface PlacedFrame {
   readonly name: string;
@@ -8,7 +8,7 @@ export interface PlacedFrame {
   /** The line, from 0. */
   readonly line: number;
   /** The edge to its parent, null for a root. */
-  readonly edge: FrameEdge | null;
+  readonly edge: FrameEdgeAnswer | null;
   /** The line of its parent. */
   readonly parentLine: number | null;
 }
@@ -17,14 +17,18 @@ export interface PlacedFrame {
  * Place every frame: roots first in the order of their names, that of the fixed frame before the others. A frame of a
  * loop, which no root leads to, begins a tree of its own.
  */
-export function placedFrames(names: readonly string[], edges: readonly FrameEdge[], fixed: string): PlacedFrame[] {
+export function placedFrames(
+  names: readonly string[],
+  edges: readonly FrameEdgeAnswer[],
+  fixed: string,
+): PlacedFrame[] {
   const used = edges.filter((edge) => edge.used);
   const edgeOf = new Map(used.map((edge) => [edge.child, edge]));
-  const children = new Map<string, FrameEdge[]>();
+  const children = new Map<string, FrameEdgeAnswer[]>();
   for (const edge of used) children.set(edge.parent, [...(children.get(edge.parent) ?? []), edge]);
   const placed: PlacedFrame[] = [];
   const seen = new Set<string>();
-  const place = (name: string, depth: number, edge: FrameEdge | null, parentLine: number | null): void => {
+  const place = (name: string, depth: number, edge: FrameEdgeAnswer | null, parentLine: number | null): void => {
     if (seen.has(name)) return;
     seen.add(name);
     const line = placed.length;
@@ -47,7 +51,7 @@ export function placedFrames(names: readonly string[], edges: readonly FrameEdge
 }
 
 /** Whether a transform is older than two of its usual pauses, and more than 0.2 s. */
-export function isLate({ static: isStatic, age_s: age, rate_hz: rate }: FrameEdge): boolean {
+export function isLate({ static: isStatic, age_s: age, rate_hz: rate }: FrameEdgeAnswer): boolean {
   if (isStatic) return false;
   return age === null || age > Math.max(0.2, rate === null ? 1 : 2 / rate);
 }

@@ -2,27 +2,8 @@
 
 import type { Trajectory } from "../../../wire/protocol";
 
-export interface SeriesColumn {
-  readonly label: string;
-  readonly unit: string;
-  readonly plot: string;
-  readonly values: readonly (number | null)[];
-}
-
 /** An interval of the log's time, seconds. */
 export type Span = readonly [from: number, to: number];
-
-export interface SeriesOfTopic {
-  readonly topic: string;
-  readonly type: string;
-  /** Values of each column in the interval that was asked for, before they were downsampled. */
-  readonly samples: number;
-  /** Seconds since the log's first scan. */
-  readonly times: readonly number[];
-  /** Pauses of the recording, from a sample to the next one, in seconds as `times`; ascending. */
-  readonly gaps: readonly Span[];
-  readonly columns: readonly SeriesColumn[];
-}
 
 /** The number of scans in the map at a time: all those up to it. `every` scans are between two stamps. */
 export function scanAtTime(

@@ -1,7 +1,6 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { fetchJson } from "./contents";
 
 /** Time between two requests while the log plays or is sought. */
 const EVERY_MS = 250;
@@ -11,10 +10,6 @@ type AtMoment<T> =
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "ready"; readonly value: T };
 
-async function fetchBody<T>(address: string, signal: AbortSignal): Promise<T> {
-  return (await fetchJson<T>(address, signal)).body;
-}
-
 /**
  * What the server says of the moment that the log is at: asked again when the moment or the address changes, at most
  * four times a second and one request at a time.
@@ -22,7 +17,7 @@ async function fetchBody<T>(address: string, signal: AbortSignal): Promise<T> {
 export function useAtMoment<T>(
   store: Store,
   addressAt: (seconds: number) => string,
-  fetchAt: (address: string, signal: AbortSignal) => Promise<T> = fetchBody,
+  fetchAt: (address: string, ending: AbortSignal) => Promise<T>,
 ): AtMoment<T> {
   const state = useSignal<AtMoment<T>>({ kind: "none" });
   const address = useSignal("");
@@ -50,8 +45,7 @@ export function useAtMoment<T>(
         state.value = { kind: "ready", value };
       } catch (error) {
         if (abort.signal.aborted) return;
-        const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-        state.value = { kind: "failed", why };
+        state.value = { kind: "failed", why: (error as Error).message };
       }
       isAsking = false;
       if (!abort.signal.aborted) next();

@@ -4,7 +4,8 @@ import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
-import { type Contents, contentsAddress, fetchJson } from "./contents";
+import { ask as send } from "../../../wire/ask";
+import type { ContentsAnswer } from "../../../wire/http";
 
 const POLL_MS = 500;
 
@@ -12,7 +13,7 @@ export type ContentsState =
   | { readonly kind: "reading"; readonly progress: number; readonly since: number }
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "cancelled" }
-  | { readonly kind: "ready"; readonly contents: Contents };
+  | { readonly kind: "ready"; readonly contents: ContentsAnswer };
 
 interface ContentsOfSession {
   readonly state: Signal<ContentsState>;
@@ -33,22 +34,19 @@ export function useContents(session: string): ContentsOfSession {
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (): Promise<void> => {
       try {
-        const { status, body } = await fetchJson<Contents & { progress: number }>(
-          contentsAddress(session),
-          abort.signal,
-        );
-        if (status === 202) {
+        const what = "GET /api/sessions/{session_id}/contents";
+        const found = await send(what, { session_id: session }, { ending: abort.signal });
+        if (found.state === "reading") {
           const before = state.peek();
           const since = before.kind === "reading" ? before.since : performance.now();
-          state.value = { kind: "reading", progress: body.progress, since };
+          state.value = { kind: "reading", progress: found.progress, since };
           timer = setTimeout(() => void ask(), POLL_MS);
         } else {
-          state.value = { kind: "ready", contents: body };
+          state.value = { kind: "ready", contents: found };
         }
       } catch (error) {
         if (abort.signal.aborted) return;
-        const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-        state.value = { kind: "failed", why };
+        state.value = { kind: "failed", why: (error as Error).message };
       }
     };
     void ask();
@@ -62,7 +60,7 @@ export function useContents(session: string): ContentsOfSession {
     ending.current();
     state.value = { kind: "cancelled" };
     // Whatever comes of it: without requests the server stops by itself, only later.
-    void fetch(contentsAddress(session), { method: "DELETE" }).catch(() => undefined);
+    void send("DELETE /api/sessions/{session_id}/contents", { session_id: session }).catch(() => undefined);
   };
   const again = (): void => {
     attempt.value += 1;
@@ -76,7 +74,7 @@ export function WhenKnown({
   children,
 }: {
   readonly session: string;
-  readonly children: (contents: Contents) => ComponentChildren;
+  readonly children: (contents: ContentsAnswer) => ComponentChildren;
 }) {
   const { state, cancel, again } = useContents(session);
   const now = state.value;

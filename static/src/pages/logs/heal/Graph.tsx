@@ -1,18 +1,19 @@
 /** The pose graph: its loops, the selected one with both scans, and why no loop closed at a place. */
 
 import type { Store } from "../../../store/store";
-import { type PoseGraph, residualLabel, whyNone } from "../../../tools/heal/model";
+import { residualLabel, whyNone } from "../../../tools/heal/model";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { Slider } from "../../../ui/Slider";
+import type { PoseGraphAnswer } from "../../../wire/http";
 import type { Healing } from "./healing";
 import { ScoreHill } from "./ScoreHill";
 
 interface GraphProps {
   readonly store: Store;
   readonly healing: Healing;
-  readonly graph: PoseGraph;
+  readonly graph: PoseGraphAnswer;
   readonly isGuest: boolean;
 }
 
@@ -192,7 +193,7 @@ function Why({ store, healing, isGuest }: Omit<GraphProps, "graph">) {
 }
 
 /** The robust kernel; the graph is solved again while its scale is dragged. */
-function Solving({ healing, graph }: { readonly healing: Healing; readonly graph: PoseGraph }) {
+function Solving({ healing, graph }: { readonly healing: Healing; readonly graph: PoseGraphAnswer }) {
   return (
     <>
       <Choice

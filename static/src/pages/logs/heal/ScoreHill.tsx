@@ -3,9 +3,10 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { tokenRgb } from "../../../style/colour";
-import { type HillPlace, type LoopHill, placeAt, presentIn, summitOf } from "../../../tools/heal/hill";
+import { type HillPlace, placeAt, presentIn, summitOf } from "../../../tools/heal/hill";
 import { isDark } from "../../../ui/browser/theme";
 import { signed } from "../../../ui/numbers";
+import type { ScoreLandscape } from "../../../wire/http";
 import type { Healing } from "./healing";
 
 const KEYS: Record<string, readonly [col: number, row: number]> = {
@@ -16,7 +17,7 @@ const KEYS: Record<string, readonly [col: number, row: number]> = {
 };
 
 /** Percent into a colour: the higher, the stronger. */
-function paint(canvas: HTMLCanvasElement, { size, scores }: LoopHill): void {
+function paint(canvas: HTMLCanvasElement, { size, scores }: ScoreLandscape): void {
   const context = canvas.getContext("2d");
   if (!context) return;
   const [low, high] = [tokenRgb("--surface"), tokenRgb("--beam")];
@@ -34,7 +35,7 @@ function paint(canvas: HTMLCanvasElement, { size, scores }: LoopHill): void {
 const sentence = ({ score, dx, dy, turnDeg }: HillPlace): string =>
   `${score} % at ${signed(dx, 2)} m, ${signed(dy, 2)} m, ${signed(turnDeg, 0)}°`;
 
-export function ScoreHill({ healing, hill }: { readonly healing: Healing; readonly hill: LoopHill }) {
+export function ScoreHill({ healing, hill }: { readonly healing: Healing; readonly hill: ScoreLandscape }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const probe = useSignal<HillPlace | null>(null);
   useSignalEffect(() => {
@@ -99,7 +100,7 @@ export function ScoreHill({ healing, hill }: { readonly healing: Healing; readon
 }
 
 /** The greatest score at each angle. */
-function Turns({ hill }: { readonly hill: LoopHill }) {
+function Turns({ hill }: { readonly hill: ScoreLandscape }) {
   const n = hill.by_turn.length;
   const path = hill.by_turn.map((score, k) => `${k ? "L" : "M"}${(100 * k) / (n - 1)} ${30 - 0.28 * score}`).join("");
   const end = ((n - 1) / 2) * hill.turn_deg;

@@ -2,10 +2,10 @@
 
 import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import type { ScanPair } from "../../../store/sessionSignals";
 import type { Store } from "../../../store/store";
-import { type HillPlace, type LoopHill, pairAt } from "../../../tools/heal/hill";
-import { type Candidate, type Edge, edgeAt, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";
+import { type HillPlace, pairAt } from "../../../tools/heal/hill";
+import { edgeAt, loopAt } from "../../../tools/heal/model";
+import type { EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear } from "../../../wire/http";
 import type { Point } from "../../../wire/protocol";
 import { JobParameters } from "../jobParameters";
 import * as api from "./api";
@@ -22,15 +22,15 @@ export class Healing {
   /** The newest job; null where there was none. */
   readonly job = signal<api.SlamStatus | null>(null);
   /** The pose graph of the trajectory in use; null where it has none. */
-  readonly graph = signal<PoseGraph | null>(null);
-  readonly edge = signal<Edge | null>(null);
+  readonly graph = signal<PoseGraphAnswer | null>(null);
+  readonly edge = signal<EdgeAnswer | null>(null);
   /** The scores around the selected loop; null until they are there. */
-  readonly hill = signal<LoopHill | null>(null);
+  readonly hill = signal<ScoreLandscape | null>(null);
   /** The edge under the pointer. */
-  readonly hovered = signal<Edge | null>(null);
-  readonly candidate = signal<(Candidate & ScanPair) | null>(null);
+  readonly hovered = signal<EdgeAnswer | null>(null);
+  readonly candidate = signal<TriedLoopScans | null>(null);
   /** The place that was asked about. */
-  readonly place = signal<{ readonly at: Point; readonly found: Place } | null>(null);
+  readonly place = signal<{ readonly at: Point; readonly found: TriedNear } | null>(null);
   readonly failure = signal<string | null>(null);
   readonly isBusy = signal(false);
   readonly isUnderWay: ReadonlySignal<boolean> = computed(() => isUnderWay(this.job.value));
@@ -59,7 +59,7 @@ export class Healing {
     try {
       await what();
     } catch (error) {
-      this.failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      this.failure.value = (error as Error).message;
     } finally {
       this.isBusy.value = false;
     }
@@ -130,7 +130,7 @@ export class Healing {
 
   async #loadHill(edge: number): Promise<void> {
     try {
-      const hill = await api.hillOf(this.session, edge);
+      const hill = await api.landscapeOf(this.session, edge);
       if (this.edge.peek()?.edge === edge) this.hill.value = hill;
     } catch {
       // A scan without points has no hill.

@@ -2,7 +2,8 @@
 
 import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
-import type { LogAnswer, LogList, Topic } from "../../../wire/http";
+import { NO_ANSWER, RequestError, ask as send } from "../../../wire/ask";
+import type { LogAnswer, SessionAnswer, Topic } from "../../../wire/http";
 import { followMaking, type Making, newName } from "../../making";
 
 export type { LogAnswer as LogRecord, Topic };
@@ -43,19 +44,6 @@ export const arrivalAddress = (id: string | null): string =>
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
 
-export const AWAY = "The server does not answer. The page tries again by itself.";
-
-/** The error message in an answer of the server, or a general one. */
-export async function sentence(answer: Response): Promise<string> {
-  try {
-    const body: unknown = await answer.json();
-    if (body && typeof body === "object" && "message" in body && typeof body.message === "string") return body.message;
-  } catch {
-    // not JSON: for example the error page of a proxy
-  }
-  return `The server answered ${answer.status}.`;
-}
-
 let timer: ReturnType<typeof setTimeout> | undefined;
 
 export const isMoving = (log: LogAnswer): boolean => log.state === "queued" || log.state === "reading";
@@ -85,13 +73,8 @@ export function watch(): () => void {
   };
 }
 
-/** The address of the list. */
-function address({ words, tags, order, limit }: Wanted): string {
-  const query = new URLSearchParams({ order, limit: String(limit) });
-  if (words) query.set("q", words);
-  for (const tag of tags) query.append("tag", tag);
-  return `/api/logs?${query}`;
-}
+/** The query of the list. */
+const queryOf = ({ words, tags, order, limit }: Wanted) => ({ order, limit, ...(words && { q: words }), tag: tags });
 
 let asked = 0;
 
@@ -102,9 +85,7 @@ export async function refresh(): Promise<void> {
   const own = asked;
   let again = 0;
   try {
-    const answer = await fetch(isWhole ? "/api/logs" : address(wanted.peek()));
-    if (!answer.ok) throw new Error(await sentence(answer));
-    const body = (await answer.json()) as LogList;
+    const body = await send("GET /api/logs", {}, isWhole ? {} : { query: queryOf(wanted.peek()) });
     if (own !== asked) return; // another list was asked for meanwhile
     logs.value = body.logs;
     total.value = body.total;
@@ -112,62 +93,47 @@ export async function refresh(): Promise<void> {
     listError.value = null;
     if (body.logs.some(isUnknown)) again = 500;
   } catch (error) {
-    listError.value = error instanceof TypeError ? AWAY : (error as Error).message;
+    const isAway = error instanceof RequestError && error.status === null;
+    listError.value = isAway ? `${NO_ANSWER} The page tries again by itself.` : (error as Error).message;
     again = 3000;
   }
   if (again > 0 && isWatched) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);
 }
 
+/** The error message of a request that is refused, or null. */
+const refusalOf = (request: Promise<unknown>): Promise<string | null> =>
+  request.then(
+    () => null,
+    (error: Error) => error.message,
+  );
+
 /** Delete one's own log; resolves to an error message, or null. */
-export async function remove(id: string): Promise<string | null> {
-  try {
-    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}`, { method: "DELETE" });
-    if (!answer.ok) return await sentence(answer);
-    logs.value = (logs.value ?? []).filter((log) => log.id !== id);
-    return null;
-  } catch {
-    return AWAY;
-  }
-}
+export const remove = (id: string): Promise<string | null> =>
+  refusalOf(
+    send("DELETE /api/logs/{log_id}", { log_id: id }).then(() => {
+      logs.value = (logs.value ?? []).filter((log) => log.id !== id);
+    }),
+  );
 
 /** Give a log other tags; resolves to an error message, or null. */
-export async function putTags(id: string, tags: readonly string[]): Promise<string | null> {
-  try {
-    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/tags`, {
-      method: "PUT",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify({ tags }),
-    });
-    if (!answer.ok) return await sentence(answer);
-    void refresh();
-    return null;
-  } catch {
-    return AWAY;
-  }
-}
+export const putTags = (id: string, tags: readonly string[]): Promise<string | null> =>
+  refusalOf(
+    send("PUT /api/logs/{log_id}/tags", { log_id: id }, { body: { tags } }).then(() => {
+      void refresh();
+    }),
+  );
 
 /** Request that the server stops reading one's own log, or reads it again; resolves to an error message, or null. */
-export async function ask(id: string, what: "cancel" | "read"): Promise<string | null> {
-  try {
-    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/${what}`, { method: "POST" });
-    if (!answer.ok) return await sentence(answer);
-    const fresh = (await answer.json()) as LogAnswer;
-    logs.value = (logs.value ?? []).map((log) => (log.id === id ? fresh : log));
-    void refresh();
-    return null;
-  } catch {
-    return AWAY;
-  }
-}
+export const ask = (id: string, what: "cancel" | "read"): Promise<string | null> =>
+  refusalOf(
+    send(`POST /api/logs/{log_id}/${what}`, { log_id: id }).then((fresh) => {
+      logs.value = (logs.value ?? []).map((log) => (log.id === id ? fresh : log));
+      void refresh();
+    }),
+  );
 
 /** The progress of the log that is being opened; null while there is none. */
 export const opening = signal<Making | null>(null);
-
-/** A session: its id and its kind. */
-export interface OpenedSession {
-  readonly id: string;
-  readonly kind: string;
-}
 
 /**
  * Open a session on a log; rejects with an error message. `ending` ends the request. With reduced motion the map of all
@@ -178,29 +144,23 @@ export async function openSession(
   topic: string | null,
   ending: AbortSignal,
   volume: { readonly other: string | null; readonly up: string | null } | null = null,
-): Promise<OpenedSession> {
+): Promise<SessionAnswer> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    const answer = await fetch("/api/sessions", {
-      method: "POST",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify({
-        kind: volume ? "volume" : "log",
-        log,
-        topic,
-        name,
-        playing: !reducedMotion.peek(),
-        ...(volume ? {} : { whole: reducedMotion.peek() }),
-        ...(volume?.other ? { other: volume.other } : {}),
-        ...(volume?.up ? { up: volume.up } : {}),
-      }),
-      signal: ending,
-    });
-    if (!answer.ok) throw new Error(await sentence(answer));
-    return (await answer.json()) as OpenedSession;
+    const body = {
+      kind: volume ? "volume" : "log",
+      log,
+      topic,
+      name,
+      playing: !reducedMotion.peek(),
+      ...(volume ? {} : { whole: reducedMotion.peek() }),
+      ...(volume?.other ? { other: volume.other } : {}),
+      ...(volume?.up ? { up: volume.up } : {}),
+    };
+    return await send("POST /api/sessions", {}, { body, ending });
   } finally {
     stop();
   }

@@ -1,6 +1,7 @@
 /** The upload of files: some at a time, each in as many connections as it takes. */
 
 import { signal } from "@preact/signals";
+import { ask } from "../../../wire/ask";
 import { arrived, EVERYTHING, type LogRecord, refresh, wanted } from "./library";
 
 /** A file that is being uploaded. */
@@ -60,9 +61,7 @@ function newKey(): string {
 /** Number of bytes of an upload that the server has; null if it does not answer. */
 async function offsetOf(name: string): Promise<number | null> {
   try {
-    const answer = await fetch(`/api/logs/uploads/${name}`);
-    if (!answer.ok) return null;
-    return ((await answer.json()) as { offset: number }).offset;
+    return (await ask("GET /api/logs/uploads/{key}", { key: name })).offset;
   } catch {
     return null;
   }
@@ -106,7 +105,7 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
   for (let tries = 0, offset = 0; ; ) {
     const request = isCancelled(key) ? null : await send(key, name, file, offset);
     if (!request || isCancelled(key)) {
-      if (request) await fetch(`/api/logs/uploads/${name}`, { method: "DELETE" }).catch(() => undefined);
+      if (request) await ask("DELETE /api/logs/uploads/{key}", { key: name }).catch(() => undefined);
       return;
     }
     if (request.status >= 200 && request.status < 300) {

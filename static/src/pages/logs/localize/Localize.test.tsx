@@ -18,7 +18,7 @@ test("the notes on a map that was chosen stand beside its size", () => {
   const localizing = new Localizing(store, "session");
   const note = "Grey 205, which map_saver writes for unknown, counts as free here.";
   const size = { title: "hall.yaml", rows: 200, cols: 300, resolution: 0.05, origin: [0, 0, 0] as const };
-  localizing.map.value = { ...size, notes: [note] };
+  localizing.map.value = { ...size, notes: [note], classes: null };
   act(() => render(<Localize store={store} localizing={localizing} isGuest={false} />, document.body));
   const panel = document.body.textContent;
   expect(panel).toContain("hall.yaml");

@@ -16,7 +16,7 @@ import type { Values } from "../../../wire/protocol";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { trajectoryLabel } from "../library/describeLog";
 import { ParameterDetails } from "../ParameterDetails";
-import { CourseOf } from "./Course";
+import { HistoryOfFilter } from "./FilterHistory";
 import { InitialPose } from "./InitialPose";
 import type { Localizing, MapSource } from "./localizing";
 import "./localize.css";
@@ -35,13 +35,13 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
     if (!isGuest && !isUnderWay) void localizing.loadMap();
   }, [localizing, isGuest, isUnderWay]);
   useEffect(() => {
-    if (!isUnderWay && trajectory !== null) void localizing.loadCourse();
+    if (!isUnderWay && trajectory !== null) void localizing.loadHistory();
   }, [localizing, trajectory, isUnderWay]);
   useSignalEffect(() => {
     store.givenPose.value = localizing.hasPose.value ? localizing.pose.value : null;
   });
-  const course = localizing.course.value;
-  const map = course?.map ?? localizing.map.value;
+  const history = localizing.history.value;
+  const map = history?.map ?? localizing.map.value;
   return (
     <>
       {!isGuest && <Find store={store} localizing={localizing} />}
@@ -57,8 +57,8 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
           }}
         />
       )}
-      {course && <CourseOf store={store} course={course} />}
-      {!course && isGuest && <p class="quiet">The poses of this map do not come from a localization.</p>}
+      {history && <HistoryOfFilter store={store} history={history} />}
+      {!history && isGuest && <p class="quiet">The poses of this map do not come from a localization.</p>}
     </>
   );
 }

@@ -20,8 +20,8 @@ const isUnderWay = (job: api.LocalizationStatus | null): boolean => job?.state =
 export class Localizing {
   /** The newest job; null until the server has told. */
   readonly job = signal<api.LocalizationStatus | null>(null);
-  readonly map = signal<api.GivenMap | null>(null);
-  readonly course = signal<api.Course | null>(null);
+  readonly map = signal<api.MapAnswer | null>(null);
+  readonly history = signal<api.FilterHistory | null>(null);
   readonly failure = signal<string | null>(null);
   /** What the server is doing for a request; null for nothing. */
   readonly doing = signal<string | null>(null);
@@ -51,13 +51,13 @@ export class Localizing {
     try {
       await what();
     } catch (error) {
-      this.failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      this.failure.value = (error as Error).message;
     } finally {
       this.doing.value = null;
     }
   }
 
-  #chosen(map: api.GivenMap): void {
+  #chosen(map: api.MapAnswer | null): void {
     this.map.value = map;
     this.pose.value = null;
     this.turns.value = false;
@@ -79,7 +79,7 @@ export class Localizing {
     this.turns.value = false;
     return this.#ask("Beginning", async () => {
       const initial_pose = this.hasPose.peek() ? this.pose.peek() : null;
-      this.course.value = null;
+      this.history.value = null;
       this.store.underlay.value = GIVEN_MAP;
       this.job.value = await api.localize(this.session, {
         initial_pose,
@@ -131,7 +131,7 @@ export class Localizing {
     clearTimeout(this.#mapTimer);
     if (this.map.peek() !== null) return;
     try {
-      const map = await api.givenMap(this.session);
+      const map = await api.referenceMap(this.session);
       if (this.map.peek() === null) this.map.value = map; // one may have been chosen meanwhile
     } catch {
       // The server does not answer, for example because another one has just taken the session over.
@@ -140,12 +140,12 @@ export class Localizing {
   }
 
   /** Show how certain the poses in use are, where they come from a localization. */
-  async loadCourse(): Promise<void> {
+  async loadHistory(): Promise<void> {
     try {
-      this.course.value = await api.courseOf(this.session);
-      if (this.course.peek()) this.store.underlay.value = GIVEN_MAP;
+      this.history.value = await api.filterHistory(this.session);
+      if (this.history.peek()) this.store.underlay.value = GIVEN_MAP;
     } catch {
-      this.course.value = null;
+      this.history.value = null;
     }
   }
 

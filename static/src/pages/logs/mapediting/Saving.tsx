@@ -3,8 +3,8 @@ import type { Store } from "../../../store/store";
 import { mapAddress } from "../../../tools/mapediting/EditMap";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import { ask } from "../../../wire/ask";
 import type { LogRecord } from "../library/library";
-import { ask } from "../request";
 
 interface SavingProps {
   readonly store: Store;

@@ -2,8 +2,8 @@ import { useSignal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { type Size, toScreen } from "../../../render/view";
 import type { Store } from "../../../store/store";
+import type { NoteAnswer } from "../../../wire/http";
 import { goToNote } from "./Notes";
-import type { Note } from "./noteRecords";
 import type { NotesState } from "./useNotes";
 
 interface NotePinsProps {
@@ -29,7 +29,7 @@ export function NotePins({ store, state, onOpen }: NotePinsProps) {
   const placed = (state.notes.value ?? []).filter((note) => note.x !== null && note.y !== null);
   const isInside = ([x, y]: readonly [number, number]): boolean =>
     x >= 0 && y >= 0 && x <= size.value.width && y <= size.value.height;
-  const place = (note: Note): readonly [number, number] =>
+  const place = (note: NoteAnswer): readonly [number, number] =>
     view ? toScreen(view, size.value, note.x ?? 0, note.y ?? 0) : [-1, -1];
   return (
     <div class="note-pins" ref={layer}>

@@ -4,7 +4,8 @@ import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { clock, written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
-import { type Note, type Pin, scanOf } from "./noteRecords";
+import type { NoteAnswer } from "../../../wire/http";
+import { type Pin, scanOf } from "./noteRecords";
 import "./notes.css";
 import type { NotesState } from "./useNotes";
 
@@ -58,7 +59,7 @@ export function Notes({ store, state, isGuest }: NotesProps) {
 }
 
 /** Show a note's moment and place, and mark it as chosen. */
-export function goToNote(store: Store, { chosen }: NotesState, note: Note): void {
+export function goToNote(store: Store, { chosen }: NotesState, note: NoteAnswer): void {
   chosen.value = note.id;
   const scan = scanOf(note, store.trajectory.peek(), store.frame.peek()?.count ?? 0);
   if (scan !== null) store.goTo(scan);
@@ -67,7 +68,7 @@ export function goToNote(store: Store, { chosen }: NotesState, note: Note): void
 }
 
 interface ItemProps {
-  readonly note: Note;
+  readonly note: NoteAnswer;
   readonly store: Store;
   readonly state: NotesState;
   readonly onEdit: (() => void) | undefined;
@@ -109,7 +110,7 @@ interface EditorProps {
   readonly store: Store;
   readonly state: NotesState;
   /** The note that is changed; without it a new one is written. */
-  readonly note?: Note;
+  readonly note?: NoteAnswer;
   readonly onDone?: () => void;
 }
 

@@ -1,5 +1,7 @@
 /** The notes on a log: kept by the server, pinned to a time, a place or both. */
 
+import { ask } from "../../../wire/ask";
+import type { NoteAnswer } from "../../../wire/http";
 import type { Trajectory } from "../../../wire/protocol";
 
 export interface Pin {
@@ -11,39 +13,19 @@ export interface Pin {
   readonly y: number | null;
 }
 
-export interface Note extends Pin {
-  readonly id: string;
-  readonly text: string;
-  readonly created_s: number;
-  readonly changed_s: number;
-  /** Whether this visitor wrote it, and may change it. */
-  readonly mine: boolean;
-}
-
-async function asked<T>(address: string, method = "GET", body?: unknown): Promise<T> {
-  const answer = await fetch(address, {
-    method,
-    ...(body === undefined ? {} : { body: JSON.stringify(body), headers: { "Content-Type": "application/json" } }),
-  });
-  const found: unknown = answer.status === 204 ? null : await answer.json();
-  if (!answer.ok) throw new Error((found as { message?: string }).message ?? "The note could not be kept.");
-  return found as T;
-}
-
-const notesAddress = (session: string, id = ""): string =>
-  `/api/sessions/${encodeURIComponent(session)}/notes${id && `/${encodeURIComponent(id)}`}`;
-
-export async function fetchNotes(session: string): Promise<readonly Note[]> {
-  return (await asked<{ notes: readonly Note[] }>(notesAddress(session))).notes;
+export async function fetchNotes(session: string): Promise<readonly NoteAnswer[]> {
+  return (await ask("GET /api/sessions/{session_id}/notes", { session_id: session })).notes;
 }
 
 /** Keep a note; `id` of one that is changed. */
-export function keepNote(session: string, text: string, pin: Pin, id?: string): Promise<Note> {
-  return asked(notesAddress(session, id), id === undefined ? "POST" : "PUT", { text, ...pin });
+export function keepNote(session: string, text: string, pin: Pin, id?: string): Promise<NoteAnswer> {
+  const body = { text, ...pin };
+  if (id === undefined) return ask("POST /api/sessions/{session_id}/notes", { session_id: session }, { body });
+  return ask("PUT /api/sessions/{session_id}/notes/{note_id}", { session_id: session, note_id: id }, { body });
 }
 
 export function deleteNote(session: string, id: string): Promise<void> {
-  return asked(notesAddress(session, id), "DELETE");
+  return ask("DELETE /api/sessions/{session_id}/notes/{note_id}", { session_id: session, note_id: id });
 }
 
 /**

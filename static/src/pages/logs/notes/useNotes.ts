@@ -1,11 +1,12 @@
 import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { deleteNote, fetchNotes, keepNote, type Note, type Pin } from "./noteRecords";
+import type { NoteAnswer } from "../../../wire/http";
+import { deleteNote, fetchNotes, keepNote, type Pin } from "./noteRecords";
 
 export interface NotesState {
   /** Null until they are known. */
-  readonly notes: Signal<readonly Note[] | null>;
+  readonly notes: Signal<readonly NoteAnswer[] | null>;
   /** The id of the note that was chosen on the slider, on the map or in the list. */
   readonly chosen: Signal<string | null>;
   readonly failure: Signal<string | null>;
@@ -17,7 +18,7 @@ export interface NotesState {
 
 /** The notes on the log of a session, fetched again whenever one has changed. */
 export function useNotes(session: string, store: Store): NotesState {
-  const notes = useSignal<readonly Note[] | null>(null);
+  const notes = useSignal<readonly NoteAnswer[] | null>(null);
   const chosen = useSignal<string | null>(null);
   const failure = useSignal<string | null>(null);
   const attempt = async (work: () => Promise<unknown>): Promise<boolean> => {

@@ -7,10 +7,11 @@ import "uplot/dist/uPlot.min.css";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
 import { clock, written } from "../../../ui/numbers";
+import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import { brokenAtGaps } from "../contents/gaps";
 import { axisStyle, colourOf, drawLineAt, onClickAt, zoomInto } from "../contents/plotParts";
-import type { SeriesColumn, Span } from "../contents/series";
-import type { ScanSeries, Shown } from "./strips";
+import type { Span } from "../contents/series";
+import type { Shown } from "./strips";
 
 const HEIGHT = 56;
 const AXIS_HEIGHT = 30;

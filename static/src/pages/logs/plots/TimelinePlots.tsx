@@ -6,22 +6,13 @@ import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { clock } from "../../../ui/numbers";
-import { fetchJson } from "../contents/contents";
+import { ask } from "../../../wire/ask";
+import type { ScanSeries } from "../../../wire/http";
 import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { Strip } from "./LazyStrip";
 import "./plots.css";
-import {
-  keyedPlace,
-  nearest,
-  placeOfScan,
-  type ScanSeries,
-  scanAtPlace,
-  shownRange,
-  valueText,
-  wholeSpan,
-  zoomedSpan,
-} from "./strips";
+import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
 
 /** Colour roles: the robot's motion, its readings, the clock. */
@@ -62,14 +53,13 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   useEffect(() => {
     pointed.value = null; // the pointer is over another place now
     const abort = new AbortController();
-    const query = span ? `?start=${span[0]}&end=${span[1]}` : "";
-    const address = `/api/sessions/${encodeURIComponent(session)}/scan-series${query}`;
-    fetchJson<ScanSeries>(address, abort.signal).then(
-      ({ body }) =>
+    const options = { ...(span && { query: { start: span[0], end: span[1] } }), ending: abort.signal };
+    ask("GET /api/sessions/{session_id}/scan-series", { session_id: session }, options).then(
+      (found) =>
         batch(() => {
           failure.value = null;
-          series.value = body;
-          if (!span) whole.value = wholeSpan(body.times);
+          series.value = found;
+          if (!span) whole.value = wholeSpan(found.times);
         }),
       (error: Error) => {
         if (!abort.signal.aborted) failure.value = error.message;

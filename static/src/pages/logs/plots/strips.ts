@@ -1,14 +1,9 @@
 /** The arithmetic of the plots below a log's timeline. */
 
 import { written } from "../../../ui/numbers";
+import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import type { Trajectory } from "../../../wire/protocol";
-import { type SeriesColumn, type SeriesOfTopic, type Span, scanAtTime } from "../contents/series";
-
-/** The numbers of a log from scan to scan, as `/scan-series` has them. */
-export interface ScanSeries extends SeriesOfTopic {
-  /** What `times` are: seconds since the first scan, or numbers of scans in a log without times. */
-  readonly axis: "time" | "scan";
-}
+import { type Span, scanAtTime } from "../contents/series";
 
 /** The number of scans in the map at a place on the axis. */
 export function scanAtPlace(axis: ScanSeries["axis"], trajectory: Trajectory, place: number, count: number): number {

@@ -1,7 +1,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { ask } from "../../../wire/ask";
 import { followMaking, type Making, newName } from "../../making";
-import { request } from "../request";
 
 /** How scans are cut out of point clouds and depth images: values of the server's table. */
 export type Cut = Readonly<Record<string, number>>;
@@ -35,8 +35,8 @@ export function useSensor(session: string, onUsed: (topic: string) => void): Sen
       progress.value = making;
     });
     try {
-      const address = `/api/sessions/${encodeURIComponent(session)}/sensor?name=${name}`;
-      await request(address, "PUT", { topic, cut }, own.signal);
+      const options = { query: { name }, body: { topic, cut }, ending: own.signal };
+      await ask("PUT /api/sessions/{session_id}/sensor", { session_id: session }, options);
       onUsed(topic);
     } catch (error) {
       if (!own.signal.aborted) failure.value = (error as Error).message;

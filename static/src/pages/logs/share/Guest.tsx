@@ -1,14 +1,15 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import type { SessionAnswer, SharedAnswer } from "../../../wire/http";
 import { CostmapViewer } from "../costmaps/CostmapViewer";
 import { Opening } from "../Opening";
 import { Viewer } from "../Viewer";
-import { beginShared, type Shared, type SharedSession, shared } from "./links";
+import { beginShared, shared } from "./links";
 
 interface Opened {
-  readonly session: SharedSession;
-  readonly shared: Shared;
+  readonly session: SessionAnswer;
+  readonly shared: SharedAnswer;
 }
 
 /** The page of a shared link: a shared view of a log in a separate session. */

@@ -2,58 +2,42 @@
 
 import type { SharedView } from "../../../render/view";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
-import type { LinkAnswer as Link } from "../../../wire/http";
+import { ask } from "../../../wire/ask";
+import type { LinkAnswer as Link, SessionAnswer, SharedAnswer } from "../../../wire/http";
 import { followMaking, newName } from "../../making";
 import { trajectoryLabel } from "../library/describeLog";
 import { opening } from "../library/library";
-import { ask, request } from "../request";
 
 export type { Link };
-
-/** A link as everyone who has it sees it. */
-export interface Shared {
-  readonly title: string;
-  /** The visible part of the map; null for all of it. */
-  readonly look: SharedView | null;
-}
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
 export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
   ask("POST /api/links", {}, { body: { session, look } });
-
-const linksAddress = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/links`;
 
 /** The links to the log of a session that its visitor has made, the newest first. */
 export const linksOf = async (session: string): Promise<readonly Link[]> =>
   (await ask("GET /api/sessions/{session_id}/links", { session_id: session })).links;
 
 export const revokeLink = (session: string, token: string): Promise<void> =>
-  request(`${linksAddress(session)}/${encodeURIComponent(token)}`, "DELETE");
+  ask("DELETE /api/sessions/{session_id}/links/{token}", { session_id: session, token });
 
 /** The token in the path of a shared link; null for another path. */
 export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/.exec(path)?.[1] ?? null;
 
-export const shared = (token: string): Promise<Shared> => request(`/api/shared/${token}`);
-
-/** A session that shows the view of a link. */
-export interface SharedSession {
-  readonly id: string;
-  /** "log", or "costmaps" for recorded costmaps. */
-  readonly kind: string;
-}
+export const shared = (token: string): Promise<SharedAnswer> => ask("GET /api/shared/{token}", { token });
 
 /**
  * Open a separate session on the view of a link. `ending` ends the request. With reduced motion a log that would play
  * from its start is shown whole.
  */
-export async function beginShared(token: string, ending: AbortSignal): Promise<SharedSession> {
+export async function beginShared(token: string, ending: AbortSignal): Promise<SessionAnswer> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    const at = `/api/shared/${token}/sessions?name=${name}&whole=${reducedMotion.peek()}`;
-    return await request<SharedSession>(at, "POST", undefined, ending);
+    const query = { name, whole: reducedMotion.peek() };
+    return await ask("POST /api/shared/{token}/sessions", { token }, { query, ending });
   } finally {
     stop();
   }

@@ -5,7 +5,7 @@ import { type LayerContent, paintLayer } from "../../../render/picture/overlays"
 import { pictureColours } from "../../../render/picture/pictureColours";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
-import type { TrajectoryErrors } from "./errors";
+import type { TrajectoryErrors } from "../../../wire/http";
 
 interface ErrorPathsProps {
   readonly store: Store;

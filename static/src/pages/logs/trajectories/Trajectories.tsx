@@ -4,11 +4,12 @@ import type { Store } from "../../../store/store";
 import { Choice } from "../../../ui/Choice";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
-import { fetchJson } from "../contents/contents";
+import { ask } from "../../../wire/ask";
+import type { TrajectoryErrors } from "../../../wire/http";
 import { Plot } from "../contents/LazyPlot";
 import { trajectoryLabel } from "../library/describeLog";
 import { AddTrajectory } from "./AddTrajectory";
-import { courseOf, rowsOf, STATISTICS, type TrajectoryErrors } from "./errors";
+import { errorSeries, rowsOf, STATISTICS } from "./errors";
 import { TrajectoryChoice } from "./TrajectoryChoice";
 import "./trajectories.css";
 
@@ -57,29 +58,22 @@ function Errors({
   const align = useSignal("rigid");
   const failure = useSignal<string | null>(null);
   const delta = useSignal(1);
-  const query = new URLSearchParams({
-    reference: reference.value,
-    estimate: estimate.value,
-    align: align.value,
-    delta: String(delta.value),
-  }).toString();
   useEffect(() => {
     const abort = new AbortController();
     errors.value = null;
-    fetchJson<TrajectoryErrors>(
-      `/api/sessions/${encodeURIComponent(session)}/trajectory-errors?${query}`,
-      abort.signal,
-    ).then(
-      ({ body }) => {
+    const query = { reference: reference.value, estimate: estimate.value, align: align.value, delta: delta.value };
+    const options = { query, ending: abort.signal };
+    ask("GET /api/sessions/{session_id}/trajectory-errors", { session_id: session }, options).then(
+      (found) => {
         failure.value = null;
-        errors.value = body;
+        errors.value = found;
       },
       (error: Error) => {
         if (!abort.signal.aborted) failure.value = error.message;
       },
     );
     return () => abort.abort();
-  }, [session, query]);
+  }, [session, reference.value, estimate.value, align.value, delta.value]);
   useEffect(
     () => () => {
       errors.value = null; // the paths are on the map while the group is open
@@ -113,9 +107,14 @@ function Errors({
         <>
           <Table errors={found} />
           {(["absolute", "relative"] as const).map((which) => {
-            const course = courseOf(found, which);
-            return course.columns.map(({ plot }) => (
-              <Plot key={`${query} ${plot}`} store={store} series={course} plot={plot} />
+            const series = errorSeries(found, which);
+            return series.columns.map(({ plot }) => (
+              <Plot
+                key={[reference.value, estimate.value, align.value, delta.value, plot].join(" ")}
+                store={store}
+                series={series}
+                plot={plot}
+              />
             ));
           })}
         </>

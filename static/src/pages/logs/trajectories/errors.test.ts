@@ -1,13 +1,15 @@
 import { describe, expect, it } from "vitest";
-import { courseOf, rowsOf, type Statistics, type TrajectoryErrors } from "./errors";
+import type { ErrorStatistics, TrajectoryErrors } from "../../../wire/http";
+import { errorSeries, rowsOf } from "./errors";
 
-const all = (value: number): Statistics => ({
+const all = (value: number): ErrorStatistics => ({
   rmse: value,
   mean: value,
   median: value,
   std: value,
   min: value,
   max: value,
+  sse: value,
 });
 const errors: TrajectoryErrors = {
   pairs: 2,
@@ -33,7 +35,7 @@ describe("the errors of a trajectory", () => {
   });
 
   it("are plotted over time, places and headings apart", () => {
-    const { times, columns } = courseOf(errors, "absolute");
+    const { times, columns } = errorSeries(errors, "absolute");
     expect(times).toEqual([0, 1]);
     expect(columns.map(({ unit, values }) => [unit, values])).toEqual([
       ["m", [0.4, 0.6]],

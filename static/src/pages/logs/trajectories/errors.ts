@@ -1,39 +1,7 @@
 /** The errors of one trajectory of a log against another one, as the server computes them. */
 
-import type { SeriesOfTopic } from "../contents/series";
-
-export interface Statistics {
-  readonly rmse: number;
-  readonly mean: number;
-  readonly median: number;
-  readonly std: number;
-  readonly min: number;
-  readonly max: number;
-}
-
-export interface Figures {
-  readonly translation_m: Statistics;
-  readonly rotation_rad: Statistics;
-}
-
-interface Course {
-  readonly times: readonly number[];
-  readonly translation_m: readonly number[];
-  readonly rotation_rad: readonly number[];
-}
-
-export interface TrajectoryErrors {
-  readonly pairs: number;
-  readonly alignment: { readonly x: number; readonly y: number; readonly theta: number; readonly scale: number };
-  readonly absolute: Figures;
-  readonly relative: Figures & { readonly delta: number; readonly unit: string; readonly pairs: number };
-  readonly series: { readonly absolute: Course; readonly relative: Course };
-  readonly paths: {
-    readonly reference: readonly (readonly [number, number])[];
-    readonly estimate: readonly (readonly [number, number])[];
-    readonly errors_m: readonly number[];
-  };
-}
+import { ask } from "../../../wire/ask";
+import type { ErrorStatistics, SeriesAnswer, TrajectoryErrors } from "../../../wire/http";
 
 export const STATISTICS = ["rmse", "mean", "median", "std", "min", "max"] as const;
 
@@ -42,8 +10,8 @@ export function rowsOf({
   absolute,
   relative,
 }: TrajectoryErrors): readonly (readonly [string, string, readonly number[]])[] {
-  const metres = (one: Statistics): number[] => STATISTICS.map((name) => one[name]);
-  const degrees = (one: Statistics): number[] => STATISTICS.map((name) => (one[name] * 180) / Math.PI);
+  const metres = (one: ErrorStatistics): number[] => STATISTICS.map((name) => one[name]);
+  const degrees = (one: ErrorStatistics): number[] => STATISTICS.map((name) => (one[name] * 180) / Math.PI);
   const over = `over ${relative.delta} ${relative.unit}`;
   return [
     ["Absolute", "m", metres(absolute.translation_m)],
@@ -53,8 +21,8 @@ export function rowsOf({
   ];
 }
 
-/** The courses of the errors for a plot: translation and rotation each in one of its own. */
-export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative"): SeriesOfTopic {
+/** The errors over time for a plot: translation and rotation each in one of its own. */
+export function errorSeries(errors: TrajectoryErrors, which: "absolute" | "relative"): SeriesAnswer {
   const { times, translation_m, rotation_rad } = errors.series[which];
   return {
     topic: `${which} error`,
@@ -74,12 +42,9 @@ export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative
   };
 }
 
-/** A TUM file is added to the log of a session as a trajectory under its own name. Throws an error with the server's message. */
+/** A TUM file is added to the log of a session as a trajectory under its own name. Rejects with the server's sentence. */
 export async function addTrajectory(session: string, file: File): Promise<string> {
   const name = file.name.replace(/\.(tum|txt|csv)$/i, "").slice(0, 80) || "trajectory";
-  const address = `/api/sessions/${encodeURIComponent(session)}/trajectories/${encodeURIComponent(name)}`;
-  const answer = await fetch(address, { method: "PUT", body: file });
-  const body: unknown = await answer.json();
-  if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The trajectory was refused.");
-  return (body as { name: string }).name;
+  const names = { session_id: session, name };
+  return (await ask("PUT /api/sessions/{session_id}/trajectories/{name}", names, { file })).name;
 }

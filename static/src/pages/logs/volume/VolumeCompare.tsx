@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import { ask } from "../../../wire/ask";
 import type { VolumeMessage } from "../../../wire/protocol";
 import type { LogRecord } from "../library/library";
 
@@ -17,9 +18,8 @@ export function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
   const others = useSignal<readonly LogRecord[]>([]);
   const chosen = useSignal("");
   useEffect(() => {
-    void fetch("/api/logs?limit=200")
-      .then((answer) => answer.json())
-      .then((found: { logs: readonly LogRecord[] }) => {
+    void ask("GET /api/logs", {}, { query: { limit: 200 } })
+      .then((found) => {
         others.value = found.logs.filter((one) => one.clouds > 0 && one.state === "ready" && one.id !== log);
       })
       .catch(() => undefined);

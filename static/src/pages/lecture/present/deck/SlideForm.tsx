@@ -1,6 +1,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
 import { Choice } from "../../../../ui/Choice";
+import { ask } from "../../../../wire/ask";
+import type { LogAnswer } from "../../../../wire/http";
 import { LONGEST_TEXT, LONGEST_TITLE, pageAddress, type Slide } from "./deck";
 
 const ADDRESSES = {
@@ -8,20 +10,12 @@ const ADDRESSES = {
   log: "A log from the list, the address of its page, or its shared link",
 } as const;
 
-interface NamedLog {
-  readonly id: string;
-  readonly name: string;
-}
-
 /** The newest logs of this visitor; none where the server does not answer: an address can still be given. */
-async function namedLogs(): Promise<readonly NamedLog[]> {
-  try {
-    const answer = await fetch("/api/logs");
-    return answer.ok ? ((await answer.json()) as { readonly logs: readonly NamedLog[] }).logs : [];
-  } catch {
-    return [];
-  }
-}
+const namedLogs = (): Promise<readonly LogAnswer[]> =>
+  ask("GET /api/logs", {}).then(
+    ({ logs }) => logs,
+    () => [],
+  );
 
 /** A slide of the lecturer's own. */
 export type OwnSlide = Exclude<Slide, { readonly section: string }>;
@@ -37,7 +31,7 @@ interface SlideFormProps {
 export function SlideForm({ slide, button, onSave }: SlideFormProps) {
   const kind = useSignal<OwnSlide["kind"]>(slide?.kind ?? "text");
   const problem = useSignal("");
-  const logs = useSignal<readonly NamedLog[]>([]);
+  const logs = useSignal<readonly LogAnswer[]>([]);
   const addresses = useId();
   useEffect(() => {
     if (kind.value === "log" && logs.peek().length === 0) void namedLogs().then((found) => (logs.value = found));

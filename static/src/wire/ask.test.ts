@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
-import { ask } from "./request";
+import { ask } from "./ask";
 
 afterEach(() => vi.unstubAllGlobals());
 

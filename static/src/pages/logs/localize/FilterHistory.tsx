@@ -2,27 +2,27 @@ import { useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import type { SeriesAnswer } from "../../../wire/http";
 import { Plot } from "../contents/LazyPlot";
-import type { SeriesOfTopic } from "../contents/series";
-import type { Course } from "./api";
+import type { FilterHistory } from "./api";
 
-interface CourseProps {
+interface FilterHistoryProps {
   readonly store: Store;
-  readonly course: Course;
+  readonly history: FilterHistory;
 }
 
 const PLOTS = ["Standard deviation of the place", "Entropy of the particles", "Fit of the scans"] as const;
 
 /** How certain the poses in use are along the log, beside the present scan. */
-export function CourseOf({ store, course }: CourseProps) {
-  const series = useMemo(() => seriesOf(course), [course]);
+export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
+  const series = useMemo(() => seriesOf(history), [history]);
   const now = store.localization.value;
-  const first = course.first_converged;
+  const first = history.first_converged;
   return (
     <Panel title="Along the way">
       <div class="heal">
         <p>
-          In <b>{course.map.title}</b>.{" "}
+          In <b>{history.map.title}</b>.{" "}
           {first === null
             ? "The particles never agreed on one place."
             : `The particles agree on one place from scan ${first + 1} on.`}
@@ -53,17 +53,17 @@ export function CourseOf({ store, course }: CourseProps) {
   );
 }
 
-function seriesOf(course: Course): SeriesOfTopic {
+function seriesOf(history: FilterHistory): SeriesAnswer {
   return {
     topic: "localization",
     type: "",
-    samples: course.seconds.length,
+    samples: history.seconds.length,
     gaps: [],
-    times: course.seconds,
+    times: history.seconds,
     columns: [
-      { label: "deviation", unit: "m", plot: PLOTS[0], values: course.deviation_m },
-      { label: "entropy", unit: "bit", plot: PLOTS[1], values: course.entropy },
-      { label: "fit", unit: "", plot: PLOTS[2], values: course.fit },
+      { label: "deviation", unit: "m", plot: PLOTS[0], values: history.deviation_m },
+      { label: "entropy", unit: "bit", plot: PLOTS[1], values: history.entropy },
+      { label: "fit", unit: "", plot: PLOTS[2], values: history.fit },
     ],
   };
 }
