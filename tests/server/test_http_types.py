@@ -38,7 +38,7 @@ def test_models_become_interfaces() -> None:
     }
     answer = {"200": {"content": {"application/json": {"schema": {"$ref": "#/components/schemas/Line"}}}}, "404": {}}
     either = {"200": answer["200"], "202": {"content": {"application/json": {"schema": {"type": "null"}}}}, "204": {}}
-    file = {"200": {"content": {"image/png": {}}}}
+    file: dict[str, object] = {"200": {"content": {"image/png": {}}}}
     document = {
         "paths": {
             "/lines/{id}": {"get": {"responses": answer}, "delete": {"responses": {"204": {}}}},

@@ -22,7 +22,7 @@ from server.http.routes.clients import chosen_place, client_address, while_conne
 from server.http.services import Logs, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
-from server.sessions.models.simulation_kind import PresentStory
+from server.sources.simulation_kind import PresentStory
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost

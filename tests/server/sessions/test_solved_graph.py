@@ -12,9 +12,9 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes, read_graph
 from server.sessions.graph_answers import TriedNear
-from server.sessions.models.loop_landscape import landscape_of
-from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
+from server.sources.loop_landscape import landscape_of
+from server.sources.solved_graph import SolvedGraph
 from tests.mapper.slam.worlds import drive
 from tests.server.library.processing.slam_stand_ins import chain
 
