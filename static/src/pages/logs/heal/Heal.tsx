@@ -6,10 +6,10 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
-import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
+import { JobProgress } from "../jobs/JobProgress";
+import { ParameterDetails } from "../jobs/ParameterDetails";
 import { trajectoryLabel } from "../library/describeLog";
-import { ParameterDetails } from "../ParameterDetails";
 import type { SlamStatus } from "./api";
 import { Graph } from "./Graph";
 import type { Healing } from "./healing";
@@ -45,7 +45,19 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
                 closes a loop where the robot comes back to a place, and solves the graph of all poses.
               </p>
             )}
-            {job && isUnderWay && <Progress job={job} healing={healing} />}
+            <JobProgress
+              of={healing}
+              label="Healing"
+              stage={(now) => STAGES[now.stage ?? ""] ?? beginning(now)}
+              figures={(now) => (
+                <>
+                  {now.scans} of {store.frame.value?.count ?? 0} scans ·{" "}
+                  <span class="heal-closed" key={now.loops}>
+                    {now.loops} {now.loops === 1 ? "loop" : "loops"} closed
+                  </span>
+                </>
+              )}
+            />
             {job && !isUnderWay && <Outcome job={job} />}
             {healing.failure.value !== null && (
               <p class="heal-failed" role="alert">
@@ -96,33 +108,6 @@ const LONG_S = 3;
 /** Without compiled functions, a first report comes late. */
 const beginning = (job: SlamStatus): string =>
   (job.elapsed_s ?? 0) < LONG_S ? "Beginning" : "Compiling SLAM, which this server does once";
-
-function Progress({ job, healing }: { readonly job: SlamStatus; readonly healing: Healing }) {
-  const count = healing.store.frame.value?.count ?? 0;
-  const percent = Math.floor(100 * job.fraction);
-  return (
-    <div class="heal-progress">
-      <ProgressBar fraction={job.fraction} label="Healing" />
-      <p role="status">
-        {job.state === "queued"
-          ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""} …`
-          : `${STAGES[job.stage ?? ""] ?? beginning(job)} …`}
-      </p>
-      <p class="quiet">
-        {percent} % · {job.scans} of {count} scans ·{" "}
-        <span class="heal-closed" key={job.loops}>
-          {job.loops} {job.loops === 1 ? "loop" : "loops"} closed
-        </span>
-        {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
-      </p>
-      <div class="heal-actions">
-        <Button icon="close" disabled={healing.isBusy.value} onClick={() => void healing.cancel()}>
-          Cancel
-        </Button>
-      </div>
-    </div>
-  );
-}
 
 function Outcome({ job }: { readonly job: SlamStatus }) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;

@@ -1,13 +1,14 @@
 /** Merges the log with another one of the same place: both get poses in one frame, and their maps are shown as one. */
 
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
-import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
+import { JobProgress } from "../jobs/JobProgress";
+import { LogJob } from "../jobs/LogJob";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { cancelMerge, type MergeStatus, mergeState, mergeWith } from "./api";
 
@@ -16,8 +17,6 @@ interface MergeProps {
   readonly session: string;
   readonly comparison: Comparison;
 }
-
-const EVERY_MS = 500;
 
 const STAGES: Readonly<Record<string, string>> = {
   "first log": "SLAM of this log",
@@ -34,39 +33,26 @@ const pageOf = ({ log, topic }: NonNullable<MergeStatus["result"]>): string => {
   if (topic !== null) query.set("topic", topic);
   return `/logs.html?${query}`;
 };
-const isUnderWay = (job: MergeStatus | null): boolean => job?.state === "queued" || job?.state === "running";
-
 export function Merge({ store, session, comparison }: MergeProps) {
   const own = store.hello.value?.log?.id ?? "";
   const chosen = useSignal<ChosenLog | null>(null);
-  const job = useSignal<MergeStatus | null>(null);
-  const failure = useSignal<string | null>(null);
-  const ask = async (what: Promise<MergeStatus>): Promise<void> => {
-    failure.value = null;
-    try {
-      job.value = await what;
-    } catch (error) {
-      failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-    }
+  const merging = useMemo(
+    () => new LogJob<MergeStatus>(store, session, { state: mergeState, cancel: cancelMerge }),
+    [store, session],
+  );
+  useEffect(() => {
+    merging.start();
+    return () => merging.stop();
+  }, [merging]);
+  const now = merging.job.value;
+  const begin = async (): Promise<void> => {
+    const other = chosen.peek();
+    if (other) await merging.follow(() => mergeWith(session, other.log, other.topic));
   };
-  const now = job.value;
-  useEffect(() => {
-    void mergeState(session).then(
-      (found) => {
-        job.value = found;
-      },
-      () => undefined, // the server does not answer: nothing is under way that this page knows of
-    );
-  }, [session, job]);
-  useEffect(() => {
-    if (!isUnderWay(now)) return;
-    const timer = setTimeout(() => void ask(mergeState(session)), EVERY_MS);
-    return () => clearTimeout(timer);
-  });
   const showBoth = async (result: NonNullable<MergeStatus["result"]>): Promise<void> => {
     store.send({ type: "trajectory", name: result.trajectory });
     comparison.mode.value = "merge";
-    failure.value = await compareWith(session, {
+    merging.failure.value = await compareWith(session, {
       log: now?.other ?? null,
       topic: chosen.peek()?.topic ?? null,
       trajectory: result.trajectory,
@@ -79,7 +65,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
           Another log of the same place: SLAM corrects both, one map is laid on the other, and all scans are joined in
           one graph.
         </p>
-        {!isUnderWay(now) && (
+        {!merging.isUnderWay.value && (
           <>
             <LogChoice
               own={own}
@@ -90,10 +76,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
               }}
             />
             <div class="heal-actions">
-              <Button
-                disabled={chosen.value === null}
-                onClick={() => chosen.value && void ask(mergeWith(session, chosen.value.log, chosen.value.topic))}
-              >
+              <Button disabled={chosen.value === null} onClick={() => void begin()}>
                 Merge the two logs
               </Button>
               {now?.result && (
@@ -107,20 +90,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
             </div>
           </>
         )}
-        {now && isUnderWay(now) && (
-          <div class="heal-progress">
-            <ProgressBar fraction={now.fraction} label="Merging" />
-            <p role="status">
-              {now.state === "queued" ? "Waiting" : (STAGES[now.stage ?? ""] ?? "Preparing")} …{" "}
-              {Math.floor(100 * now.fraction)} %{now.elapsed_s !== null && ` · ${Math.floor(now.elapsed_s)} s`}
-            </p>
-            <div class="heal-actions">
-              <Button icon="close" onClick={() => void ask(cancelMerge(session))}>
-                Cancel
-              </Button>
-            </div>
-          </div>
-        )}
+        <JobProgress of={merging} label="Merging" stage={(job) => STAGES[job.stage ?? ""] ?? "Preparing"} />
         {now?.result && (
           <p role="status">
             Merged: {now.result.loops} of {now.result.tried} loops between the two logs fit. Both logs have a trajectory
@@ -130,9 +100,9 @@ export function Merge({ store, session, comparison }: MergeProps) {
           </p>
         )}
         {now?.state === "cancelled" && <p role="status">Merging was cancelled. Both logs are as before.</p>}
-        {(failure.value ?? now?.error?.message) && (
+        {(merging.failure.value ?? now?.error?.message) && (
           <p class="heal-failed" role="alert">
-            {failure.value ?? now?.error?.message}
+            {merging.failure.value ?? now?.error?.message}
           </p>
         )}
       </div>

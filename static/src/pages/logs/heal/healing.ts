@@ -1,26 +1,22 @@
 /** Healing of a log's poses on the page: the job on the server, the pose graph, and what of it is selected. */
 
-import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { type HillPlace, pairAt } from "../../../tools/heal/hill";
 import { edgeAt, loopAt } from "../../../tools/heal/model";
 import type { EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear } from "../../../wire/http";
 import type { Point } from "../../../wire/protocol";
-import { JobParameters } from "../jobParameters";
+import { JobParameters } from "../jobs/jobParameters";
+import { LogJob } from "../jobs/LogJob";
 import * as api from "./api";
 
 /** The layer of the graph. */
 export const LAYER = "graph";
-const EVERY_MS = 400;
 /** A pointer that rests so long on an edge asks for its scans. */
 const REST_MS = 60;
 
-const isUnderWay = (job: api.SlamStatus | null): boolean => job?.state === "queued" || job?.state === "running";
-
-export class Healing {
-  /** The newest job; null where there was none. */
-  readonly job = signal<api.SlamStatus | null>(null);
+export class Healing extends LogJob<api.SlamStatus> {
   /** The pose graph of the trajectory in use; null where it has none. */
   readonly graph = signal<PoseGraphAnswer | null>(null);
   readonly edge = signal<EdgeAnswer | null>(null);
@@ -31,82 +27,28 @@ export class Healing {
   readonly candidate = signal<TriedLoopScans | null>(null);
   /** The place that was asked about. */
   readonly place = signal<{ readonly at: Point; readonly found: TriedNear } | null>(null);
-  readonly failure = signal<string | null>(null);
-  readonly isBusy = signal(false);
-  readonly isUnderWay: ReadonlySignal<boolean> = computed(() => isUnderWay(this.job.value));
-  readonly badge: ReadonlySignal<string | null> = computed(() => {
-    const job = this.job.value;
-    return isUnderWay(job) ? `${Math.floor(100 * (job?.fraction ?? 0))} %` : null;
-  });
   /** What takes a click on the map while the graph is shown. */
   readonly takesTap = signal<((point: Point) => boolean) | null>(null);
   /** The trajectory of the map before it was healed. */
   readonly before: Signal<string | null> = signal(null);
   /** The parameters that the next job is begun with. */
   readonly parameters = new JobParameters(api.slamParameters);
-  #timer = 0;
   #restTimer = 0;
   #pointed: number | null = null;
 
-  constructor(
-    readonly store: Store,
-    readonly session: string,
-  ) {}
-
-  async #ask(what: () => Promise<void>): Promise<void> {
-    this.isBusy.value = true;
-    this.failure.value = null;
-    try {
-      await what();
-    } catch (error) {
-      this.failure.value = (error as Error).message;
-    } finally {
-      this.isBusy.value = false;
-    }
+  constructor(store: Store, session: string) {
+    super(store, session, { state: api.slamState, cancel: api.cancelSlam }, (job) =>
+      this.parameters.adopt(job.parameters),
+    );
   }
 
   /** Heal the log's poses; a job that is under way is followed. */
-  async begin(): Promise<void> {
+  begin(): Promise<void> {
     const trajectory = this.store.trajectory.peek()?.name ?? null;
     if (this.graph.peek() === null && !this.isUnderWay.peek()) this.before.value = trajectory;
     this.#deselect();
     this.graph.value = null;
-    await this.#ask(async () => {
-      this.job.value = await api.heal(this.session, this.parameters.changed());
-    });
-    this.#follow();
-  }
-
-  async cancel(): Promise<void> {
-    await this.#ask(async () => {
-      this.job.value = await api.cancelSlam(this.session);
-    });
-  }
-
-  /** Ask whether a job is running, or for the result of the last one. */
-  async look(): Promise<void> {
-    const known = this.job.peek();
-    try {
-      const job = await api.slamState(this.session);
-      if (this.job.peek() === known) {
-        // Otherwise a job was begun or cancelled meanwhile, and this may be the state before.
-        if (known === null) this.parameters.adopt(job.parameters);
-        this.job.value = job;
-      }
-    } catch {
-      // The server does not answer: another time.
-    }
-    this.#follow();
-  }
-
-  #follow(): void {
-    clearTimeout(this.#timer);
-    if (this.isUnderWay.peek()) this.#timer = window.setTimeout(() => void this.look(), EVERY_MS);
-  }
-
-  stop(): void {
-    clearTimeout(this.#timer);
-    this.#timer = -1;
+    return this.follow(() => api.heal(this.session, this.parameters.changed()));
   }
 
   /** Show the graph of the trajectory in use, where it has one. */
@@ -120,7 +62,7 @@ export class Healing {
 
   /** Select a loop: both of its scans are shown. */
   readonly select = (edge: number): Promise<void> =>
-    this.#ask(async () => {
+    this.request("Asking", async () => {
       const found = await api.edgeOf(this.session, edge);
       this.#deselect();
       this.edge.value = found;
@@ -145,7 +87,7 @@ export class Healing {
   }
 
   readonly selectCandidate = (candidate: number): Promise<void> =>
-    this.#ask(async () => {
+    this.request("Asking", async () => {
       const found = await api.candidateOf(this.session, candidate);
       this.edge.value = null;
       this.candidate.value = found;
@@ -154,7 +96,7 @@ export class Healing {
 
   /** Ask why no loop closed at a place. */
   readonly ask = (at: Point): Promise<void> =>
-    this.#ask(async () => {
+    this.request("Asking", async () => {
       const found = await api.placeOf(this.session, ...at);
       this.#deselect();
       this.place.value = { at, found };
@@ -197,7 +139,7 @@ export class Healing {
 
   /** Change the graph; the map follows. */
   readonly change = (change: api.Change): Promise<void> =>
-    this.#ask(async () => {
+    this.request("Asking", async () => {
       const edge = this.edge.peek()?.edge;
       this.graph.value = await api.changeGraph(this.session, change);
       this.#deselect();
@@ -206,7 +148,7 @@ export class Healing {
     });
 
   readonly keep = (): Promise<void> =>
-    this.#ask(async () => {
+    this.request("Asking", async () => {
       await api.keepGraph(this.session);
     });
 
@@ -242,7 +184,7 @@ export function useHealing(store: Store, session: string, isGuest: boolean): Hea
   const healing = useMemo(() => new Healing(store, session), [store, session]);
   const log = store.hello.value?.log?.id ?? null;
   useEffect(() => {
-    if (!isGuest && log !== null) void healing.look();
+    if (!isGuest && log !== null) healing.start();
     return () => healing.stop();
   }, [healing, log, isGuest]);
   return healing;

@@ -13,9 +13,11 @@ import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { Toggle } from "../../../ui/Toggle";
 import type { Values } from "../../../wire/protocol";
+import { JobProgress } from "../jobs/JobProgress";
+import { ParameterDetails } from "../jobs/ParameterDetails";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { trajectoryLabel } from "../library/describeLog";
-import { ParameterDetails } from "../ParameterDetails";
+import type { LocalizationStatus } from "./api";
 import { HistoryOfFilter } from "./FilterHistory";
 import { InitialPose } from "./InitialPose";
 import type { Localizing, MapSource } from "./localizing";
@@ -137,7 +139,14 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             </ParameterDetails>
           </>
         )}
-        {isUnderWay && <Progress localizing={localizing} />}
+        <JobProgress
+          of={localizing}
+          label="Localizing"
+          stage={stageOf}
+          figures={(now) =>
+            `${now.scans} of ${store.frame.value?.count ?? 0} scans · ${now.n_particles.toLocaleString("en")} particles`
+          }
+        />
         {localizing.failure.value !== null && (
           <p class="heal-failed" role="alert">
             {localizing.failure.value}
@@ -287,36 +296,10 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
 
 const LONG_S = 3;
 
-function Progress({ localizing }: { readonly localizing: Localizing }) {
-  const job = localizing.job.value;
-  const count = localizing.store.frame.value?.count ?? 0;
-  if (!job) return null;
-  const words =
-    job.state === "queued"
-      ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""}`
-      : job.scans === 0
-        ? (job.elapsed_s ?? 0) < LONG_S
-          ? "Beginning"
-          : "Compiling the filter, which this server does once"
-        : job.is_converged
-          ? "The particles agree on one place"
-          : "The particles do not agree yet";
-  return (
-    <div class="heal-progress">
-      <ProgressBar fraction={job.fraction} label="Localizing" />
-      <p role="status">{words} …</p>
-      <p class="quiet">
-        {Math.floor(100 * job.fraction)} % · {job.scans} of {count} scans · {job.n_particles.toLocaleString("en")}{" "}
-        particles
-        {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
-      </p>
-      <div class="heal-actions">
-        <Button icon="close" disabled={localizing.doing.value !== null} onClick={() => void localizing.cancel()}>
-          Cancel
-        </Button>
-      </div>
-    </div>
-  );
+function stageOf(job: LocalizationStatus): string {
+  if (job.scans === 0)
+    return (job.elapsed_s ?? 0) < LONG_S ? "Beginning" : "Compiling the filter, which this server does once";
+  return job.is_converged ? "The particles agree on one place" : "The particles do not agree yet";
 }
 
 function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {

@@ -1,8 +1,8 @@
 /** The parameters of a job on a log, by group, for the next one. */
 
 import type { ComponentChildren } from "preact";
-import { ParameterRows } from "../../tools/parameters/ParameterRows";
-import { Button } from "../../ui/Button";
+import { ParameterRows } from "../../../tools/parameters/ParameterRows";
+import { Button } from "../../../ui/Button";
 import type { JobParameters } from "./jobParameters";
 
 interface DetailsProps {

@@ -1,7 +1,7 @@
 /** The parameters that a visitor has set for the next job on a log: SLAM, or localization. */
 
 import { signal } from "@preact/signals";
-import type { Parameter, Value, Values } from "../../wire/protocol";
+import type { Parameter, Value, Values } from "../../../wire/protocol";
 
 export class JobParameters {
   readonly #ask: () => Promise<readonly Parameter[]>;

@@ -1,0 +1,41 @@
+/** How far a job on a log is, and the button that cancels it. */
+
+import type { ComponentChildren } from "preact";
+import { Button } from "../../../ui/Button";
+import { ProgressBar } from "../../../ui/ProgressBar";
+import type { JobStatus, LogJob } from "./LogJob";
+
+interface JobProgressProps<S extends JobStatus> {
+  readonly of: LogJob<S>;
+  /** Name of the progress bar. */
+  readonly label: string;
+  /** What a running job does now. */
+  readonly stage: (job: S) => string;
+  /** What it has found so far. */
+  readonly figures?: (job: S) => ComponentChildren;
+}
+
+const waiting = (ahead: number): string =>
+  `Waiting${ahead > 0 ? ` for ${ahead} other ${ahead === 1 ? "job" : "jobs"}` : ""}`;
+
+/** Nothing where no job is under way. */
+export function JobProgress<S extends JobStatus>({ of, label, stage, figures }: JobProgressProps<S>) {
+  const job = of.job.value;
+  if (!job || !of.isUnderWay.value) return null;
+  const found = figures?.(job);
+  return (
+    <div class="heal-progress">
+      <ProgressBar fraction={job.fraction} label={label} />
+      <p role="status">{job.state === "queued" ? waiting(job.ahead) : stage(job)} …</p>
+      <p class="quiet">
+        {Math.floor(100 * job.fraction)} %{found && <> · {found}</>}
+        {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
+      </p>
+      <div class="heal-actions">
+        <Button icon="close" disabled={of.isBusy.value} onClick={() => void of.cancel()}>
+          Cancel
+        </Button>
+      </div>
+    </div>
+  );
+}
