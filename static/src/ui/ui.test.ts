@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { sectionsOf } from "./dock/dockSections";
+import { sectionsOf } from "./dock/Dock";
 import { keyedTab } from "./dock/Tabs";
 import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";

@@ -1,4 +1,4 @@
-import { computed, useComputed, useSignal } from "@preact/signals";
+import { computed, type ReadonlySignal, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -11,6 +11,8 @@ import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen } from "../common/useSteps";
 import {
   apart,
+  ELSEWHERE,
+  endOf,
   hill,
   judged,
   type Method,
@@ -24,10 +26,143 @@ import {
   WINDOW_TURN,
 } from "./matching";
 import "./matching.css";
-import { paintBasin, paintHill } from "./paint";
-import { Scans } from "./Scans";
-import { useBasin } from "./useBasin";
-import { FIELD, GEOMETRY, problemIn, type RoomName } from "./world";
+import type { GridGeometry } from "../../grid/occupancyGrid";
+import { type Rgb, tokenRgb } from "../../style/colour";
+import { isDark } from "../../ui/browser/theme";
+import { whenIdle } from "../../ui/browser/whenIdle";
+import { type Pairs, type PointScan, placed } from "./model";
+import { FIELD, GEOMETRY, type Problem, problemIn, type RoomName } from "./world";
+
+/** Milliseconds without input before a slice of the work is done, and those that it may take. */
+const WAIT_MS = 16;
+const SLICE_MS = 12;
+
+const COUNT = STARTS.rows * STARTS.cols;
+/** Starts are computed in this order, so that the picture is coarse first: 331 and the number of starts are coprime. */
+const STRIDE = 331;
+
+interface Basin {
+  /** How the match from each start ends, by cell. */
+  readonly ends: Uint8Array;
+  readonly done: number;
+}
+
+/** The basin of attraction of a method at a heading, computed in slices while the page has no input. */
+function useBasin(
+  problem: ReadonlySignal<Problem>,
+  method: ReadonlySignal<Method>,
+  heading: ReadonlySignal<number>,
+  seen: ReadonlySignal<boolean>,
+): Signal<Basin> {
+  const basin = useSignal<Basin>({ ends: new Uint8Array(COUNT), done: 0 });
+  useSignalEffect(() => {
+    const now = [problem.value, method.value, heading.value] as const;
+    basin.value = { ends: new Uint8Array(COUNT), done: 0 };
+    if (!seen.value) return;
+    let stop = (): void => undefined;
+    const slice = (): void => {
+      const { ends, done } = basin.peek();
+      const next = ends.slice();
+      const until = performance.now() + SLICE_MS;
+      let count = done;
+      for (; count < COUNT && performance.now() < until; count++) {
+        const index = (count * STRIDE) % COUNT;
+        next[index] = endOf(...now, index);
+      }
+      basin.value = { ends: next, done: count };
+      if (count < COUNT) stop = whenIdle(WAIT_MS, slice);
+    };
+    stop = whenIdle(WAIT_MS, slice);
+    return () => stop();
+  });
+  return basin;
+}
+
+type Image = Uint8ClampedArray<ArrayBuffer>;
+
+function painted(
+  { rows, cols }: GridGeometry,
+  colourOf: (index: number) => readonly [...rgb: Rgb, alpha: number],
+): Image {
+  void isDark.value; // another theme, other colours
+  const image = new Uint8ClampedArray(4 * rows * cols);
+  for (let row = 0; row < rows; row++)
+    for (let col = 0; col < cols; col++) image.set(colourOf(row * cols + col), 4 * ((rows - 1 - row) * cols + col));
+  return image;
+}
+
+/** Scores 0 to 1: the shape relative to the highest one, and the paler the lower that is. */
+function paintHill(scores: Float32Array): Image {
+  const rgb = tokenRgb("--beam-fill");
+  const highest = Math.max(1e-6, ...scores);
+  const strength = 255 * (0.35 + 0.65 * highest);
+  return painted(GEOMETRY, (index) => [...rgb, strength * ((scores[index] ?? 0) / highest) ** 2]);
+}
+
+/** Starts by how the match ends; those not computed yet in the colour of the page. */
+function paintBasin(ends: Uint8Array): Image {
+  const [found, elsewhere] = [tokenRgb("--miss-fill"), tokenRgb("--hit-wash")];
+  const pending = tokenRgb("--surface");
+  return painted(STARTS, (index) => {
+    if (ends[index] === TRUE_POSE) return [...found, 255];
+    return ends[index] === ELSEWHERE ? [...elsewhere, 255] : [...pending, 255];
+  });
+}
+
+/** The end points of a scan as one path of dots. */
+function Dots({ transform, scan, tone }: { transform: StageTransform; scan: PointScan; tone: string }) {
+  const dots = Array.from(scan.x, (x, k) =>
+    scan.isPoint[k] ? `M${transform.x(x).toFixed(1)} ${transform.y(scan.y[k] ?? 0).toFixed(1)}h0` : "",
+  );
+  return <path class={`match-dots ${tone}`} d={dots.join("")} />;
+}
+
+interface ScansProps {
+  readonly transform: StageTransform;
+  readonly problem: Problem;
+  readonly pose: Pose;
+  readonly pairs: Pairs;
+  /** The motion that is not known; null if every one is. */
+  readonly unknown: readonly [number, number, number] | null;
+}
+
+/** Half the length of the arrow of an unknown direction, metres. */
+const ARROW = 0.9;
+
+/** Both scans, the pairs of their points as line segments, and the direction that is not known. */
+function Scans({ transform, problem, pose, pairs, unknown }: ScansProps) {
+  const { fixed, moving } = problem;
+  const now = placed(moving, pose);
+  const px = (scan: PointScan, k: number): string =>
+    `${transform.x(scan.x[k] ?? 0).toFixed(1)} ${transform.y(scan.y[k] ?? 0).toFixed(1)}`;
+  const segments = pairs.ours.map((k, i) => `M${px(now, k)}L${px(fixed, pairs.theirs[i] ?? 0)}`);
+  return (
+    <>
+      <path class="match-pairs" d={segments.join("")} />
+      <Dots transform={transform} scan={fixed} tone="fixed" />
+      <Dots transform={transform} scan={now} tone="moving" />
+      {unknown && <Unknown transform={transform} pose={pose} direction={unknown} />}
+    </>
+  );
+}
+
+function Unknown({
+  transform,
+  pose,
+  direction,
+}: {
+  transform: StageTransform;
+  pose: Pose;
+  direction: readonly [number, number, number];
+}) {
+  const length = Math.hypot(direction[0], direction[1]);
+  if (length < 0.1) return null; // a turn
+  const angle = Math.atan2(direction[1], direction[0]);
+  const at = (far: number, turn: number, back = 0): string =>
+    `${transform.x(pose[0] + far * Math.cos(angle) + back * Math.cos(angle + turn))} ${transform.y(pose[1] + far * Math.sin(angle) + back * Math.sin(angle + turn))}`;
+  const head = (far: number, back: number): string => `M${at(far, 0.5, back)}L${at(far, 0)}L${at(far, -0.5, back)}`;
+  return <path class="match-unknown" d={`M${at(-ARROW, 0)}L${at(ARROW, 0)}${head(ARROW, -0.2)}${head(-ARROW, 0.2)}`} />;
+}
 
 const DEGREE = Math.PI / 180;
 /** Metres from the robot to the handle that turns it. */

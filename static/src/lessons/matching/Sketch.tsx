@@ -6,8 +6,7 @@ import { compose } from "../../grid/lattice";
 import type { Point, Pose } from "../../wire/protocol";
 import { hill, oneStep } from "./matching";
 import { nearestPairs, type PointScan, placed } from "./model";
-import { ransac } from "./ransac";
-import { wallsOf } from "./segments";
+import { ransac, wallsOf } from "./ransac";
 import "./sketch.css";
 import { GEOMETRY, problemIn, scanFromPose } from "./world";
 

@@ -2,8 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { Point, Pose } from "../../wire/protocol";
 import { apart } from "./matching";
 import { nearestPairs, placed } from "./model";
-import { ransac } from "./ransac";
-import { split, wallsOf } from "./segments";
+import { ransac, split, wallsOf } from "./ransac";
 import { problemIn, scanFromPose } from "./world";
 
 const DEGREE = Math.PI / 180;

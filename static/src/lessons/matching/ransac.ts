@@ -1,8 +1,51 @@
 /** A pose from pairs of points of which many are wrong. Source: Fischler & Bolles 1981. */
 
 import { seeded } from "../../grid/random";
-import type { Pose } from "../../wire/protocol";
+import type { Point, Pose } from "../../wire/protocol";
 import { bestRigidMotion, type Pairs, type PointScan, placed } from "./model";
+
+/** The first and last index of each straight part of a run of points, which is split where it is farthest from its chord. */
+export function split(
+  points: readonly Point[],
+  thickness: number,
+  fewest: number,
+): readonly (readonly [number, number])[] {
+  if (points.length < fewest) return [];
+  const [first, last] = [points[0] as Point, points[points.length - 1] as Point];
+  const [dx, dy] = [last[0] - first[0], last[1] - first[1]];
+  const length = Math.hypot(dx, dy);
+  const away = points.map(([x, y]) =>
+    length > 0 ? Math.abs((x - first[0]) * dy - (y - first[1]) * dx) / length : Math.hypot(x - first[0], y - first[1]),
+  );
+  const farthest = Math.max(...away);
+  if (farthest <= thickness) return [[0, points.length - 1]];
+  const at = away.indexOf(farthest);
+  return [
+    ...split(points.slice(0, at + 1), thickness, fewest),
+    ...split(points.slice(at), thickness, fewest).map(([a, b]) => [a + at, b + at] as const),
+  ];
+}
+
+/** The ends of the straight parts of a scan; a gap of `gap` metres between neighbours ends a run. */
+export function wallsOf(
+  scan: PointScan,
+  gap: number,
+  thickness: number,
+  fewest: number,
+): readonly (readonly [Point, Point])[] {
+  const runs: Point[][] = [[]];
+  let before: Point | null = null;
+  scan.isPoint.forEach((is, k) => {
+    if (!is) return;
+    const point: Point = [scan.x[k] ?? 0, scan.y[k] ?? 0];
+    if (before && Math.hypot(point[0] - before[0], point[1] - before[1]) > gap) runs.push([]);
+    runs[runs.length - 1]?.push(point);
+    before = point;
+  });
+  return runs.flatMap((run) =>
+    split(run, thickness, fewest).map(([a, b]) => [run[a] as Point, run[b] as Point] as const),
+  );
+}
 
 export interface Agreed {
   readonly pose: Pose;

@@ -1,17 +1,172 @@
 import type { ComponentType } from "preact";
+import { cellAt } from "../../grid/lattice";
+import { bearingOf, evidenceOfBeam } from "../../grid/textbook";
+import { written } from "../../ui/numbers";
+import { DragHandle } from "../common/DragHandle";
 import { Beams, Walls } from "../common/Scene";
 import { castRay } from "../common/world";
 import { sonarScan } from "../sonar/world";
-import { BeamCells, ReadingCells } from "./BeamCells";
 import { CellCounts, CellLines, CellValues } from "./CellMarks";
-import { laserHeight, wallNoise, wallWindow } from "./controls";
-import { CORNERS, sightings } from "./corners";
-import { Frame } from "./Frame";
-import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
-import { LoopMarks } from "./LoopMarks";
+import {
+  cellSide,
+  laserHeight,
+  originAt,
+  pipelineBeam,
+  pipelineStep,
+  visited,
+  wallNoise,
+  wallWindow,
+} from "./controls";
+import { CORNERS, FLOOR, LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, sightings, TABLE, WALLS, walker } from "./floor";
+import { FIELD, LOOP_GEOMETRY, visitOf } from "./loop";
+import { readingOf } from "./reading";
 import type { Mark, MarkProps } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
+
+/** The loop of table 9.1: the perceptual field outlined, and the cell that is visited now. */
+function LoopMarks({ transform }: MarkProps) {
+  const { cols, resolution } = LOOP_GEOMETRY;
+  const inside = new Set(FIELD);
+  // A border wherever a cell of the field has a neighbour outside it.
+  const borders = FIELD.flatMap((i) => {
+    const [row, col] = [Math.floor(i / cols), i % cols];
+    const [x, y] = [transform.x(col * resolution), transform.y((row + 1) * resolution)];
+    const side = transform.cell;
+    return [
+      inside.has(i - 1) && col > 0 ? "" : `M${x} ${y}v${side}`,
+      inside.has(i + 1) ? "" : `M${x + side} ${y}v${side}`,
+      inside.has(i + cols) ? "" : `M${x} ${y}h${side}`,
+      inside.has(i - cols) ? "" : `M${x} ${y + side}h${side}`,
+    ];
+  });
+  const { cell } = visitOf(Math.max(0, visited.value - 1));
+  return (
+    <>
+      <path class="world-stage-field" d={borders.join("")} />
+      <rect
+        class="world-stage-selected"
+        x={transform.x(cell.col * resolution)}
+        y={transform.y((cell.row + 1) * resolution)}
+        width={transform.cell}
+        height={transform.cell}
+      />
+    </>
+  );
+}
+
+const limited = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
+
+function Frame({ transform, scene, shown }: MarkProps) {
+  const [ox, oy] = originAt.value;
+  const side = cellSide.value;
+  const reading = readingOf(scene, shown, pipelineBeam.value);
+  const columns = Math.ceil((FLOOR.width - ox) / side);
+  const rows = Math.ceil((FLOOR.height - oy) / side);
+  const [left, top] = [transform.x(ox), transform.y(oy + rows * side)];
+  const lines = [
+    ...Array.from({ length: columns + 1 }, (_, i) => `M${transform.x(ox + i * side)} ${transform.y(oy)}V${top}`),
+    ...Array.from(
+      { length: rows + 1 },
+      (_, i) => `M${left} ${transform.y(oy + i * side)}H${transform.x(ox + columns * side)}`,
+    ),
+  ];
+  const lattice = { origin: [ox, oy, 0] as const, resolution: side };
+  const cell = reading && cellAt(lattice, reading.end[0], reading.end[1]);
+  const far = reading ? [transform.x(reading.end[0]), transform.y(reading.end[1])] : [0, 0];
+  return (
+    <>
+      <path class="cell-lines" d={lines.join("")} />
+      {reading && cell && (
+        <>
+          <rect
+            class="world-stage-cell hit"
+            x={transform.x(ox + cell.col * side)}
+            y={transform.y(oy + (cell.row + 1) * side)}
+            width={side * transform.metre}
+            height={side * transform.metre}
+          />
+          <path class="world-stage-count" d={`M${transform.x(ox)} ${transform.y(oy)}H${far[0]}V${far[1]}`} />
+          <path
+            class="world-stage-beam"
+            d={`M${transform.x(reading.pose[0])} ${transform.y(reading.pose[1])}L${far[0]} ${far[1]}`}
+          />
+          <circle class="world-stage-end" cx={far[0]} cy={far[1]} r={6} />
+          <text class="world-stage-label beam" x={transform.width - 10} y={24} text-anchor="end">
+            ({written(reading.end[0], 2)}, {written(reading.end[1], 2)}) m → column {cell.col}, row {cell.row}
+          </text>
+        </>
+      )}
+      <DragHandle
+        transform={transform}
+        at={originAt.value}
+        label="Origin of the grid"
+        sentence="Moves the lower left corner of the grid; all columns and rows are counted from it."
+        text={`${written(ox, 2)} m, ${written(oy, 2)} m`}
+        tone="neutral"
+        step={0.1}
+        onMove={([x, y]) => {
+          originAt.value = [limited(x, 0, 3), limited(y, 0, 2)];
+        }}
+      >
+        <path class="world-stage-origin" d="M-14 0H22M16 -5L22 0L16 5M0 14V-22M-5 -16L0 -22L5 -16" />
+      </DragHandle>
+    </>
+  );
+}
+
+/** How far a reading has come: 1 its end point, 2 that cell, 3 the cells of its beam, 4 their evidence. */
+const ALL = 4;
+
+interface BeamProps extends MarkProps {
+  readonly step: number;
+}
+
+const BeamCells = (props: MarkProps) => <Beam {...props} step={ALL} />;
+const ReadingCells = (props: MarkProps) => <Beam {...props} step={pipelineStep.value} />;
+
+/** The chosen beam of the newest scan. */
+function Beam({ transform, scene, shown, step }: BeamProps) {
+  const reading = readingOf(scene, shown, pipelineBeam.value);
+  if (!reading) return null;
+  const { pose, scan, beam, end, range } = reading;
+  const { resolution } = shown.map.geometry;
+  const cells = evidenceOfBeam(shown.map.geometry, scan, beam, pose, scene.config);
+  const half = scene.config.window / 2;
+  const angle = pose[2] + bearingOf(scan, beam);
+  const at = (z: number): string =>
+    `${transform.x(pose[0] + z * Math.cos(angle))} ${transform.y(pose[1] + z * Math.sin(angle))}`;
+  return (
+    <>
+      {step >= 3 &&
+        cells.map(({ cell, evidence }) => (
+          <rect
+            key={`${cell.row} ${cell.col}`}
+            class={`world-stage-cell ${step < ALL ? "line" : evidence > 0 ? "hit" : "miss"}`}
+            x={transform.x(cell.col * resolution)}
+            y={transform.y((cell.row + 1) * resolution)}
+            width={transform.cell}
+            height={transform.cell}
+          />
+        ))}
+      <path class="world-stage-beam" d={`M${at(0)}L${at(range)}`} />
+      {half > 0 && <path class="world-stage-beam-window" d={`M${at(range - half)}L${at(range + half)}`} />}
+      {step >= 1 && <circle class="world-stage-end" cx={transform.x(end[0])} cy={transform.y(end[1])} r={6} />}
+      <text class="world-stage-label beam" x={transform.x(end[0]) + 10} y={transform.y(end[1]) - 10}>
+        z = {written(range, 2)} m
+      </text>
+      {step === 2 && (
+        <rect
+          class="world-stage-selected"
+          x={transform.x(reading.cell.col * resolution)}
+          y={transform.y((reading.cell.row + 1) * resolution)}
+          width={transform.cell}
+          height={transform.cell}
+        />
+      )}
+    </>
+  );
+}
 
 /** The true walls, and who walks between them. */
 export function World({ transform, scene, shown }: MarkProps) {

@@ -1,5 +1,5 @@
-import { effect, type ReadonlySignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
+import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
+import type { ComponentChildren, RefObject } from "preact";
 import { useId, useLayoutEffect, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
@@ -10,18 +10,42 @@ import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
-import { type Projection, projection, type Rect } from "./camera";
+import { type Projection, projection, type Rect, useCamera } from "./camera";
 import { ownCell } from "./controls";
 import { FLOOR } from "./floor";
 import { Ladder } from "./Ladder";
 import { Marks, World } from "./Marks";
 import { moveRobot, robotOf } from "./robot";
 import type { Scene, Shown } from "./scene";
-import { useCamera } from "./useCamera";
-import { useSize } from "./useSize";
 import { useStageMap } from "./useStageMap";
 import "../common/lesson.css";
 import "./worldStage.css";
+
+interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The content box of an element in whole pixels, known before its first paint. */
+function useSize(element: RefObject<Element | null>): ReadonlySignal<Size> {
+  const size = useSignal<Size>({ width: 640, height: 560 });
+  useLayoutEffect(() => {
+    const target = element.current;
+    if (!target) return;
+    const take = (width: number, height: number): void => {
+      const next = { width: Math.round(width), height: Math.round(height) };
+      const now = size.peek();
+      if (width > 0 && height > 0 && (next.width !== now.width || next.height !== now.height)) size.value = next;
+    };
+    take(target.clientWidth, target.clientHeight);
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry) take(entry.contentRect.width, entry.contentRect.height);
+    });
+    observer.observe(target);
+    return () => observer.disconnect();
+  }, [element, size]);
+  return size;
+}
 
 /** Log-odds at the ends of the colour scale, as on the other figures of the lecture. */
 const RANGE = { low: -2.5, high: 3.5 };

@@ -1,7 +1,7 @@
 /** The floor of the lecture's stage, and the robot's drive through it. Metres, radians, x forward, y left (REP 103). */
 
 import type { Point, Pose } from "../../wire/protocol";
-import { box, type Wall } from "../common/world";
+import { box, castRay, type Wall } from "../common/world";
 
 /** Width and height of the floor, metres. */
 export const FLOOR = { width: 12, height: 8 } as const;
@@ -32,7 +32,7 @@ export const LOW_TABLE: readonly Wall[] = box(1.335, 5.335, 2.335, 6.135);
 export const LOW_TABLE_HEIGHT = 0.35;
 export const LASER_HEIGHT = 0.45;
 
-const CORNERS: readonly Point[] = [
+const WAYPOINTS: readonly Point[] = [
   [1.2, 1.5],
   [2.5, 1.7],
   [2.5, 4.3],
@@ -59,8 +59,8 @@ const STEP = 0.5;
 export const DRIVE: readonly Pose[] = (() => {
   const found: Pose[] = [];
   let left = 0;
-  CORNERS.slice(1).forEach((to, i) => {
-    const from = CORNERS[i] ?? to;
+  WAYPOINTS.slice(1).forEach((to, i) => {
+    const from = WAYPOINTS[i] ?? to;
     const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
     const yaw = Math.atan2(to[1] - from[1], to[0] - from[0]);
     for (; left < length; left += STEP)
@@ -86,4 +86,31 @@ export function walker(i: number): readonly Wall[] {
     pose[1] + 0.25 * Math.sin((k * Math.PI) / 4),
   ];
   return Array.from({ length: 8 }, (_, k) => [...corner(k), ...corner(k + 1)] as const);
+}
+
+/** Where two walls meet, or one ends. */
+export const CORNERS: readonly Point[] = (() => {
+  const found = new Map<string, Point>();
+  for (const [x0, y0, x1, y1] of [...WALLS, ...TABLE])
+    for (const [x, y] of [
+      [x0, y0],
+      [x1, y1],
+    ] as const)
+      found.set(`${x.toFixed(2)} ${y.toFixed(2)}`, [x, y]);
+  return [...found.values()];
+})();
+
+/** From farther away a corner is not recognised, metres. */
+const REACH = 5;
+
+/** How many of the scans saw each corner. */
+export function sightings(poses: readonly Pose[]): readonly number[] {
+  return CORNERS.map(
+    ([x, y]) =>
+      poses.filter((pose) => {
+        const d = Math.hypot(x - pose[0], y - pose[1]);
+        if (d > REACH) return false;
+        return castRay([...WALLS, ...TABLE], pose[0], pose[1], Math.atan2(y - pose[1], x - pose[0])) > d - 0.05;
+      }).length,
+  );
 }

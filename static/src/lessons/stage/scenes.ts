@@ -26,8 +26,7 @@ import {
   wallNoise,
   wallWindow,
 } from "./controls";
-import { CORNERS, sightings } from "./corners";
-import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
+import { CORNERS, DRIVE, LOW_TABLE_HEIGHT, POLISHED, sightings, TABLE, WALLS } from "./floor";
 import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";

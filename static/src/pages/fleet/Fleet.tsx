@@ -7,19 +7,26 @@ import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
 import { FleetStart } from "./FleetStart";
-import { type Counts, chosen, ORDERS, type Order, placeOf, SHOWN, type Shown, troubleOf } from "./fleetLogs";
 import {
+  type Counts,
+  chosen,
   cluster,
   counts,
   fleetError,
   fleetLogs,
   isBusy,
   mapAll,
+  ORDERS,
+  type Order,
+  placeOf,
+  SHOWN,
+  type Shown,
   stopMapping,
   totalOf,
+  troubleOf,
   watchFleet,
   workers,
-} from "./fleetState";
+} from "./fleetLogs";
 
 /** Cards that are shown at first, and with each press of "Show more". */
 const PAGE = 120;

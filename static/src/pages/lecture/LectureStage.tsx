@@ -1,11 +1,27 @@
-import { computed } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { backToPath, isOffPath } from "../../lessons/stage/path";
-import { SCENES } from "../../lessons/stage/scenes";
+import { isScene, SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
 import { Button } from "../../ui/Button";
-import { lookForScene, sceneInSight } from "./stagePosition";
 import "./lectureStage.css";
+
+const sceneInSight = signal<SceneId>("start");
+
+/** The reading line, as a fraction of the height that the stage leaves free. */
+const LINE = 0.5;
+
+/** Find the scene in sight; `covered` pixels at the top of the window are behind the stage. */
+function lookForScene(covered: number): void {
+  const line = covered + LINE * (innerHeight - covered);
+  const places = [...document.querySelectorAll<HTMLElement>("[data-scene]")];
+  const found = places
+    .filter((place) => place.getBoundingClientRect().top < line)
+    .map((place) => place.dataset.scene)
+    .findLast(isScene);
+  const next = found ?? "start";
+  if (next !== sceneInSight.peek()) sceneInSight.value = next;
+}
 
 const scene = computed(() => SCENES[sceneInSight.value]());
 

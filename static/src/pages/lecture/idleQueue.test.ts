@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { enqueueIdleTask } from "./idleQueue";
+import { enqueueIdleTask } from "./awaitedFigures";
 
 let idle: (() => void)[] = [];
 

@@ -2,12 +2,36 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { lecturersClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { isDark } from "../../ui/browser/theme";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
 import type { MadePuzzleAnswer, OfferedPuzzle, PuzzleList as Puzzles } from "../../wire/http";
-import { PuzzlePicture } from "./PuzzlePicture";
 import { allPuzzles, giveToClass, removePuzzle, solvedPoints } from "./puzzles";
+
+/** The map that an attempt at a puzzle begins with. */
+function PuzzlePicture({ puzzle }: { readonly puzzle: OfferedPuzzle }) {
+  const state = useSignal<"awaited" | "shown" | "failed">("awaited");
+  return (
+    <div class={`card-picture ${state.value}`}>
+      {state.value !== "shown" && <Icon name="map" />}
+      {state.value !== "failed" && (
+        <img
+          src={`/api/puzzles/${encodeURIComponent(puzzle.name)}/map.png?dark=${isDark.value}`}
+          alt={`Map of ${puzzle.title}`}
+          loading="lazy"
+          decoding="async"
+          onLoad={() => {
+            state.value = "shown";
+          }}
+          onError={() => {
+            state.value = "failed";
+          }}
+        />
+      )}
+    </div>
+  );
+}
 
 const LEVELS: Readonly<Record<number, string>> = { 1: "Level 1", 2: "Level 2", 3: "Level 3" };
 

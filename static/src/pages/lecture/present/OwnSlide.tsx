@@ -1,10 +1,66 @@
 import "./ownSlide.css";
-import { useEffect, useRef } from "preact/hooks";
+import { computed, useSignal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useSeen, useSteps } from "../../../lessons/common/useSteps";
+import { DRIVE } from "../../../lessons/stage/floor";
+import { scene } from "../../../lessons/stage/scene";
+import { WorldStage } from "../../../lessons/stage/WorldStage";
+import { reducedMotion } from "../../../ui/browser/reducedMotion";
 import { act, canAct } from "./acts";
-import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
 import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
-import { TitleMap } from "./TitleMap";
+
+const MS = 180;
+
+/** The map of the lecture's drive, which fills in scan by scan; with reduced motion it is complete. */
+function TitleMap() {
+  const root = useRef<HTMLDivElement>(null);
+  const count = useSignal(reducedMotion.peek() ? DRIVE.length : 1);
+  const playing = useSignal(!reducedMotion.peek());
+  const now = useMemo(
+    () =>
+      computed(() =>
+        scene({
+          scans: count.value,
+          marks: ["beams"],
+          caption: `The map after ${count.value} of ${DRIVE.length} scans.`,
+        }),
+      ),
+    [count],
+  );
+  useSteps(
+    playing,
+    useSeen(root),
+    () => MS,
+    () => {
+      count.value = Math.min(DRIVE.length, count.peek() + 1);
+      playing.value = count.peek() < DRIVE.length;
+    },
+  );
+  return (
+    <div class="title-map" ref={root}>
+      <WorldStage scene={now} />
+    </div>
+  );
+}
+
+interface FormulaPart {
+  readonly text: string;
+  readonly place: "line" | "sub" | "sup";
+}
+
+const PART = /([_^])(?:\{([^{}]*)\}|(\S))|([^_^]+|[_^])/gu;
+
+/** The formula of a line such as `$p_t = 1 - e^{-x}$`; null where the line is none. */
+export function formulaOf(line: string): readonly FormulaPart[] | null {
+  const inside = /^\s*\$(.+)\$\s*$/u.exec(line)?.[1];
+  if (!inside) return null;
+  return [...inside.matchAll(PART)].map(([, mark, braced, single, plain]) =>
+    mark
+      ? { text: (braced ?? single ?? "").replaceAll("-", "−"), place: mark === "_" ? "sub" : "sup" }
+      : { text: (plain ?? "").replaceAll("-", "−"), place: "line" },
+  );
+}
 
 /** Single letters are variables, in italics; digits, brackets and names of functions are upright. */
 function Letters({ text }: { readonly text: string }) {

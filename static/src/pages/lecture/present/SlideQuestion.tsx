@@ -1,12 +1,33 @@
 import { useEffect } from "preact/hooks";
-import { askedAs, classroom, showsAnswers } from "../../../store/classroom";
+import { askedAs, classroom, lecturersClass, showsAnswers } from "../../../store/classroom";
 import { answerHint } from "../../../tools/classroom/answerHint";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
+import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
-import { ClassQuestion } from "./ClassQuestion";
 import { QUESTIONS } from "./questions";
-import { predicted, presenting, stage } from "./state";
+import { predicted, presenting, questionOf, slide, stage } from "./state";
+
+/** In a class the question of a slide can be asked of everybody. */
+function ClassQuestion() {
+  const room = lecturersClass.value;
+  const question = questionOf(slide.value);
+  if (!room || !question?.options || stage.value !== "predict" || askedAs(question.question)) return null;
+  const { question: text, options, right } = question;
+  return (
+    <p class="slide-ask no-print">
+      <Button
+        kind="primary"
+        icon="people"
+        onClick={() =>
+          room.send({ type: "ask", text, options: [...options], ...(right === undefined ? {} : { right }) })
+        }
+      >
+        Ask the class
+      </Button>
+    </p>
+  );
+}
 
 /**
  * The question that a slide begins with, and the options to choose from. The figure comes after it. In a class the
