@@ -18,7 +18,7 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
-from typing import Any, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from mapper.core.errors import LimitError
 
@@ -55,6 +55,26 @@ class WorkerJob(Protocol[R_co]):
 
     def time_error(self) -> LimitError:
         """Return the error for a job that took too long."""
+
+
+class BoundedJob:
+    """Base of jobs: their limits of time, and the errors of these; ``DOING`` and ``CODE`` as for :func:`bounded`."""
+
+    __slots__ = ()
+
+    DOING: ClassVar[str] = READING
+    CODE: ClassVar[str] = "log"
+
+    timeout_s: float
+    cpu_s: float
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that took too long."""
+        return time_error(self.timeout_s, self.DOING, self.CODE)
+
+    def bounded(self, work: Callable[[], T]) -> T:
+        """Return what ``work`` returns, in the process of the job. Raises as :func:`bounded`."""
+        return bounded(self.timeout_s, self.cpu_s, work, self.DOING, self.CODE)
 
 
 _report: Callable[[float], None] | None = None  #: reports the progress of this process

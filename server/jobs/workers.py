@@ -13,7 +13,6 @@ import pickle
 import subprocess
 import sys
 import uuid
-from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
@@ -28,7 +27,6 @@ GRACE_S = 10.0  #: how long a job over its time may take to notice before its pr
 DIED = 70  #: exit status of a process whose job was cancelled
 
 
-J = TypeVar("J")
 T = TypeVar("T")
 
 
@@ -83,19 +81,15 @@ class PoolWorker:
 
     def submit(self, job: WorkerJob[T]) -> Future[T]:
         """Have a job done."""
-        return self.run(job.work, job)
-
-    def run(self, function: Callable[[J], T], job: J) -> Future[T]:
-        """Have a function of a module called in the process, which keeps to the limits itself."""
         if self._progress is not None:
             self._progress.value = 0.0
         try:
-            return self._run(function, job)
+            return self._run(job)
         except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
             self.end()
-            return self._run(function, job)
+            return self._run(job)
 
-    def _run(self, function: Callable[[J], T], job: J) -> Future[T]:
+    def _run(self, job: WorkerJob[T]) -> Future[T]:
         if self._pool is None:
             # Of its own: a process that was ended before it began may still note who it is.
             self._progress = self._context.Value(ctypes.c_double, 0.0)
@@ -106,7 +100,7 @@ class PoolWorker:
                 initializer=process.start_worker,
                 initargs=(self._progress, self._pid, self._memory_bytes),
             )
-        return self._pool.submit(function, job)
+        return self._pool.submit(job.work, job)
 
     def end(self) -> None:
         """End the process."""

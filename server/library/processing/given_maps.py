@@ -16,30 +16,32 @@ from typing import Protocol
 
 from mapper.core.errors import LimitError, ReadError
 from server.jobs import process
-from server.jobs.process import JobLimits
+from server.jobs.outcome import outcome_of
+from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import Worker
 from server.library.packs.given_map import GivenMap, read_given_map
 from server.library.packs.log import log_in
 from server.library.packs.map_files import MOST_BYTES, read_map
 from server.library.processing.log_jobs import Logs, packed
-from server.library.processing.reader import outcome_of
 from server.library.store.common_files import CommonFiles
 from server.storage import private_folder
 from server.work.fair_lock import FairLock
 
 LIMITS = JobLimits(timeout_s=300.0, cpu_s=600.0)
-DOING = "Making this map"  #: in errors
 RESOLUTIONS = (0.05, 0.1, 0.2, 0.5)  #: metres a cell: the first that the limits allow
 MOST_CELLS = 1 << 26
 
 
 @dataclass(frozen=True, slots=True)
-class GivenMapJob:
+class GivenMapJob(BoundedJob):
     """Make the map ``title`` in the file ``out``.
 
     ``source`` is the pack of a log, mapped along its ``trajectory``; or, where that is None, the map files: a tar
     archive of a yaml and its image, or a map of CMU's course.
     """
+
+    DOING = "Making this map"
+    CODE = "map"
 
     source: str
     out: str
@@ -54,14 +56,10 @@ class GivenMapJob:
         """The function that does it."""
         return do_given_map_job
 
-    def time_error(self) -> LimitError:
-        """Return the error for a job that takes too long."""
-        return process.time_error(self.timeout_s, DOING, "map")
-
 
 def do_given_map_job(job: GivenMapJob) -> GivenMap:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a file that is no map, and for limits."""
-    return process.bounded(job.timeout_s, job.cpu_s, lambda: _made(job), DOING, "map")
+    return job.bounded(lambda: _made(job))
 
 
 def _made(job: GivenMapJob) -> GivenMap:
@@ -203,7 +201,7 @@ class GivenMaps:
         try:
             async with self._turns.of(owner, address):
                 worker = self._worker = self._worker or self._make_worker()
-                made = await outcome_of(worker, worker.submit(job), job.timeout_s)
+                made = await outcome_of(worker, job)
             await self._put(owner, log_id, fresh)
             return made
         finally:

@@ -6,17 +6,19 @@ It has a process of its own: to look into a log does not wait for the reading of
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.model import Contents
 from server.jobs import process
+from server.jobs.outcome import outcome_of
+from server.jobs.process import BoundedJob
 from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.packs.contents import StaleContentsError, read_contents, write_contents
-from server.library.processing.reader import outcome_of
 from server.library.processing.reading_jobs import unstored, without_paths
 from server.work.fair_lock import FairLock
 
@@ -25,18 +27,24 @@ MOST_KEPT = 4  #: contents that are kept in memory
 
 
 @dataclass(frozen=True, slots=True)
-class InspectJob:
+class InspectJob(BoundedJob):
     """Find out what the recording ``source`` holds, and write it to ``target``."""
 
     source: str
     target: str
     timeout_s: float
     cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[InspectJob], None]:
+        """The function that does it."""
+        return inspect_job
 
 
 def inspect_job(job: InspectJob) -> None:
     """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
-    process.bounded(job.timeout_s, job.cpu_s, lambda: _inspect(job))
+    job.bounded(lambda: _inspect(job))
 
 
 def _inspect(job: InspectJob) -> None:
@@ -63,6 +71,7 @@ class Inspections:
         self._catalogue = catalogue
         self._timeout_s = timeout_s
         self._cpu_s = cpu_s
+        self._memory_bytes = memory_bytes
         self._worker = PoolWorker(memory_bytes)
         self._turns = FairLock()
         self._running: dict[str, _Running] = {}
@@ -123,9 +132,11 @@ class Inspections:
     async def _inspect(self, record: Record, visitor: str, address: str) -> None:
         async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             self._inspected = record.id
-            job = InspectJob(str(source), str(self._catalogue.contents(record.id)), self._timeout_s, self._cpu_s)
+            job = InspectJob(
+                str(source), str(self._catalogue.contents(record.id)), self._timeout_s, self._cpu_s, self._memory_bytes
+            )
             try:
-                await outcome_of(self._worker, self._worker.run(inspect_job, job), self._timeout_s)
+                await outcome_of(self._worker, job)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
             finally:

@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from server.jobs import process
+from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.course import Course, course_bytes, thinned
@@ -34,7 +35,6 @@ from server.library.processing.log_jobs import Parameters, ParameterTable, PoseR
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
 
-DOING = "Localizing this log"  #: in errors
 EVERY_S = 0.4  #: seconds between two reports
 MOST_SHOWN = 2000  #: particles of a report
 KEPT_OF_SCAN = 250  #: particles of a scan in the course
@@ -46,13 +46,16 @@ _NUMBERS = ("fraction", "is_converged", "share", "fit", "entropy", "n_particles"
 
 
 @dataclass(frozen=True, slots=True)
-class LocalizeJob:
+class LocalizeJob(BoundedJob):
     """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
 
     ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
     ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
     and time offset are used.
     """
+
+    DOING = "Localizing this log"
+    CODE = "localization"
 
     pack: str
     given: str
@@ -69,10 +72,6 @@ class LocalizeJob:
     def work(self) -> Callable[[LocalizeJob], LocalizeOutcome]:
         """The function that does it."""
         return do_localize_job
-
-    def time_error(self) -> LimitError:
-        """Return the error for a job that takes too long."""
-        return process.time_error(self.timeout_s, DOING, "localization")
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +116,7 @@ class LocalizeProgress:
 def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
     process.lower_priority()
-    return process.bounded(job.timeout_s, job.cpu_s, lambda: _localize(job), DOING, "localization")
+    return job.bounded(lambda: _localize(job))
 
 
 def _localize(job: LocalizeJob) -> LocalizeOutcome:

@@ -20,8 +20,8 @@ from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
-from server.jobs.following import followed
 from server.jobs.leases import Leases
+from server.jobs.outcome import outcome_of
 from server.jobs.process import JobLimits, WorkerJob
 from server.jobs.queue import JobQueue, Running
 from server.jobs.record import JobKind, JobRecord, JobRows, JobStatus
@@ -144,7 +144,7 @@ class Run(Generic[Q, P]):
             if found is not None and (last is None or (found.fraction, found.stage) != (last.fraction, last.stage)):
                 self.running.tell(found, found.fraction)
 
-        return await followed(self.worker, job, look, self.code)
+        return await outcome_of(self.worker, job, self.code, look)
 
     async def made(self, ending: str) -> bytes:
         """Return the file with an ending that the process has written."""

@@ -12,17 +12,17 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PlanarCut
 from server.jobs import process
+from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
 from server.library.processing.log_jobs import Run
 from server.library.processing.slam import NAME as SLAM
 
-DOING = "Merging these logs"  #: in errors
 NAME = "merged"  #: of the trajectories
 ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
 BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the log of both, and the pose graph that they come from
@@ -30,8 +30,11 @@ LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done no
 
 
 @dataclass(frozen=True, slots=True)
-class MergeJob:
+class MergeJob(BoundedJob):
     """Merge the logs in the packs ``first`` and ``second``. ``out`` is the path of its files without their endings."""
+
+    DOING = "Merging these logs"
+    CODE = "merge"
 
     first: str
     second: str
@@ -44,10 +47,6 @@ class MergeJob:
     def work(self) -> Callable[[MergeJob], MergeOutcome]:
         """The function that does it."""
         return do_merge_job
-
-    def time_error(self) -> LimitError:
-        """Return the error for a job that takes too long."""
-        return process.time_error(self.timeout_s, DOING, "merge")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +68,7 @@ class MergeOutcome:
 def do_merge_job(job: MergeJob) -> MergeOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place, and limits."""
     process.lower_priority()
-    return process.bounded(job.timeout_s, job.cpu_s, lambda: _merge(job), DOING, "merge")
+    return job.bounded(lambda: _merge(job))
 
 
 def _merge(job: MergeJob) -> MergeOutcome:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from mapper.core.errors import MapperError
-from server.jobs import process
+from server.jobs.outcome import outcome_of
+from server.jobs.process import BoundedJob
 from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
-from server.library.processing.reader import outcome_of
 from server.library.processing.reading_jobs import without_paths
 from server.work.fair_lock import FairLock
 
@@ -30,18 +31,25 @@ class MomentPicture:
 
 
 @dataclass(frozen=True, slots=True)
-class PictureJob:
+class PictureJob(BoundedJob):
     """Make a picture of the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
 
     source: str
     topic: str
     at_ns: int
     timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[PictureJob], MomentPicture]:
+        """The function that does it."""
+        return picture_job
 
 
 def picture_job(job: PictureJob) -> MomentPicture:
     """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
-    return process.bounded(job.timeout_s, job.timeout_s, lambda: _picture(job))
+    return job.bounded(lambda: _picture(job))
 
 
 def _picture(job: PictureJob) -> MomentPicture:
@@ -70,9 +78,9 @@ class MomentPictures:
         """
         async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
-            job = PictureJob(str(source), topic, at_ns, timeout_s)
+            job = PictureJob(str(source), topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
             try:
-                return await outcome_of(self._worker, self._worker.run(picture_job, job), timeout_s)
+                return await outcome_of(self._worker, job)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
 

@@ -8,16 +8,14 @@ import shutil
 import tempfile
 import time
 from collections.abc import AsyncIterator
-from concurrent.futures import BrokenExecutor, Future
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TypeVar
 
-from mapper.core.errors import LimitError, ReadError
+from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary
 from mapper.sensors.planar.options import PlanarCut
-from server.jobs import workers
-from server.jobs.process import time_error
+from server.jobs.outcome import outcome_of
 from server.jobs.workers import PoolWorker, Worker
 from server.library.processing.reading import Job
 from server.work.fair_lock import FairLock
@@ -104,9 +102,8 @@ class Reader:
                 raise LimitError("log.storage", message) from error
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
-            submitted = self._worker.submit(job)
-            self._has_begun = True
-            return await outcome_of(self._worker, submitted, timeout_s)
+            self._has_begun = True  # it is submitted before anything else runs
+            return await outcome_of(self._worker, job)
         finally:
             if folder is not None:
                 await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
@@ -128,26 +125,3 @@ def _size_of(source: Path) -> int:
         return sum(file.stat().st_size for file in files)
     except OSError:
         return 0
-
-
-async def outcome_of(worker: Worker, submitted: Future[T], timeout_s: float) -> T:
-    """Return the result of a job that ``worker`` has begun, and which has ``timeout_s`` seconds.
-
-    The worker ends it when this is cancelled. Raises what the job raises, :class:`LimitError` where it takes too long,
-    and :class:`ReadError` where its process was ended.
-    """
-    try:
-        # Its process has as long to notice that its time is over; then the worker is not asked any more.
-        return await asyncio.wait_for(asyncio.wrap_future(submitted), timeout_s + 1.5 * workers.GRACE_S)
-    except TimeoutError:
-        worker.end()
-        raise time_error(timeout_s) from None
-    except BrokenExecutor:
-        worker.end()
-        raise ReadError(
-            "log.reader_died",
-            "The process that read this log was ended, most likely because the log needs too much memory or time.",
-        ) from None
-    except asyncio.CancelledError:
-        worker.end()
-        raise

@@ -12,12 +12,12 @@ from mapper.core.array_types import UInt8Array
 from mapper.core.errors import LimitError, ReadError
 from mapper.io.logs.summary import LogSummary, summarise
 from mapper.sensors.planar.options import PlanarCut
-from server.jobs.process import bounded, note_progress, time_error
+from server.jobs.process import BoundedJob, note_progress
 from server.library.packs.log import write_pack
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class Job(BoundedJob):
     """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors.
 
     A picture of its map is drawn into ``picture`` if there is one.
@@ -39,17 +39,13 @@ class Job:
         """The function that reads it."""
         return read_job
 
-    def time_error(self) -> LimitError:
-        """Return the error for a log that takes too long to read."""
-        return time_error(self.timeout_s)
-
 
 def read_job(job: Job) -> LogSummary:
     """Do the job and return what the log holds.
 
     Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes.
     """
-    return bounded(job.timeout_s, job.cpu_s, lambda: _read(job))
+    return job.bounded(lambda: _read(job))
 
 
 def _read(job: Job) -> LogSummary:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import math
 import secrets
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from mapper.core.errors import LimitError, MapperError
 from mapper.evaluation.published import PublishedResult
 from mapper.sensors.scan import ScanLog
-from server.jobs import process
+from server.jobs.outcome import outcome_of
+from server.jobs.process import BoundedJob
 from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
-from server.library.processing.reader import outcome_of
 from server.library.processing.reading_jobs import without_paths
 from server.work.fair_lock import FairLock
 
@@ -66,7 +66,7 @@ class PoseScore(RelationMeans):
 
 
 @dataclass(frozen=True, slots=True)
-class ScoreJob:
+class ScoreJob(BoundedJob):
     """Score ``poses`` (n, 3), one for each scan of the log ``source``, against the relations in the file ``relations``.
 
     ``stamps_ns`` (n,) are the scans', ``topic`` names the log's sensor; None for the sample, which has no file.
@@ -79,11 +79,17 @@ class ScoreJob:
     poses: NDArray[np.float64]
     timeout_s: float
     cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[ScoreJob], RelationMeans]:
+        """The function that does it."""
+        return score_job
 
 
 def score_job(job: ScoreJob) -> RelationMeans:
     """Do the job. Raises :class:`MapperError`, which crosses to the server with its code."""
-    return process.bounded(job.timeout_s, job.cpu_s, lambda: _score(job))
+    return job.bounded(lambda: _score(job))
 
 
 def _score(job: ScoreJob) -> RelationMeans:
@@ -124,6 +130,7 @@ class RelationScores:
     ) -> None:
         self._catalogue, self._folder = catalogue, folder
         self._timeout_s, self._cpu_s = timeout_s, cpu_s
+        self._memory_bytes = memory_bytes
         self._worker = PoolWorker(memory_bytes)
         self._turns = FairLock()
 
@@ -148,7 +155,7 @@ class RelationScores:
 
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
-        limits = self._timeout_s, self._cpu_s
+        limits = self._timeout_s, self._cpu_s, self._memory_bytes
         try:
             async with self._turns.of(visitor, address):
                 await asyncio.to_thread(relations.write_bytes, text)
@@ -179,7 +186,7 @@ class RelationScores:
 
     async def _done(self, job: ScoreJob, source: Path, name: str) -> RelationMeans:
         try:
-            return await outcome_of(self._worker, self._worker.run(score_job, job), self._timeout_s)
+            return await outcome_of(self._worker, job)
         except MapperError as error:
             raise without_paths(error, source, name) from None
 

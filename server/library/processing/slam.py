@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.georeference import NO_OFFSET
 from server.jobs import process
+from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from mapper.diagnosis.figures import MapFigures
     from mapper.slam import SlamProgress
 
-DOING = "SLAM of this log"  #: in errors
 NAME = "SLAM"  #: of the trajectory, in the process
 EVERY_S = 0.4  #: seconds between two reports, but for those of a loop that closed
 
@@ -41,13 +41,16 @@ PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
 
 
 @dataclass(frozen=True, slots=True)
-class SlamJob:
+class SlamJob(BoundedJob):
     """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
 
     ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
     ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
     figures of the result are those of that map.
     """
+
+    DOING = "SLAM of this log"
+    CODE = "slam"
 
     pack: str
     out: str
@@ -62,10 +65,6 @@ class SlamJob:
     def work(self) -> Callable[[SlamJob], SlamOutcome]:
         """The function that does it."""
         return do_slam_job
-
-    def time_error(self) -> LimitError:
-        """Return the error for a job that takes too long."""
-        return process.time_error(self.timeout_s, DOING, "slam")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +93,7 @@ class PartialPoses:
 def do_slam_job(job: SlamJob) -> SlamOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
     process.lower_priority()
-    return process.bounded(job.timeout_s, job.cpu_s, lambda: _slam(job), DOING, "slam")
+    return job.bounded(lambda: _slam(job))
 
 
 def _slam(job: SlamJob) -> SlamOutcome:

@@ -11,7 +11,7 @@ from typing import Any
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.jobs import process
-from server.jobs.following import followed
+from server.jobs.outcome import outcome_of
 from server.jobs.process import JobLimits
 from server.jobs.workers import Worker
 
@@ -77,14 +77,14 @@ def do_fleet_job(job: FleetJob) -> dict[str, Any]:
 async def fleet_facts(
     worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
 ) -> tuple[dict[str, Any], int]:
-    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`followed`.
+    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`outcome_of`.
 
     A job whose worker is gone is begun again by another one. Raises :class:`ClusterLostError` where there is none.
     """
     run, lost = 1, 0
     while True:
         try:
-            return await followed(worker, job, look or _not_looked, DIED), run + lost
+            return await outcome_of(worker, job, DIED, look), run + lost
         except WorkerLostError:
             lost += 1
             if lost == LOSSES:
@@ -94,10 +94,6 @@ async def fleet_facts(
             if error.code != DIED or run == RUNS:
                 raise
             run += 1
-
-
-async def _not_looked() -> None:
-    """Nobody looks."""
 
 
 def _done(job: FleetJob) -> dict[str, Any]:

@@ -6,9 +6,13 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.forkserver import _forkserver
 from pathlib import Path
+from typing import Any
 
+from server.jobs.process import BoundedJob
 from server.jobs.workers import PoolWorker
 
 
@@ -24,12 +28,33 @@ def wait_for(path: Path) -> str:
     return "done"
 
 
+@dataclass(frozen=True, slots=True)
+class Task(BoundedJob):
+    """Call a function of this module."""
+
+    function: Callable[[Any], object]
+    argument: object
+    timeout_s: float = 60.0
+    cpu_s: float = 60.0
+    memory_bytes: int = 2 << 30
+
+    @property
+    def work(self) -> Callable[[Task], object]:
+        """The function that does it."""
+        return done
+
+
+def done(task: Task) -> object:
+    """Do a task."""
+    return task.function(task.argument)
+
+
 def main() -> None:
     """Begin a job that waits for a file; print the processes, then what the job returns; end with standard input."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # as in a service: what began the tests may have it ignored
     worker = PoolWorker(2 << 30)
-    assert worker.run(loaded, "mapper.io.logs").result()
-    job = worker.run(wait_for, Path(sys.argv[1]))
+    assert worker.submit(Task(loaded, "mapper.io.logs")).result()
+    job = worker.submit(Task(wait_for, Path(sys.argv[1])))
     print(_forkserver._forkserver_pid, worker.pid, os.getpid(), flush=True)  # type: ignore[attr-defined]
     print(job.result(), flush=True)
     sys.stdin.read()

@@ -14,7 +14,7 @@ import pytest
 
 from server.library.processing.given_maps import GivenMaps
 from server.library.processing.inspections import Inspections
-from server.library.processing.relation_scores import RelationScores
+from server.library.processing.relation_scores import MeanErrors, RelationMeans, RelationScores
 
 LIMITS: dict[str, Any] = {"timeout_s": 60.0, "cpu_s": 60.0, "memory_bytes": 1 << 30}
 MANY, ONE = "198.51.100.7", "203.0.113.9"
@@ -38,8 +38,9 @@ def scores(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awa
     log: Any = SimpleNamespace(stamps_ns=np.zeros(1, np.int64), trajectory=lambda _: SimpleNamespace(poses=None))
     record: Any = SimpleNamespace(source="sample", name="sample")
 
-    async def told(*_: Any) -> dict[str, Any]:
-        return dict(await done() or {})
+    async def told(*_: Any) -> RelationMeans:
+        await done()
+        return RelationMeans(relations=0, policy="time", left_out=0, all=MeanErrors(0, 0.0, 0.0), unambiguous=None)
 
     monkeypatch.setattr(made, "_done", told)
     return lambda visitor, address: made.score(record, visitor, log, "scan", b"", "a", None, address=address)
@@ -52,7 +53,7 @@ def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[]
         await done()
 
     monkeypatch.setattr("server.library.processing.inspections.outcome_of", told)
-    monkeypatch.setattr(made, "_worker", SimpleNamespace(run=lambda *_: None, progress=0.0))
+    monkeypatch.setattr(made, "_worker", SimpleNamespace(progress=0.0))
 
     def inspect(visitor: str, address: str) -> Awaitable[Any]:
         record: Any = SimpleNamespace(id=visitor, name=visitor)

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import pytest
 
-from server.jobs.following import followed
+from server.jobs.outcome import outcome_of
 from server.jobs.process import WorkerJob
 from server.jobs.workers import Worker
 
@@ -41,7 +41,7 @@ async def test_the_end_of_a_cancelled_jobs_process_is_no_error_of_the_loop() -> 
     async def look() -> None:
         looked.set()
 
-    following = asyncio.ensure_future(followed(cast("Worker", process), cast("WorkerJob[None]", Job()), look, "read"))
+    following = asyncio.ensure_future(outcome_of(cast("Worker", process), cast("WorkerJob[None]", Job()), "read", look))
     await looked.wait()
     following.cancel()
     with pytest.raises(asyncio.CancelledError):
