@@ -128,7 +128,7 @@ def test_two_lidars_are_healed_and_their_graph_shows_each_scan_where_it_was_take
         angles, ranges = part.angles[seen], log.ranges[scan, : part.n_beams][seen].astype(np.float64)
         points = np.stack([ranges * np.cos(angles), ranges * np.sin(angles)], axis=1)
         expected = transform_points(compose(compose(to_map, true[scan]), np.array(part.mount)), points)
-        found = np.array(getattr(pair, name))
+        found = np.array(getattr(pair.points, name))
         assert len(found) == seen.sum() > 100
         away = np.hypot(*(found[:, np.newaxis] - expected).transpose(2, 0, 1)).min(axis=1)
         assert away.max() < 0.1
