@@ -10,9 +10,15 @@ import sys
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, Literal, TypeAlias, TypeVar, cast
 
 from mapper.core.errors import ConfigError
+
+Value: TypeAlias = bool | int | float | str
+"""Value of a parameter."""
+
+Values: TypeAlias = dict[str, Value]
+"""Parameters by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +34,7 @@ class Parameter:
     label: str
     group: str
     kind: Literal["number", "choice", "flag"]
-    initial: float | str | bool
+    initial: Value
     sentence: str
     unit: str = ""
     low: float = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from mapper.core.parameter import Values
 from mapper.puzzles.scoring import Measures
 
 Measure = Literal["agreement", "entropy", "sharpness"]
@@ -53,7 +54,7 @@ class SolutionAnswer:
     explanation: str
     lesson: str
     section: str
-    repair: dict[str, float | str | bool]
+    repair: Values
     trajectory: str | None
 
 

@@ -10,6 +10,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from mapper.core.parameter import Values
 from mapper.io.maps.images import png_pieces
 from mapper.io.maps.pixels import DIFFERENCE_PALETTE, difference_pixels
 from server.downloads import Content, Download, file_name
@@ -42,7 +43,7 @@ class Other(BaseModel):
 class SecondMap:
     """Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same."""
 
-    values: dict[str, float | str | bool]
+    values: Values
     with_faults: bool
     trajectory: str
     log: str | None

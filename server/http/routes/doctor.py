@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Request
 from pydantic import Field
 
 from mapper.core.errors import MapperError
+from mapper.core.parameter import Values
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
@@ -32,7 +33,7 @@ class FindingAnswer:
     advice: str
     sure: float
     scans: tuple[int, ...]
-    parameters: dict[str, float | str | bool] | None
+    parameters: Values | None
     sensor: str
     possible: bool
 

@@ -210,7 +210,7 @@ export interface FindingAnswer {
   readonly advice: string;
   readonly sure: number;
   readonly scans: readonly number[];
-  readonly parameters: Readonly<Record<string, number | string | boolean>> | null;
+  readonly parameters: Readonly<Record<string, boolean | number | string>> | null;
   readonly sensor: string;
   readonly possible: boolean;
 }
@@ -600,7 +600,7 @@ export interface Parameter {
   readonly label: string;
   readonly group: string;
   readonly kind: "number" | "choice" | "flag";
-  readonly initial: number | string | boolean;
+  readonly initial: boolean | number | string;
   readonly sentence: string;
   readonly unit: string;
   readonly low: number;
@@ -792,7 +792,7 @@ export interface ScoreLandscape {
 
 /** Map A: the parameters in which it differs from the session's, its trajectory, and its log, null for the same. */
 export interface SecondMap {
-  readonly values: Readonly<Record<string, number | string | boolean>>;
+  readonly values: Readonly<Record<string, boolean | number | string>>;
   readonly with_faults: boolean;
   readonly trajectory: string;
   readonly log: string | null;
@@ -899,7 +899,7 @@ export interface SolutionAnswer {
   readonly explanation: string;
   readonly lesson: string;
   readonly section: string;
-  readonly repair: Readonly<Record<string, number | string | boolean>>;
+  readonly repair: Readonly<Record<string, boolean | number | string>>;
   readonly trajectory: string | null;
 }
 
