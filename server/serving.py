@@ -27,6 +27,7 @@ from websockets.protocol import State
 from mapper.core.lazy_imports import hidden_modules
 from server.app import create_app
 from server.http.connections import Connections, Listener, counted
+from server.http.services import services_of
 from server.http.uvicorn_protocol import HttpProtocol
 from server.imports import UNUSED_BY_ROUTES, fast_imports
 from server.library.store_check import check_stores
@@ -168,7 +169,8 @@ class Server(uvicorn.Server):
             self.warm_up.begin()
         if self.worker is not None:
             self.worker.end_with_supervisor()
-            self.worker.handover.begin(self._take)
+            figures = services_of(self.config.app).metrics.text  # type: ignore[arg-type]
+            self.worker.handover.begin(self._take, figures)
 
     def _take(self, passed_on: socket.socket, head: bytes) -> None:
         """Begin with a connection of which another worker has read ``head``."""

@@ -33,9 +33,10 @@ def worker_of_class(code: str, workers: int) -> int:
 def worker_of(head: bytes, address: str, workers: int) -> int | None:
     """Return the worker that has a request; None where each of them may answer it.
 
-    ``head`` is the request up to the end of its headers, ``address`` that of the client, which counts for visitors
-    without a cookie.
+    ``head`` is the request at least up to the end of its headers, ``address`` that of the client, which counts for
+    visitors without a cookie.
     """
+    head = head[: head.find(b"\r\n\r\n") + 2]
     line = _LINE.match(head)
     if line is None:  # not HTTP: any worker refuses it
         return None

@@ -11,10 +11,10 @@ import contextlib
 import gc
 import os
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import NoReturn
 
 import structlog
@@ -50,7 +50,7 @@ def in_child(work: Callable[[], None]) -> None:
     """Run ``work`` in a forked process, which may have threads, and wait for it. Exits as it does, unless with 0."""
     child = os.fork()
     if not child:
-        _exit_after(work)
+        _end_after(work)
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status:
         raise SystemExit(status if status > 0 else 1)
@@ -89,7 +89,7 @@ class _Supervisor:
         if not child:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
             signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a terminal that is closed: the supervisor decides
-            _exit_after(lambda: self._run(number))
+            _end_after(partial(self._run, number))
         self._numbers[child] = number
         self._began[number] = time.monotonic()
 
@@ -156,17 +156,7 @@ def _blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _exit_after(work: Callable[[], None]) -> NoReturn:
-    """Do the work of a forked process and end it: nothing of its parent's is done in it."""
-    status = 1
-    try:
-        work()
-        status = 0
-    except SystemExit as error:
-        status = error.code if isinstance(error.code, int) else 0 if error.code is None else 1
-    except BaseException:  # noqa: BLE001 - nothing of the parent's is to see it
-        _log.exception("a worker has failed")
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+def _end_after(work: Callable[[], None]) -> NoReturn:
+    """Do the work of a forked process and end it as any program ends: what waits for the exit is called."""
+    work()
+    raise SystemExit(0)
