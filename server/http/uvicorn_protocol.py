@@ -63,6 +63,7 @@ class HttpProtocol(H11Protocol):
         if self._handover is None or not self._is_between_requests:
             self._answer(data)
             return
+        self._unset_keepalive_if_required()
         self._head += data
         if b"\r\n\r\n" in self._head or len(self._head) > MAX_HEAD:
             self._choose(self._handover)
