@@ -213,7 +213,7 @@ export interface TerrainPatch {
   readonly half: number;
   /** the height above which its heights are, m */
   readonly base: number;
-  /** P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre */
+  /** P, 4 × 4 row by row: the sum of v vᵀ with v = [1 x y z]ᵀ about its centre */
   readonly moments: readonly number[];
   /** its ground points, with those that RANSAC leaves out */
   readonly n: number;
