@@ -30,7 +30,7 @@ def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
 
 
 def kld_number(k: int, error: float, quantile: float) -> float:
-    """Return how many particles ``k`` bins need for a distance of ``error``, with a normal quantile. Equation (8.11)."""
+    """Return how many particles ``k`` bins need for a distance of ``error``, at a normal quantile. Equation (8.11)."""
     if k < 2:
         return 0.0
     a = 2.0 / (9.0 * (k - 1))
