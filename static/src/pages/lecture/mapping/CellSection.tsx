@@ -296,8 +296,7 @@ export function CellSection({ id, number, title }: SectionHead) {
         Consider one cell and many readings of it. Its state is constant (assumption 2): either <i>m</i> (occupied) or ¬
         <i>m</i> (free). Its odds are p/(1 − p), occupied to free. The map stores their logarithm, the log-odds{" "}
         <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is more likely occupied, below 0 more likely free;
-        p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
-        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}

@@ -33,8 +33,8 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           </p>
           <KldNumber />
           <p>
-            AMCL’s parameter pf_z is this quantile itself, so its default
-            of 0.99 means 84 %. Go on with the steps above and watch k; drag ε and q on the curve.
+            AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %. Go on with the steps above
+            and watch k; drag ε and q on the curve.
           </p>
           <LaterMore id="particles" />
         </>
