@@ -399,7 +399,7 @@ export interface ClassSlide {
   readonly section?: string | null;
   /** title; null for a section */
   readonly title?: string | null;
-  /** the paragraphs of a text that are shown so far; null for other kinds */
+  /** the paragraphs of a text that are shown so far; of a section, its answer once it is shown */
   readonly text?: string | null;
   /** address of a shared view in the slide; null for pages that only the lecturer may open */
   readonly address?: string | null;
