@@ -35,7 +35,7 @@ def load_for_workers() -> None:
 
     Kernels that were never compiled on this machine are left to the workers, which do it when they are first used.
     """
-    import server.sessions.models.simulation  # noqa: PLC0415, F401
+    import server.sources.simulation  # noqa: PLC0415, F401
     from mapper.core.compile_cache import cache_folder  # noqa: PLC0415 - numba, for workers only
     from mapper.core.parallel import single_threaded  # noqa: PLC0415
 
