@@ -7,12 +7,16 @@ so that nodes drop such scans. Where another source has the robot's motion there
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mapper.io.logs import open_log, open_robot_log
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.robot_log import RobotLog
+from server.library.packs.log import read_pack, write_pack
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import Said, odometry, transform, written
 from tests.reports.test_transforms import (
@@ -110,3 +114,27 @@ def test_a_sensor_is_offered_with_each_topic_of_transforms(tmp_path: Path) -> No
     true_one = open_log(path, topic="/scan#/tf_gt")
     assert true_one.default_trajectory == "tf/world"
     assert_places(true_one, sensor_at((0.5, 0.0, 0.0)))
+
+
+def test_scans_of_a_lidar_that_is_switched_stay_in_order_where_its_clock_steps_back(tmp_path: Path) -> None:
+    """Groups of scans with other beams follow one another as they were recorded, also once they are stored."""
+    for resets in (True, False):
+        said = [LASER]
+        for number in range(2):
+            for i in range(N):
+                at = T0 + i * STEP if resets else T0 + (number * N + i) * STEP
+                said.append(transform(at, "odom", "base_link", *true(i, number)))
+                stamp = at if resets or number == 0 else at - 3 * STEP // 2  # else the lidar's clock alone is set back
+                angles, readings = ((-1.5, 0.1), [2.0] * 3) if i // 3 % 2 == 0 else ((-1.5, 0.05), [2.0] * 6)
+                one = recorded.scan(at, readings, angles=angles)
+                said.append(replace(one, fields=one.fields | {"header": recorded.header(stamp, "laser")}))
+        said = [replace(one, stamp_ns=T0 + k * STEP // 2) for k, one in enumerate(said)]  # recorded on and on
+        log = open_log(written(tmp_path, said, "mcap"))
+        assert isinstance(log, JointLog)
+        write_pack(RobotLog.of_one(log), tmp_path / "pack")
+        wanted = [one.fields["header"]["stamp"] for one in said if one.topic == "/scan"]
+        stamps = [stamp["sec"] * recorded.SECOND + stamp["nanosec"] for stamp in wanted]
+        for kept in (log, log.take(np.arange(2 * N)), read_pack(tmp_path / "pack")):
+            assert kept.stamps_ns.tolist() == stamps
+        if resets:
+            assert_places(log, [of(true(i, way), MOUNT) for way in (0, 1) for i in range(N)])

@@ -104,7 +104,7 @@ def test_a_merge_has_the_mount_of_the_map(
         assert ended(service.http, session)["state"] == "done"
         assert mounts == [(0.25, 0.0, 0.5), second]
     wrong = service.http.post(address, json={"log": logs[1], "mapping": {"mount_x": "far"}})
-    assert (wrong.status_code, wrong.json()["code"]) == (422, "config.parameter_value")
+    assert (wrong.status_code, wrong.json()["code"]) == (422, "parameter.mount_x")
 
 
 def test_what_cannot_be_merged_is_said(

@@ -21,6 +21,7 @@ Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
 SAME = 1e-3  #: metres and radians
 STILL = "standing still"
+FAR_NS = 1_000_000_000  #: from the nearest scan with a pose of a trajectory: what is carried on farther is noted
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +59,9 @@ class PoseSource:
 
 @dataclass(frozen=True, slots=True)
 class PosesAtScans:
-    """The trajectories of the scans that are ``kept`` (n,) of n, by name, and notes.
+    """The trajectories of n scans by name, which of the scans are to be ``kept`` (n,), and notes.
 
-    Scans of whose time no source has a pose are not kept: as in tf2, nothing is extrapolated.
+    Scans of whose time no source has a pose are not kept: as in tf2, nothing is extrapolated, and theirs mean nothing.
     """
 
     trajectories: dict[str, Trajectory]
@@ -100,7 +101,8 @@ def trajectories_at(
     if found:
         kept = _known_to_any(found, known)
         notes += _notes_on_left_out(when, found, known, kept)
-        return PosesAtScans(*_continued(when, found, known, kept, notes))
+        trajectories, more = _continued(when, found, known, kept)
+        return PosesAtScans(trajectories, kept, [*notes, *more])
     notes.append(_without_poses(is_any=is_any, refused=refused))
     still = Trajectory(
         np.zeros((len(when), 3)),
@@ -148,14 +150,14 @@ def _continued(
     found: Mapping[str, Trajectory],
     known: Mapping[str, NDArray[np.bool_]],
     kept: NDArray[np.bool_],
-    notes: list[str],
-) -> tuple[dict[str, Trajectory], NDArray[np.bool_], list[str]]:
-    """Return the trajectories of the scans that are ``kept`` (n,), with these and with notes.
+) -> tuple[dict[str, Trajectory], list[str]]:
+    """Return the trajectories of the scans, of which those are ``kept`` (n,), and notes.
 
     Where a trajectory has no pose of a scan and another one has, it moves as the other there: the transform between
     their frames (map → odom of REP 105) is that at the nearest scan of which both have a pose.
     """
     whole: dict[str, Trajectory] = {}
+    notes: list[str] = []
     moving = [name for name, one in found.items() if np.ptp(one.poses, axis=0).any()] or list(found)
     for name, one in found.items():
         poses, rest = one.poses.copy(), kept & ~known[name]
@@ -168,10 +170,13 @@ def _continued(
             there = found[other].poses
             poses[scans] = compose(compose(poses[nearest], inverse(there[nearest])), there[scans])
             rest[scans] = False
-            are = "1 scan is" if len(scans) == 1 else f"{len(scans)} scans are"
+            far = int(np.count_nonzero(np.abs(when.stamps_ns[scans] - when.stamps_ns[nearest]) > FAR_NS))
+            if not far:
+                continue
+            are = "1 scan is" if far == 1 else f"{far} scans are"
             notes.append(f"{are} before the first or after the last pose of {name}, which moves as {other} there.")
         whole[name] = replace(one, poses=poses)
-    return whole, kept, notes
+    return whole, notes
 
 
 def _nearest(of_ns: Int64Array, stamps_ns: Int64Array) -> Int64Array:

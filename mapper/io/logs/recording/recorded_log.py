@@ -26,7 +26,7 @@ from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS
 from mapper.io.logs.ros.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.text.packing import notes_on_time
-from mapper.sensors.joint_log import JointLog, with_notes
+from mapper.sensors.joint_log import JointLog, ascending_times, with_notes
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.planar.tilted import cut_tilted
@@ -195,6 +195,7 @@ class RecordedLog:
             range_min=0.0,
             range_max=np.inf,
             stamps_ns=stamps,
+            order_ns=ascending_times(stamps, sensor.moments.stamps_ns),
             trajectories=poses.trajectories,
             mount=mounting.mount,
             mounts=mounting.mounts,
