@@ -99,6 +99,7 @@ def trajectories_at(
         if trajectory is not None:
             found[source.name], known[source.name] = trajectory, covered
     if found:
+        found = _moving_first(found, notes)
         kept = _known_to_any(found, known)
         notes += _notes_on_left_out(when, found, known, kept)
         trajectories, more = _continued(when, found, known, kept)
@@ -112,6 +113,17 @@ def trajectories_at(
         is_placeholder=True,
     )
     return PosesAtScans({STILL: still}, np.ones(len(when), dtype=np.bool_), notes)
+
+
+def _moving_first(found: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
+    """Return trajectories with those that never move behind the others, with a note where the first one is such."""
+    still = [name for name, one in found.items() if not np.ptp(one.poses, axis=0).any()]
+    first = next(iter(found))
+    if first not in still or len(still) == len(found):
+        return found
+    ordered = sorted(found, key=lambda name: name in still)
+    notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log's first.")
+    return {name: found[name] for name in ordered}
 
 
 def _known_to_any(found: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:

@@ -102,6 +102,12 @@ class Timeline:
     def count_on(self, offsets: Int64Array) -> None:
         """Add to each stamp (n,) what makes those of a later run follow those of the one before."""
         self._offsets, self._in_order, self._run_from, self._is_ascending = offsets, None, 0, False
+        self._moves = None
+
+    def put_together(self) -> None:
+        """Put all poses in order, also where their stamps stepped back: the clock of the recording did not."""
+        if self._run_from:
+            self._in_order, self._run_from, self._is_ascending, self._moves = None, 0, False, None
 
     def _sorted(self) -> tuple[Int64Array, Poses3, Int64Array]:
         if self._in_order is None:
