@@ -228,8 +228,8 @@ class ScanLog:
     ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
     where the file does not state them; where scans state different ones, the median.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
-    ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by them
-    scans of several sensors follow one another, and those of one sensor with different beams.
+    ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
+    them scans of several sensors follow one another, and those of one sensor with different beams.
     """
 
     ranges: NDArray[np.float32]

@@ -1,7 +1,8 @@
 """Recordings whose poses begin late or end early: a scan gets no pose of another time.
 
 tf2 refuses a look-up before the first and after the last transform ("extrapolation into the past", tf2/src/cache.cpp),
-so that nodes drop such scans. Where another source has the robot's motion there, it carries the trajectory on (REP 105).
+so that nodes drop such scans. Where another source has the robot's motion there, it carries the trajectory on
+(REP 105).
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError
 from server.library.library import Library
 from server.library.packs.log import log_in
 from server.library.processing.merging import MergeJob, MergeOutcome
-from server.sessions.models.log_recording import LogRecording
+from server.sources.log_recording import LogRecording
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until

@@ -14,7 +14,6 @@ from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
-
 LEAST_ALIKE = 3  #: scans of one stamp that are a fault of their driver
 
 

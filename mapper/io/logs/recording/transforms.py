@@ -49,7 +49,9 @@ DENSER = 1.5  #: times as many poses: then one parent tells the motion between t
 MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
-_WORLD_WORDS = frozenset(("map", "odom", "odometry", "vision", "world", "earth"))  #: one of the words of a fixed frame's name
+_WORLD_WORDS = frozenset(
+    ("map", "odom", "odometry", "vision", "world", "earth")
+)  #: one of the words of a fixed frame's name
 
 Path = tuple[str, ...]  #: frames, each the parent or a child of the next
 
