@@ -13,6 +13,7 @@ from mapper.core.errors import ConfigError
 from server.library.library import Library
 from server.library.packs.log import log_in
 from server.library.processing.merging import MergeJob, MergeOutcome
+from server.sessions.view import LogView
 from server.sources.log_recording import LogRecording
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
@@ -94,8 +95,12 @@ def test_a_merge_has_the_mount_of_the_map(
 
     monkeypatch.setattr("server.library.processing.merging.do_merge_job", look)
     seen = LogRecording.view
-    mount = {"mount_x": 0.25, "mount_yaw": 0.5}
-    monkeypatch.setattr(LogRecording, "view", lambda self: replace(seen(self), values={**seen(self).values, **mount}))
+
+    def with_mount(recording: LogRecording) -> LogView:
+        view = seen(recording)
+        return replace(view, values={**(view.values or {}), "mount_x": 0.25, "mount_yaw": 0.5})
+
+    monkeypatch.setattr(LogRecording, "view", with_mount)
     session = service.begin(kind="log", log=logs[0], playing=False)
     address = f"/api/sessions/{session}/merge"
     for more, second in (({}, (0.25, 0.0, 0.5)), ({"mapping": {"mount_x": -0.5}}, (-0.5, 0.0, 0.0))):
