@@ -22,7 +22,7 @@ export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readon
   const isOpen = useSignal(false);
   const close = async (): Promise<void> => {
     await ask("DELETE /api/classes/{code}/puzzle", { code: room.code }).catch(() =>
-      toast("The puzzle was not taken away: the server does not answer.", "error"),
+      toast("The puzzle could not be ended: the server does not answer.", "error"),
     );
   };
   return (

@@ -6,6 +6,7 @@ import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
 import { QUESTIONS } from "./questions";
+import { answerOf } from "./shownAnswers";
 import { predicted, presenting, questionOf, slide, stage } from "./state";
 
 /** In a class the question of a slide can be asked of everybody. */
@@ -13,7 +14,8 @@ function ClassQuestion() {
   const room = lecturersClass.value;
   const question = questionOf(slide.value);
   if (!room || !question?.options || stage.value !== "predict" || askedAs(question.question)) return null;
-  const { question: text, options, right } = question;
+  const { question: text, options } = question;
+  const right = answerOf(slide.value)?.right;
   return (
     <p class="slide-ask no-print">
       <Button
