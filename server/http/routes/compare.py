@@ -68,13 +68,13 @@ class ComparisonAnswer:
     cells: int
     states: list[list[int]]
     same: int
-    only: tuple[int, int]
+    only: list[int]
     both: int
-    entropy_bits: tuple[float, float]
-    contrast: tuple[float, float]
+    entropy_bits: list[float]
+    contrast: list[float]
     mean_difference: float
     max_difference: float
-    max_at: tuple[float, float] | None
+    max_at: list[float] | None
 
 
 def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:

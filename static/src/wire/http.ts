@@ -93,13 +93,13 @@ export interface ComparisonAnswer {
   readonly cells: number;
   readonly states: readonly (readonly number[])[];
   readonly same: number;
-  readonly only: readonly [number, number];
+  readonly only: readonly number[];
   readonly both: number;
-  readonly entropy_bits: readonly [number, number];
-  readonly contrast: readonly [number, number];
+  readonly entropy_bits: readonly number[];
+  readonly contrast: readonly number[];
   readonly mean_difference: number;
   readonly max_difference: number;
-  readonly max_at: readonly [number, number] | null;
+  readonly max_at: readonly number[] | null;
 }
 
 /** What the recording holds; `pictures` are the topics with images or clouds, `frames` counts frames. */

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { logOdds } from "../../grid/logOdds";
-import { densityCharacter, stateCharacter } from "./Pipeline";
+import { densityCharacter, stateCharacter } from "./density";
 
 describe("a map of characters", () => {
   it("has three states at ±0.5 of log-odds", () => {

@@ -7,6 +7,7 @@ import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
 import { act, canAct } from "./acts";
+import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
 import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
 
@@ -41,24 +42,6 @@ function TitleMap() {
     <div class="title-map" ref={root}>
       <WorldStage scene={now} />
     </div>
-  );
-}
-
-interface FormulaPart {
-  readonly text: string;
-  readonly place: "line" | "sub" | "sup";
-}
-
-const PART = /([_^])(?:\{([^{}]*)\}|(\S))|([^_^]+|[_^])/gu;
-
-/** The formula of a line such as `$p_t = 1 - e^{-x}$`; null where the line is none. */
-export function formulaOf(line: string): readonly FormulaPart[] | null {
-  const inside = /^\s*\$(.+)\$\s*$/u.exec(line)?.[1];
-  if (!inside) return null;
-  return [...inside.matchAll(PART)].map(([, mark, braced, single, plain]) =>
-    mark
-      ? { text: (braced ?? single ?? "").replaceAll("-", "−"), place: mark === "_" ? "sub" : "sup" }
-      : { text: (plain ?? "").replaceAll("-", "−"), place: "line" },
   );
 }
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { formulaOf } from "./OwnSlide";
+import { formulaOf } from "./formula";
 
 test("a line between dollar signs is a formula, with indices, exponents and a minus sign", () => {
   expect(formulaOf("$p_t = 1 - e^{-x}$")).toEqual([
