@@ -83,7 +83,7 @@ def choose(service: Service, session: str, body: bytes, name: str = "office.yaml
 
 
 def recording_of(service: Service, session: str) -> Recording:
-    recording = service.state.sessions.get(session).model.recording
+    recording = service.state.sessions.get(session).model.find(Recording)
     assert recording is not None
     return recording
 
@@ -113,7 +113,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     """Of a flat floor around the robot with a wall of 1 m on it, the floor is safe and the wall lethal."""
     http, address = service.http, f"/api/sessions/{session}/costmap/terrain"
     host: Any = service.state.sessions.get(session)
-    at = np.array(host.model.recording.robot_state().pose[:2])
+    at = np.array(host.model.find(Recording).robot_state().pose[:2])
     steps = np.arange(-2.0, 2.0, 0.04)
     floor = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
     heights = np.where(np.abs(floor[:, 0] - 1.0) < 0.3, 1.0, 0.0)
