@@ -61,7 +61,7 @@ class Classes:
                 one.lecturer_seen = self._clock()
                 return one
         if len(self._classes) >= MAX_CLASSES:
-            raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the most there may be.")
+            raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the maximum.")
         code = new_code()
         while code in self._classes:
             code = new_code()
@@ -103,7 +103,7 @@ class Classes:
         if found.is_locked:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
         if found.places_taken(self.most_of_address) >= self._max_followers or found.is_full:
-            raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
+            raise ClassBudgetError("class.crowded", "This class is full.")
         given = found.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
         if found.present_of(address) >= self.most_of_address or given:
             raise _crowded_address()
@@ -127,7 +127,7 @@ class Classes:
         found = self.get(code)
         self.check(found, visitor, address)
         if found.connections_of(visitor) >= MAX_CONNECTIONS:
-            raise ClassBudgetError("class.connections", "This browser shows the class on as many pages as it may.")
+            raise ClassBudgetError("class.connections", "This browser follows the class in too many pages: close one.")
         return found, found.join(visitor, address, follows=follows)
 
     def close(self, found: Classroom) -> None:
@@ -157,6 +157,5 @@ def unknown_class() -> ClassNotFoundError:
 def _crowded_address() -> ClassBudgetError:
     return ClassBudgetError(
         "class.crowded_address",
-        "As many people of your network as may follow this class already do. "
-        "Another network, such as mobile data, may have room.",
+        "This class has no more room for your network. Another network, such as mobile data, may have room.",
     )

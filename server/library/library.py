@@ -298,7 +298,7 @@ class Library:
     def _own_upload(self, owner: str, log_id: str) -> Record:
         record = self.get(owner, log_id)
         if record.source != "upload":
-            raise LogReadOnlyError("log.read_only", "This log belongs to the server and is read as it needs to be.")
+            raise LogReadOnlyError("log.read_only", "This log belongs to the server: how it is read cannot be changed.")
         return record
 
     # -- looking ------------------------------------------------------------------------------------------------

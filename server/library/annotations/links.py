@@ -55,7 +55,7 @@ class Links:
         Raises :class:`LimitError` for one too many, and ``StorageError``.
         """
         if sum(link.owner == owner for link in self._links.values()) >= MAX_LINKS_PER_OWNER:
-            message = f"You have {MAX_LINKS_PER_OWNER} links, the most there can be: revoke one."
+            message = f"You have {MAX_LINKS_PER_OWNER} links, the maximum: revoke one."
             raise LimitError("link.too_many", message)
         link = Link(secrets.token_urlsafe(24), owner, record.id, time.time(), view)
 
