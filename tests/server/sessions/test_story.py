@@ -17,8 +17,8 @@ import pytest
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
-from server.sessions.parts import Story
 from server.sessions import SessionRegistry
+from server.sessions.parts import Story
 from server.sessions.tick import TickResult
 from server.sources import story as story_module
 from server.sources.simulation_commands import act
