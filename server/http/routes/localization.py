@@ -30,7 +30,7 @@ from server.library.processing.localization import (
 )
 from server.library.processing.log_jobs import Parameters, ParameterTable
 from server.sessions.commands import ShowGivenMap
-from server.sessions.parts import FilterHistory
+from server.sessions.parts import FilterHistory, Localized
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
@@ -226,7 +226,7 @@ async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> 
     of_log = session_of_log(sessions, session_id)
     session, log_id = of_log.session, of_log.log_id
     owner = session.owner if session.link is None else library.links.get(session.link).owner
-    localization = session.model.localization
+    localization = session.model.find(Localized)
 
     async def source(trajectory: str) -> bytes | None:
         known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))

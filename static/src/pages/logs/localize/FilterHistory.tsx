@@ -16,7 +16,7 @@ const PLOTS = ["Standard deviation of the place", "Entropy of the particles", "F
 /** How certain the poses in use are along the log, beside the present scan. */
 export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
   const series = useMemo(() => seriesOf(history), [history]);
-  const now = store.localization.value;
+  const now = store.part("localization").message.value;
   const first = history.first_converged;
   return (
     <Panel title="Along the way">
