@@ -7,8 +7,8 @@ import type { View } from "../../render/view";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
-import { ask } from "../../wire/ask";
 import { filterOf } from "../../tools/localization/state";
+import { ask } from "../../wire/ask";
 import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
 

@@ -1,8 +1,8 @@
 import { computed, effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
-import { ask, RequestError } from "../../wire/ask";
 import { filterOf } from "../../tools/localization/state";
+import { ask, RequestError } from "../../wire/ask";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
