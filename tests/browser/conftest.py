@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.browser.looking import SECONDS, settled_digest, until
 from tests.browser.running import running_chromium, running_server
-from tests.browser.visits import MOST_KEPT, Visit, WatchedPage, visiting
+from tests.browser.visits import MOST_KEPT, Motion, Visit, WatchedPage, visiting
 from tests.server.library.small_logs import carmen
 
 expect.set_options(timeout=SECONDS * 1000)
@@ -105,7 +105,7 @@ def browser(request: pytest.FixtureRequest) -> Browser:
 
 
 @pytest.fixture
-def motion(request: pytest.FixtureRequest) -> str:
+def motion(request: pytest.FixtureRequest) -> Motion:
     """Return what the visitor's browser asks for: less motion, save in tests that are marked ``moving``.
 
     What moves by itself takes most of the processor and is of no use to other tests.
@@ -114,9 +114,9 @@ def motion(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def context(browser: Browser, server: str, motion: str, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
+def context(browser: Browser, server: str, motion: Motion, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
     """Return a fresh visitor's browser, at the size that an indirect parameter names."""
-    window = (server, getattr(request, "param", "desktop"), motion)
+    window = (server, str(getattr(request, "param", "desktop")), motion)
     kept = next((one for one in _kept if one.window == window), None)
     if kept is not None:
         _kept.remove(kept)
@@ -132,7 +132,7 @@ def context(browser: Browser, server: str, motion: str, request: pytest.FixtureR
 
 
 @pytest.fixture
-def visitor(browser: Browser, server: str, motion: str) -> Iterator[BrowserContext]:
+def visitor(browser: Browser, server: str, motion: Motion) -> Iterator[BrowserContext]:
     """Return the browser of another visitor."""
     with visiting(browser, server, reduced_motion=motion) as context:
         yield context

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal
 
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
 from playwright.sync_api import Error as PlaywrightError
@@ -19,6 +19,7 @@ from tests.browser.lateness import late_script
 from tests.browser.looking import SECONDS
 
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
+Motion = Literal["reduce", "no-preference"]  #: what a visitor's browser asks for
 MOST_KEPT = 2  #: visits that wait for another test; each has a renderer process
 
 # Methods of pages and contexts whose effect cannot be taken back.
@@ -82,11 +83,12 @@ def _end_sessions(context: BrowserContext, server: str) -> None:
 class Visit:
     """A visitor's browser with a window of a size of :data:`SIZES`, and in it one page that is watched."""
 
-    def __init__(self, browser: Browser, server: str, size: str, motion: str) -> None:
+    def __init__(self, browser: Browser, server: str, size: str, motion: Motion) -> None:
         width, height = SIZES[size]
         phone = size == "phone"
         self.window = (server, size, motion)
         self._server = server
+        self._motion = motion
         self._is_lasting = False
         self._viewport = {"width": width, "height": height}
         self.context = _new_context(
@@ -139,9 +141,8 @@ class Visit:
             page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
             page.goto("about:blank")
             page.mouse.move(-10, -10)  # nothing is under the mouse, as on a new page
-            page.emulate_media(
-                media="null", color_scheme="null", reduced_motion="null", forced_colors="null", contrast="null"
-            )
+            # "null" would be what this machine prefers, whatever the context asks for.
+            page.emulate_media(media="null", color_scheme="light", reduced_motion=self._motion)
             page.set_viewport_size(self._viewport)  # type: ignore[arg-type]
             _end_sessions(self.context, self._server)
             self.context.clear_cookies()
