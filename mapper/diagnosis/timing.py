@@ -28,8 +28,15 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     times, yaw = stamps[order], np.unwrap(poses[:, 2])
     at = stamps[seen.scans]
 
+    columns = (poses[:, 0], poses[:, 1], yaw)
+    middle = [float(np.interp(at, times, column).mean()) for column in columns[:2]]
+
     def delayed(delay: float) -> float:
-        moved = [np.interp(at + delay, times, column) for column in (poses[:, 0], poses[:, 1], yaw)]
+        moved = [np.interp(at + delay, times, column) for column in columns]
+        # What all poses move by, as along a straight line, moves the map as a whole: it shows no delay, only how walls
+        # lie on the grid.
+        for axis in (0, 1):
+            moved[axis] += middle[axis] - moved[axis].mean()
         moved[2] = wrap_angle(moved[2])
         return consistency(seen.with_poses(np.stack(moved, axis=-1)))
 
