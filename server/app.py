@@ -89,6 +89,7 @@ async def _lifespan(
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
         library.sign_in_ends.take_over = sign_ins.take_over
+        library.links.ended = registry.end_linked
         await library.start()
         stack.push_async_callback(library.close)
         downloads = Downloads(settings.data_dir)

@@ -152,6 +152,9 @@ def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Work
     assert "a.log" in answer.text
     guest = second.post(f"/api/shared/{token}/sessions", json={}).raise_for_status().json()["id"]
     assert guest.startswith("1.")
+    # Who has opened it is sent away wherever that was.
+    first.delete(f"/api/links/{token}").raise_for_status()
+    assert until(lambda: second.get(f"/api/sessions/{guest}").status_code == 404)
 
 
 def test_a_class_is_followed_from_the_other_worker(service: Workers, pair: Any) -> None:
