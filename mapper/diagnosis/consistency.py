@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to the noise of a reading
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
-#: Of a cell: offsets of the grids over which a mean is taken. Walls at round coordinates are on no border of theirs.
-PHASES = ((0.13, 0.13), (0.63, 0.63), (0.38, 0.88))
+PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct it
 
