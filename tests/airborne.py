@@ -19,6 +19,16 @@ Bools = NDArray[np.bool_]
 Field = Callable[[Floats, Floats], Floats]  #: heights, metres, at places x, y in metres
 
 
+@dataclass(frozen=True)
+class _Top:
+    """Heights of an object, NaN where it is not; the share of pulses that meet it; where it begins and ends in x."""
+
+    height: Field
+    share: float
+    first: float
+    last: float
+
+
 @dataclass
 class Scene:
     """Bare ground and what stands on it, on a square of ``side`` metres; objects that were added later lie above."""
@@ -26,12 +36,12 @@ class Scene:
     side: float
     ground: Field
     rng: np.random.Generator
-    tops: list[tuple[Field, float]] = field(default_factory=list)  #: heights, NaN where none; share that is met
+    tops: list[_Top] = field(default_factory=list)
     gaps: list[Callable[[Floats, Floats], Bools]] = field(default_factory=list)
 
-    def add(self, top: Field, share: float = 1.0) -> None:
-        """Add an object whose top is met by a ``share`` of the pulses that pass it."""
-        self.tops.append((top, share))
+    def add(self, top: Field, share: float = 1.0, x: float = 0.0, reach: float = math.inf) -> None:
+        """Add an object, at most ``reach`` from ``x``, whose top is met by a ``share`` of the pulses that pass it."""
+        self.tops.append(_Top(top, share, x - reach, x + reach))
 
     def box(
         self, x: float, y: float, length: float, width: float, turn: float, height: float, roof: float = 0.0
@@ -44,7 +54,7 @@ class Scene:
             inside = (np.abs(along) <= length / 2) & (np.abs(across) <= width / 2)
             return np.where(inside, base + height + roof * (1.0 - 2.0 * np.abs(across) / width), np.nan)
 
-        self.add(top)
+        self.add(top, 1.0, x, 0.5 * math.hypot(length, width))
 
     def tree(self, x: float, y: float, radius: float, height: float, share: float) -> None:
         """Add a tree with a round crown."""
@@ -53,9 +63,9 @@ class Scene:
         def top(px: Floats, py: Floats) -> Floats:
             away = np.hypot(px - x, py - y) / radius
             crown = base + height * (0.55 + 0.45 * np.sqrt(np.maximum(1.0 - away**2, 0.0)))
-            return np.where(away <= 1.0, crown * 1.0, np.nan)
+            return np.where(away <= 1.0, crown, np.nan)
 
-        self.add(top, share)
+        self.add(top, share, x, radius)
 
     def trees(
         self, n: int, height: tuple[float, float], share: float, where: Callable[[float, float], bool] | None = None
@@ -98,18 +108,21 @@ class Scene:
         px, py = px[keep], py[keep]
         z = self.ground(px, py)
         bare, is_ground = z.copy(), np.ones(len(px), dtype=np.bool_)
-        for top, share in self.tops:
-            there = top(px, py)
-            met = ~np.isnan(there) & (there > z)
-            if share < 1.0:
-                met &= rng.random(len(px)) < share
-                deep = rng.beta(4.0, 1.3, len(px))  # within the crown, mostly near its top
-                there = np.where(deep < 1.0, bare + deep * (there - bare), there)
-            z, is_ground = np.where(met, there, z), is_ground & ~met
+        order = np.argsort(px, kind="stable")
+        sorted_x = px[order]
+        for top in self.tops:
+            near = order[np.searchsorted(sorted_x, top.first) : np.searchsorted(sorted_x, top.last, side="right")]
+            there = top.height(px[near], py[near])
+            met = ~np.isnan(there) & (there > z[near])
+            if top.share < 1.0:
+                met &= rng.random(len(near)) < top.share
+                deep = rng.beta(4.0, 1.3, len(near))  # within the crown, mostly near its top
+                there = bare[near] + deep * (there - bare[near])
+            z[near[met]], is_ground[near[met]] = there[met], False
         z += rng.normal(0.0, noise_m, len(z))
-        for share, near, far in ((low, -3.0, -15.0), (high, 10.0, 60.0)):
-            some = rng.random(len(z)) < share
-            z[some] += rng.uniform(min(near, far), max(near, far), int(some.sum()))
+        for share_of_points, lowest, highest in ((low, -15.0, -3.0), (high, 10.0, 60.0)):
+            some = rng.random(len(z)) < share_of_points
+            z[some] += rng.uniform(lowest, highest, int(some.sum()))
             is_ground &= ~some
         return np.column_stack([px, py, z]), is_ground
 

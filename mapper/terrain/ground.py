@@ -211,15 +211,17 @@ def extended(
     shape: tuple[int, int],
     cell: float,
     height: float,
+    share: float,
     times: int,
 ) -> BoolArray:
     """Return which points (n,) are ground once those that lie on the plane of the ground beside them are added.
 
-    Cells (rows, cols) of ``cell`` metres hold one point on average or more. Points are added ``times`` times.
+    Points may lie off the plane by ``height`` + ``share`` · slope, metres, and are added ``times`` times. Cells (rows,
+    cols) of ``cell`` metres hold one point on average or more.
     """
     ground, new = ground.copy(), np.empty(len(points), dtype=np.bool_)
     lowest, near = np.empty(shape, dtype=np.int32), np.ones(shape, dtype=np.bool_)
-    limits = PLANE_REACH, PLANE_POINTS, STEEPEST, height, PLANE_SHARE
+    limits = PLANE_REACH, PLANE_POINTS, STEEPEST, height, share
     for _ in range(times):
         extension.lowest_ground(points, ground, corner, cell, lowest)
         extension.extend(points, ground, corner, cell, lowest, near, *limits, new)
@@ -265,6 +267,7 @@ def _filter(
     extents = shape[1] * cell, shape[0] * cell
     wide = max(cell, math.sqrt(extents[0] * extents[1] / len(points)))
     wide_shape = math.ceil(extents[1] / wide), math.ceil(extents[0] / wide)
-    whole_ground = extended(points, ground, corner, wide_shape, wide, config.height, round(config.extensions))
+    limits = config.height, PLANE_SHARE * cell
+    whole_ground = extended(points, ground, corner, wide_shape, wide, *limits, round(config.extensions))
     progress(1.0)
     return whole_ground, surface, unsure | (whole_ground & ~ground)

@@ -12,7 +12,7 @@ STEEPEST = 1.5  #: rise over run of ground that still goes on from cell to cell
 RISE_SHARE = 0.5  #: rises of neighbouring cells may differ by the height of the limit and this share of the rise
 LEAST_INTO, MOST_DROPS = 0.25, 0.6  #: of a segment's sides: into the ground, and of a drop, where it is given back
 PLANE_REACH, PLANE_POINTS = 3, 5  #: cells that the plane beside a point reaches, and points that it needs
-PLANE_SHARE = 0.3  #: points may lie off that plane by the height of the limit and this share of its slope
+PLANE_SHARE = 0.3  #: points may lie off that plane by the height of the limit and this share of its rise over a cell
 
 
 @dataclass(frozen=True, slots=True)

@@ -226,8 +226,8 @@ def given_back(heights: Heights, taken: BoolArray, cell: float, height: float) -
     return given, contested
 
 
-def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: float) -> bool:
-    """Whether a ``point`` (3,) lies on the plane of ``others`` (m, 3), by least squares."""
+def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: float, share: float) -> bool:
+    """Whether a ``point`` (3,) is within ``height`` + ``share`` · slope of the plane of ``others`` (m, 3)."""
     if len(others) < PLANE_POINTS:
         return False
     local = others - point
@@ -240,13 +240,13 @@ def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: f
         return False
     rises = np.linalg.solve(across, centred[:, :2].T @ centred[:, 2])
     slope = float(np.hypot(*rises))
-    limit = height + PLANE_SHARE * slope
+    limit = height + share * slope
     residual = float(((centred[:, 2] - centred[:, :2] @ rises) ** 2).sum())
     is_on = abs(float(local[:, 2].mean() - away @ rises)) <= limit
     return slope <= STEEPEST and is_on and residual <= limit**2 * (len(others) - 3)
 
 
-def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, height: float) -> BoolArray:
+def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, height: float, share: float) -> BoolArray:
     """Return which points (n,) that are not ground lie on the plane of the lowest ground points on one side of them.
 
     ``points`` (n, 3) are in metres from the corner of the cells. Each side is a box of cells.
@@ -267,7 +267,7 @@ def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, heig
             [(row + a, col + b) for a in along for b in across],
         )
         beside = [[lowest[place] for place in box if place in lowest] for box in boxes]
-        out[i] = any(continues(points[i], points[some], height) for some in beside)
+        out[i] = any(continues(points[i], points[some], height, share) for some in beside)
     return out
 
 
@@ -302,6 +302,6 @@ def ground_points(
     unsure = (given | contested)[places] | (lenient & ~strict)
     wide = max(cell, math.sqrt(shape[0] * cell * shape[1] * cell / len(points)))
     for _ in range(round(config.extensions)):
-        new = continuing(local, ground, wide, height)
+        new = continuing(local, ground, wide, height, PLANE_SHARE * cell)
         ground, unsure = ground | new, unsure | new
     return ground, surface, unsure

@@ -52,7 +52,7 @@ def _label(row: Parameter) -> Parameter:
 TABLE: tuple[Parameter, ...] = (
     Parameter(
         "shown", "Over the map", "terrain_view", "choice", "costs",
-        "Costs of the classes, the costmap with inflation, or one property of the patches, from light to dark; unsure is "
+        "Costs of the classes, the costmap with inflation, or one property of the patches, from light to dark; unsure: "
         "the share of points that the ground filter may have wrong.",
         choices=SHOWN,
     ),

@@ -221,6 +221,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         {"patch": 0.25},
         900,
         700,
+        40,
         12,
         91.5,
         3.25,
@@ -246,7 +247,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ),
         None,
     ),
-    terrain.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
+    terrain.TerrainMessage(False, {}, 0, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
     navigation_messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},
