@@ -170,6 +170,33 @@ def slope_around(heights: Heights, left_out: BoolArray, radius: int, slope: floa
     return np.asarray(mean[np.arange(rows)[:, None] // BLOCK, np.arange(cols) // BLOCK])
 
 
+def smaller_rise(before: float, after: float) -> float:
+    """Return the smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    return 0.0 if before * after <= 0.0 else min(before, after, key=abs)
+
+
+def heights_of_centres(
+    points: NDArray[np.float64], corner: NDArray[np.float64], whole: Heights, cell: float
+) -> Heights:
+    """Return the heights (rows, cols) that the lowest points of cells have once moved along the slope to the centres.
+
+    ``whole`` are the heights of the lowest points themselves, filled. The slope is the smaller one of both sides.
+    """
+    rows, cols = whole.shape
+    places: dict[tuple[int, int], tuple[float, float, float]] = {}
+    for i, (x, y, _) in enumerate(points - corner):
+        at = int(y / cell), int(x / cell)
+        if at not in places or points[i, 2] < places[at][2]:
+            places[at] = x / cell - (at[1] + 0.5), y / cell - (at[0] + 0.5), points[i, 2]
+    moved = np.full_like(whole, np.nan)
+    for (row, col), (x, y, _) in places.items():
+        z = float(whole[row, col])
+        down, up = float(whole[max(row - 2, 0), col]), float(whole[min(row + 2, rows - 1), col])
+        left, right = float(whole[row, max(col - 2, 0)]), float(whole[row, min(col + 2, cols - 1)])
+        moved[row, col] = z - 0.5 * (smaller_rise(z - left, right - z) * x + smaller_rise(z - down, up - z) * y)
+    return filled(moved)
+
+
 def goes_on(heights: list[np.float32], cell: float, height: float) -> bool:
     """Whether a surface goes on smoothly over four cells in a line: the rises before, between and after two agree."""
     first, rise, last = (b - a for a, b in itertools.pairwise(heights))
@@ -285,7 +312,8 @@ def ground_points(
     low = objects(-whole, 1, config.low_slope, cell)
     around = slope_around(whole, low, radius, config.slope, cell)
     high = objects(whole, radius, config.slope, cell, around, config.local_slope)
-    given, contested = given_back(whole, high, cell, height)
+    centred = heights_of_centres(points, corner, whole, cell)
+    given, contested = given_back(centred, high, cell, height)
     taken = (high & ~given) | low | np.isnan(least)
     surface = filled(whole if taken.all() else np.where(taken, np.float32(np.nan), least))
     ground = near_surface(points, corner, surface, cell, height, config.scaling)

@@ -30,6 +30,37 @@ def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array,
 
 
 @jit
+def smaller_rise(before: float, after: float) -> float:
+    """The smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    if before * after <= 0.0:
+        return 0.0
+    return before if abs(before) < abs(after) else after
+
+
+@jit
+def move_to_centres(
+    points: Float64Array, lowest: NDArray[np.int32], heights: Heights, corner: Float64Array, cell: float, out: Heights
+) -> None:
+    """Write the heights that the ``lowest`` points of cells have at the cells' centres; NaN where a cell has none.
+
+    ``heights`` are those of the filled cells. The slope is the smaller one of both sides, over two cells.
+    """
+    rows, cols = heights.shape
+    for row in range(rows):
+        for col in range(cols):
+            i = lowest[row, col]
+            if i < 0:
+                out[row, col] = np.nan
+                continue
+            z = float(heights[row, col])
+            up, down = float(heights[min(row + 2, rows - 1), col]), float(heights[max(row - 2, 0), col])
+            right, left = float(heights[row, min(col + 2, cols - 1)]), float(heights[row, max(col - 2, 0)])
+            x = (points[i, 0] - corner[0]) / cell - (col + 0.5)
+            y = (points[i, 1] - corner[1]) / cell - (row + 0.5)
+            out[row, col] = z - 0.5 * (smaller_rise(z - left, right - z) * x + smaller_rise(z - down, up - z) * y)
+
+
+@jit
 def halve(heights: Heights, out: Heights) -> None:
     """Write the mean of the known cells of each 2 × 2 into ``out`` (⌈rows / 2⌉, ⌈cols / 2⌉), NaN where none is."""
     rows, cols = heights.shape
