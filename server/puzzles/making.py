@@ -14,8 +14,8 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults
 from server.puzzles.spec import AS_IT_IS
-from server.sessions.models.log_recording import first_config
-from server.sessions.models.story import replayed
+from server.sources.log_recording import first_config
+from server.sources.story import replayed
 
 Wanted = Callable[[], bool]
 Tell = Callable[[str, float | None], None]
@@ -48,7 +48,7 @@ class RecipeSource:
         def step(done: float) -> None:
             tell(DRIVING, done)
             if not wanted():
-                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+                raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
 
         return _ready(recipe.make(step), recipe.cause, limits, wanted, tell)
 

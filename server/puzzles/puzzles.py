@@ -63,7 +63,7 @@ class Puzzles:
                 return known
         while not self._making.acquire(timeout=LOOK_S):
             if not wanted():  # which lets the sessions compute that wait for this thread
-                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+                raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
         try:
             with self._lock:
                 known = self._ready.get(key)
@@ -80,8 +80,8 @@ class Puzzles:
         """Return the plan of a session that shows a puzzle: the whole map, paused."""
 
         def make(host: ModelHost, making: Making) -> SessionModel:
-            from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
-            from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
+            from server.sources.log import LogModel  # noqa: PLC0415 - imported with the first session
+            from server.sources.log_recording import first_replay  # noqa: PLC0415
 
             now: tuple[str, float | None] = ("Another puzzle is being made", None)
 

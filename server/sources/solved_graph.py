@@ -1,0 +1,300 @@
+"""A pose graph as SLAM left it and as changes by hand leave it: solved, drawn, and questioned."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.matching.kernels.types import NO_POINT
+from mapper.matching.match import match_scan
+from mapper.matching.parameters import MatchConfig
+from mapper.matching.target import scan_target
+from mapper.sensors.pose_graph import LOOP, PoseGraph
+from mapper.sensors.scan import ScanLog
+from mapper.slam import LoopCandidates, optimise
+from mapper.slam.scan_store import scans_of
+from server.sessions.view import GraphChange
+from server.stream.whole_layers import GraphLayer
+
+KERNELS = ("geman_mcclure", "cauchy", "huber", "none")
+SCALES = (0.5, 50.0)  #: least and greatest scale of the kernel, in standard deviations
+NEAREST = 12  #: candidates that are listed for a place
+RADIUS = 3.0  #: metres around a place in which they are looked for
+WINDOW = 3.0  #: metres to each side in which a loop that is added by hand is matched
+LEAST_SCORE = 0.4  #: of such a match, 0 … 1
+LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
+MAX_POINTS = 720  #: of one scan that is drawn
+
+Float64Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class GraphOptions:
+    """Options of the solver of the graph: the robust kernel of its loops and its scale, in standard deviations."""
+
+    robust: str = "geman_mcclure"
+    robust_scale: float = 3.0
+
+    def __post_init__(self) -> None:
+        if self.robust not in KERNELS:
+            raise ConfigError("graph.robust", f"The kernel {self.robust!r:.40} is not one of {', '.join(KERNELS)}.")
+        if not (math.isfinite(self.robust_scale) and SCALES[0] <= self.robust_scale <= SCALES[1]):
+            raise ConfigError("graph.robust_scale", f"The scale of the kernel must be {SCALES[0]:g} to {SCALES[1]:g}.")
+
+
+@dataclass(frozen=True, slots=True)
+class SolvedGraph:
+    """A graph as SLAM left it, and as changes by hand leave it.
+
+    ``trajectory`` is the name of the trajectory that was made with it, ``healed`` (n_scans, 3) its poses as SLAM left
+    them, which a joint refinement has moved from the solution of the graph. A change by hand moves each pose as much as
+    it moves the solution: with no change the trajectory is the healed one.
+    """
+
+    trajectory: str
+    healed: Float64Array
+    first: PoseGraph  #: the solution without changes
+    graph: PoseGraph  #: the present solution
+    candidates: LoopCandidates
+    options: GraphOptions
+    is_changed: bool = False
+
+    @classmethod
+    def of(cls, trajectory: str, healed: Float64Array, graph: PoseGraph, candidates: LoopCandidates) -> SolvedGraph:
+        """Solve a graph as SLAM left it (worker thread). Raises as :func:`mapper.slam.optimise`."""
+        options = GraphOptions()
+        solved = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
+        return cls(trajectory, healed, solved, solved, candidates, options)
+
+    def solved(self, graph: PoseGraph, options: GraphOptions) -> SolvedGraph:
+        """Return the solution of another graph of the same nodes (worker thread).
+
+        Raises as :func:`mapper.slam.optimise`.
+        """
+        found = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
+        return replace(self, graph=found, options=options, is_changed=True)
+
+    @property
+    def poses(self) -> Float64Array:
+        """Return the poses of all scans (n_scans, 3), ``T_map_base``."""
+        if self.graph is self.first:
+            return self.healed
+        nodes = self.graph.nodes
+        moved = compose(self.graph.poses, inverse(self.first.poses))  # of the map, at each node
+        scans = np.arange(len(self.healed))
+        before = np.clip(np.searchsorted(nodes, scans, side="right") - 1, 0, len(nodes) - 1)
+        return compose(moved[before], self.healed)
+
+    @property
+    def node_poses(self) -> Float64Array:
+        """Return the poses of the nodes (m, 3), as the map has them."""
+        return np.asarray(self.poses[self.graph.nodes], dtype=np.float64)
+
+    def changed(self, log: ScanLog, change: GraphChange) -> SolvedGraph:
+        """Return the solution after a change by hand (worker thread).
+
+        Raises :class:`ConfigError` for an edge or a candidate that there is not, and as
+        :func:`mapper.slam.optimise`.
+        """
+        options = GraphOptions(
+            self.options.robust if change.robust is None else change.robust,
+            self.options.robust_scale if change.robust_scale is None else change.robust_scale,
+        )
+        graph = self.graph
+        if change.reset:
+            return replace(self, graph=self.first, options=GraphOptions(), is_changed=False)
+        if change.remove is not None:
+            graph = graph.without_edge(change.remove)
+        if change.lock is not None:
+            graph = graph.with_lock(change.lock, locked=True)
+        if change.unlock is not None:
+            graph = graph.with_lock(change.unlock, locked=False)
+        if change.add is not None:
+            graph = self._with_loop(graph, log, *change.add)
+        return self.solved(graph, options)
+
+    def _with_loop(self, graph: PoseGraph, log: ScanLog, first: int, second: int) -> PoseGraph:
+        """Return the graph with a locked loop between two scans, from the match of the one with the other."""
+        if not all(0 <= scan < log.n_scans for scan in (first, second)):
+            raise ConfigError("graph.scans", f"The log has {log.n_scans} scans, not both {first} and {second}.")
+        i, j = sorted(self._node_near(scan) for scan in (first, second))
+        if j - i < 2:
+            raise ConfigError(
+                "graph.scans", f"The scans {first} and {second} follow each other: no loop is between them."
+            )
+        poses = self.node_poses
+        scans = scans_of(log, graph.nodes[[i, j]].tolist())
+        guess = compose(inverse(poses[i]), poses[j])
+        found = match_scan(scans, 1, scan_target(scans, 0), guess, MatchConfig(window_m=WINDOW))
+        if found.score < LEAST_SCORE:
+            raise ConfigError(
+                "graph.no_match",
+                f"The scans {first} and {second} do not fit anywhere within {WINDOW:g} m: the best agreement is "
+                f"{100 * found.score:.0f} %.",
+            )
+        if found.is_degenerate:
+            raise ConfigError(
+                "graph.no_match",
+                f"The walls of the scans {first} and {second} leave one direction open, as a corridor.",
+            )
+        information = np.linalg.inv(found.covariance + np.diag(np.square(LEAST_DEVIATIONS)))
+        return graph.with_loop(i, j, found.pose, information, locked=True)
+
+    def _node_near(self, scan: int) -> int:
+        """Return the row of the node whose scan number is nearest."""
+        return int(np.abs(self.graph.nodes - scan).argmin())
+
+    def draw(self, layer: GraphLayer) -> None:
+        """Write nodes and edges; the value of an edge is a loop's residual in standard deviations, NaN of odometry."""
+        graph = self.graph
+        poses = self.node_poses
+        values = np.where(graph.kind == LOOP, graph.residual, np.nan)
+        nodes = np.stack([*poses.T, graph.nodes.astype(np.float64)])
+        layer.set(nodes, np.stack([graph.i, graph.j], axis=1), values)
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows: the loops, worst first, and how the graph is solved."""
+        graph = self.graph
+        loops = np.flatnonzero(graph.kind == LOOP)
+        order = loops[np.argsort(-graph.residual[loops], kind="stable")]
+        return {
+            "trajectory": self.trajectory,
+            "nodes": len(graph.nodes),
+            "odometry": int(len(graph.i) - len(loops)),
+            "loops": [self._loop(int(edge)) for edge in order],
+            "tried": len(self.candidates),
+            "robust": self.options.robust,
+            "robust_scale": self.options.robust_scale,
+            "changed": self.is_changed,
+        }
+
+    def _loop(self, edge: int) -> dict[str, Any]:
+        graph = self.graph
+        i, j = int(graph.i[edge]), int(graph.j[edge])
+        return {
+            "edge": edge,
+            "scans": [int(graph.nodes[i]), int(graph.nodes[j])],
+            "residual": round(float(graph.residual[edge]), 3),
+            "weight": round(float(graph.weight[edge]), 3),
+            "locked": bool(graph.locked[edge]),
+        }
+
+    def pair(self, log: ScanLog, i: int, j: int, relative: Float64Array | None) -> dict[str, Any]:
+        """Return the scans of the nodes i and j in the map: as the poses have them, and as ``relative`` aligns j.
+
+        Points are map metres; without ``relative``, which is ``Tᵢ⁻¹ ∘ Tⱼ``, there is no third list.
+        """
+        poses = self.node_poses
+        found = {"i": self._points(log, i, poses[i]), "j": self._points(log, j, poses[j])}
+        if relative is not None:
+            found["aligned"] = self._points(log, j, compose(poses[i], relative))
+        return {"poses": [np.round(poses[k], 4).tolist() for k in (i, j)], "points": found}
+
+    def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[list[float]]:
+        scan = int(self.graph.nodes[node])
+        scans = scans_of(log, [scan])
+        points = scans.points[0][scans.kind[0] != NO_POINT].astype(np.float64)
+        in_map = transform_points(pose, points[:: max(1, -(-len(points) // MAX_POINTS))])
+        return [[float(x), float(y)] for x, y in np.round(in_map, 3)]
+
+    def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:
+        """Return one edge with both of its scans. Raises :class:`ConfigError` for an edge that there is not."""
+        graph = self.graph
+        self.check_edge(edge)
+        i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
+        poses = self.node_poses
+        off = compose(inverse(relative), compose(inverse(poses[i]), poses[j]))
+        tried = np.flatnonzero((self.candidates.j == j) & self.candidates.accepted)
+        score = float(self.candidates.score[tried[0]]) if len(tried) else None
+        inliers = float(self.candidates.inliers[tried[0]]) if len(tried) else None
+        return (
+            self._loop(edge)
+            | {
+                "kind": "loop" if graph.kind[edge] == LOOP else "odometry",
+                "off_m": round(float(np.hypot(off[0], off[1])), 4),
+                "off_deg": round(math.degrees(float(wrap_angle(off[2]))), 3),
+                "score": None if score is None else round(score, 3),
+                "inliers": None if inliers is None else round(inliers, 3),
+            }
+            | self.pair(log, i, j, relative)
+        )
+
+    def check_edge(self, edge: int) -> None:
+        """Raise :class:`ConfigError` for an edge that there is not."""
+        if not 0 <= edge < len(self.graph.i):
+            raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
+
+    def near(self, x: float, y: float) -> dict[str, Any]:
+        """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.
+
+        ``visits`` are the runs of scans near it, and ``pair`` the nearest scan of the first and of the last of them.
+        """
+        poses, tried = self.node_poses, self.candidates
+        places = np.stack([poses[tried.i, :2], poses[tried.j, :2]])
+        away = np.hypot(places[..., 0] - x, places[..., 1] - y).min(axis=0)
+        order = np.argsort(away, kind="stable")[:NEAREST]
+        distance = np.hypot(poses[:, 0] - x, poses[:, 1] - y)
+        visits = _visits(self.graph.nodes[distance < RADIUS])
+        pair = None
+        if len(visits) > 1:
+            ends = [self.graph.nodes[self._nearest_of(visit, distance)] for visit in (visits[0], visits[-1])]
+            pair = [int(scan) for scan in ends]
+        return {
+            "visits": visits,
+            "pair": pair,
+            "candidates": [self._candidate(int(k), float(away[k])) for k in order if away[k] <= RADIUS],
+        }
+
+    def _nearest_of(self, visit: list[int], distance: Float64Array) -> int:
+        """Return the node of a visit, its first and its last scan, that is nearest; ``distance`` (m,) of all."""
+        rows = np.flatnonzero((self.graph.nodes >= visit[0]) & (self.graph.nodes <= visit[1]))
+        return int(rows[distance[rows].argmin()])
+
+    def _candidate(self, k: int, away: float) -> dict[str, Any]:
+        tried = self.candidates
+        i, j = int(tried.i[k]), int(tried.j[k])
+        return {
+            "candidate": k,
+            "scans": [int(self.graph.nodes[i]), int(self.graph.nodes[j])],
+            "away_m": round(away, 2),
+            "score": round(float(tried.score[k]), 3),
+            "inliers": round(float(tried.inliers[k]), 3),
+            "accepted": bool(tried.accepted[k]),
+            "reason": tried.reason[k],
+        }
+
+    def candidate(self, log: ScanLog, k: int) -> dict[str, Any]:
+        """Return a loop that was tried, with both of its scans. Raises :class:`ConfigError` for one that was not."""
+        if not 0 <= k < len(self.candidates):
+            raise ConfigError("graph.candidate", f"{len(self.candidates)} loops were tried; there is no number {k}.")
+        i, j = int(self.candidates.i[k]), int(self.candidates.j[k])
+        return self._candidate(k, 0.0) | self.pair(log, i, j, None)
+
+    def in_log(self, log: ScanLog) -> ScanLog:
+        """Return ``log`` with the present poses as the trajectory that the graph belongs to."""
+        known = log.trajectory(self.trajectory)
+        changed = replace(known, poses=self.poses, timed=None)
+        return replace(log, trajectories={**log.trajectories, self.trajectory: changed})
+
+
+def _visits(scans: NDArray[np.int64]) -> list[list[int]]:
+    """Return the runs [first, last] of scan numbers with fewer than 50 between one and the next."""
+    if not len(scans):
+        return []
+    cuts = np.flatnonzero(np.diff(scans) > 50)
+    return [
+        [int(a), int(b)] for a, b in zip(scans[np.r_[0, cuts + 1]], scans[np.r_[cuts, len(scans) - 1]], strict=True)
+    ]
+
+
+class ShowGraph(Struct):
+    """Map along the poses of a graph that was solved again."""
+
+    solved: SolvedGraph
