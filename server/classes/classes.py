@@ -38,10 +38,18 @@ class Classes:
     """Opens, finds and ends classes. Used from the event loop only."""
 
     def __init__(
-        self, max_followers: int, prepared: str | None = None, clock: Callable[[], float] = time.monotonic
+        self,
+        max_followers: int,
+        prepared: str | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        is_own: Callable[[str], bool] = lambda _: True,
     ) -> None:
-        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over."""
+        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over.
+
+        ``is_own`` says whether requests with a code reach this process.
+        """
         self._max_followers = max_followers
+        self._is_own = is_own
         self._clock = clock
         self._classes: dict[str, Classroom] = {}
         if prepared is not None:
@@ -63,7 +71,7 @@ class Classes:
         if len(self._classes) >= MAX_CLASSES:
             raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the maximum.")
         code = new_code()
-        while code in self._classes:
+        while code in self._classes or not self._is_own(code):
             code = new_code()
         made = self._classes[code] = Classroom(code, owner, self._clock)
         return made
