@@ -2,7 +2,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { CompareReadout } from "../../tools/compare/Readout";
-import { useTool } from "../../tools/navigation/mapTool";
+import { useTool } from "../../tools/costmap/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Overview } from "../../tools/picture/Overview";
