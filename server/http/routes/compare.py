@@ -125,7 +125,7 @@ async def compared(sessions: Sessions, session_id: str) -> ComparisonAnswer:
 
 
 async def _comparison(comparison: Comparable) -> ComparisonAnswer:
-    from server.sessions.comparison_numbers import numbers  # noqa: PLC0415 - imported with the comparison
+    from server.parts.comparison.numbers import numbers  # noqa: PLC0415 - imported with the comparison
 
     other, found = await comparison.compared()
     return ComparisonAnswer(a=_second(other), refused=None, **numbers(found))

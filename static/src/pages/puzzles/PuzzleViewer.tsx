@@ -150,7 +150,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     },
   ];
   return (
-    <div class="viewer">
+    <div class="viewer puzzle-viewer">
       <header class="viewer-head">
         {onClose && <Button kind="quiet" icon="back" label="All puzzles" onClick={onClose} />}
         <h1>{now?.title ?? "…"}</h1>

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
+from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
-from server.sessions.parts import Graphed, GraphSource
+from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
-from server.sources.log_recording import LogRecording
-from server.sources.solved_graph import ShowGraph
 from server.stream.whole_layers import GraphLayer
 
 if TYPE_CHECKING:
+    from server.parts.slam.solved_graph import SolvedGraph
     from server.sessions.graph_answers import (
         EdgeAnswer,
         PoseGraphAnswer,
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
         TriedLoopScans,
         TriedNear,
     )
-    from server.sources.solved_graph import SolvedGraph
 
 LAYER = "graph"
 
@@ -36,7 +35,7 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
     Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
     """
     from server.library.packs.graph import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
-    from server.sources.solved_graph import SolvedGraph  # noqa: PLC0415
+    from server.parts.slam.solved_graph import SolvedGraph  # noqa: PLC0415
 
     graph, candidates = read_graph(data)
     if len(graph.nodes) and int(graph.nodes.max()) >= log.n_scans:
@@ -57,7 +56,7 @@ def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
 class LogGraph(Part, Graphed):
     """The graph of a log session's present trajectory, if it has one, and its layer."""
 
-    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+    def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
         self._newest: SolvedGraph | None = None  #: which the model may not show yet
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
@@ -96,7 +95,7 @@ class LogGraph(Part, Graphed):
 
     async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
         """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
-        from server.sources.loop_landscape import (  # noqa: PLC0415 - imports SLAM, few need it
+        from server.parts.slam.loop_landscape import (  # noqa: PLC0415 - imports SLAM, few need it
             landscape_of,
         )
 
