@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request
 from msgspec import to_builtins
 
 from mapper.core.errors import MapperError
+from mapper.io.logs.summary import recorded_seconds
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
@@ -29,6 +30,8 @@ async def doctor(
 ) -> dict[str, Any]:
     """Return the diagnosis of the session's log with its current trajectory, and the events of its recording.
 
+    ``seconds`` of a finding are those of its ``scans`` in recorded time, from the log's first scan.
+
     The examination ends when every client that waits for it has disconnected.
     """
     recording = sessions.get(session_id).model.recording
@@ -38,8 +41,12 @@ async def doctor(
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
         found = await while_connected(request, recording.examined())
+    seconds = recorded_seconds(recording.log)
     return {
         "trajectory": trajectory,
-        "findings": [finding.public() for finding in found.findings],
+        "findings": [
+            {**finding.public(), "seconds": [round(float(seconds[scan]), 3) for scan in finding.scans]}
+            for finding in found.findings
+        ],
         "events": [to_builtins(LogEvent(**event.public())) for event in found.events],
     }

@@ -46,6 +46,16 @@ class Look(BaseModel):
     height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
 
 
+class Shown(BaseModel):
+    """What else of the page its sender saw."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    group: str | None = Field(None, max_length=40, description="The open group of controls.")
+    note: str | None = Field(None, max_length=100, description="Id of the chosen note.")
+    layout: str | None = Field(None, max_length=2000, description="The views beside the map, as the page writes them.")
+
+
 class NewLink(BaseModel):
     """A link to what a session shows now."""
 
@@ -53,6 +63,7 @@ class NewLink(BaseModel):
 
     session: str = Field(max_length=100, description="Id of a session of a log.")
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
+    shown: Shown | None = Field(None, description="What else of the page is seen.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +126,14 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer
     async with session.locked():
         navigation = [] if model.costed is None else model.costed.history()
     count = model.progress[1]
-    view = {"view": asdict(seen), "look": look, "count": count, "changed": changed, "navigation": navigation}
+    view = {
+        "view": asdict(seen),
+        "look": look,
+        "shown": None if wanted.shown is None else wanted.shown.model_dump(),
+        "count": count,
+        "changed": changed,
+        "navigation": navigation,
+    }
     return _public(sessions, await library.links.make(session.owner, record, view))
 
 
@@ -156,7 +174,7 @@ async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str
 async def shared(library: Logs, token: str) -> dict[str, Any]:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    return {"title": _record_name(library, link), "look": link.view["look"]}
+    return {"title": _record_name(library, link), "look": link.view["look"], "shown": link.view.get("shown")}
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)

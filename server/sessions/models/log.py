@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
+from mapper.io.logs.summary import start_s
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
@@ -266,6 +267,7 @@ class LogModel(SessionModel):
                 "duration_s": float(recording.recorded[-1]),
                 "format": log.format,
                 "notes": list(log.notes),
+                "start_s": start_s(log),
             },
         }
 

@@ -92,6 +92,8 @@ export interface LogInfo {
   readonly format: string;
   /** remarks of the reader, one sentence each */
   readonly notes: readonly string[];
+  /** earliest stamp, s since 1970; null for a clock that began elsewhere */
+  readonly start_s: number | null;
 }
 
 /** kind of content of a layer */
@@ -1661,6 +1663,7 @@ const isLogInfo: Check = isObject({
   duration_s: isNumber,
   format: isText,
   notes: isListOf(isText),
+  start_s: oneOf(isNumber, isNull),
 });
 const isLayerKind: Check = isLiteral("graph", "grid", "path", "points");
 const isLayerInfo: Check = isObject({

@@ -131,6 +131,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
             0.0,
             "CARMEN",
             ["No times."],
+            1_760_000_000.25,
         ),
     ),
     messages.LayersMessage(

@@ -3,11 +3,14 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { clock } from "../../ui/numbers";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
+import type { LogEvent } from "../../wire/messages";
 import type { Trajectory } from "../../wire/protocol";
+import { eventLabel } from "./Doctor";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
+import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
@@ -27,9 +30,21 @@ function marksOf(state: NotesState | undefined, trajectory: Trajectory | null, c
     const index = scanOf(note, trajectory, count);
     return index === null
       ? []
-      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: state?.chosen.value === note.id }];
+      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: state?.chosen.value === note.id, kind: "note" }];
   });
 }
+
+const EVENT = "event ";
+
+/** The events of the log, for the seek bar; their ids are their scans. */
+const eventMarks = (store: Store, events: readonly LogEvent[]): TimelineMark[] =>
+  events.map((event) => ({
+    id: `${EVENT}${event.scan + 1}`,
+    index: event.scan + 1,
+    label: `${eventLabel(event)}, ${shownTime(store, event.seconds)}`,
+    chosen: false,
+    kind: "event",
+  }));
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
@@ -41,12 +56,13 @@ interface TransportProps {
   readonly notes?: NotesState;
   /** Called when a note's mark was pressed. */
   readonly onNote?: () => void;
+  readonly events?: readonly LogEvent[];
   /** The plots below it, of a log of scans. */
   readonly plots?: TimelinePlotsState;
 }
 
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store, unit = "scan", notes, onNote, plots }: TransportProps) {
+export function Transport({ store, unit = "scan", notes, onNote, events = [], plots }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -96,8 +112,9 @@ export function Transport({ store, unit = "scan", notes, onNote, plots }: Transp
         onPoint={(at) => {
           if (plots) plots.onTimeline.value = at;
         }}
-        marks={marksOf(notes, trajectory, count)}
+        marks={[...marksOf(notes, trajectory, count), ...eventMarks(store, events)]}
         onMark={(id) => {
+          if (id.startsWith(EVENT)) store.goTo(Number(id.slice(EVENT.length)));
           const note = notes?.notes.peek()?.find((one) => one.id === id);
           if (!notes || !note) return;
           onNote?.();

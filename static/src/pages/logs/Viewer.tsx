@@ -15,12 +15,13 @@ import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
-import { useDoctor } from "./Doctor";
-import { groupsOf } from "./groups";
+import { eventsOf, useDoctor } from "./Doctor";
+import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
 import { HealOffer } from "./heal/HealOffer";
 import { useHealing } from "./heal/healing";
 import { useLocalizing } from "./localize/localizing";
+import { NoteCard } from "./notes/NoteCard";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { TimelinePlots } from "./plots/TimelinePlots";
@@ -30,6 +31,7 @@ import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedV
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";
+import { showColumn, ViewerFrame } from "./ViewerFrame";
 
 interface ViewerProps {
   readonly session: string;
@@ -54,13 +56,16 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const healing = useHealing(store, session, guest !== undefined);
   const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
-  const notes = useNotes(session, store);
+  const notes = useNotes(session, store, guest?.shown?.note);
   const plots = useTimelinePlots();
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
-  const openGroup = useOpenGroup(store, "settings");
+  const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
+  const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
+  if (openGroup.value !== SHARE) lastGroup.current = openGroup.value;
   const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
   useClass(live, { page: "logs", group: openGroup });
   const openNotes = (): void => {
+    showColumn();
     openGroup.value = "notes";
   };
   useSignalEffect(() => {
@@ -95,11 +100,36 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
   const onHeal = (): void => {
+    showColumn();
     openGroup.value = "heal";
     void healing.begin();
   };
   return (
-    <div class="viewer">
+    <ViewerFrame
+      dock={
+        <Dock
+          label="About this log"
+          groups={groupsOf({
+            store,
+            session,
+            isGuest,
+            log,
+            comparison,
+            doctor,
+            healing,
+            localizing,
+            sensor,
+            notes,
+            trajectoryErrors,
+            openGroup,
+            onHeal,
+            sharedView: () => sharedViewOf(store, picture),
+            shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: null }),
+          })}
+          open={openGroup}
+        />
+      }
+    >
       <Head store={store} onClose={onClose}>
         {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
       </Head>
@@ -118,6 +148,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           <BothMaps store={store} comparison={comparison} />
           <ErrorPaths store={store} errors={trajectoryErrors} />
           <NotePins store={store} state={notes} onOpen={openNotes} />
+          {isGuest && <NoteCard state={notes} />}
           <Overview store={store} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
@@ -131,7 +162,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           )}
           <ComputingMap store={store} />
         </div>
-        <Transport store={store} notes={notes} onNote={openNotes} plots={plots} />
+        <Transport store={store} notes={notes} onNote={openNotes} events={eventsOf(doctor)} plots={plots} />
         {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
         <div class="viewer-readout">
           {comparison.isOn.value ? (
@@ -141,26 +172,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           )}
         </div>
       </div>
-      <Dock
-        label="About this log"
-        groups={groupsOf({
-          store,
-          session,
-          isGuest,
-          log,
-          comparison,
-          doctor,
-          healing,
-          localizing,
-          sensor,
-          notes,
-          trajectoryErrors,
-          openGroup,
-          onHeal,
-          sharedView: () => sharedViewOf(store, picture),
-        })}
-        open={openGroup}
-      />
-    </div>
+    </ViewerFrame>
   );
 }

@@ -14,7 +14,7 @@ import { FrameTree } from "./contents/FrameTree";
 import { Pictures } from "./contents/Pictures";
 import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
-import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
+import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
@@ -22,8 +22,10 @@ import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
+import { Overview } from "./overview/Overview";
 import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
+import type { Shown } from "./share/links";
 import { Share } from "./share/Share";
 import { TerrainChoice } from "./TerrainChoice";
 import type { TrajectoryErrors } from "./trajectories/errors";
@@ -53,6 +55,8 @@ export interface LogView {
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
+  /** What else of the page a link shows. */
+  readonly shown: () => Shown;
 }
 
 interface Group {
@@ -69,27 +73,25 @@ interface Group {
 const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
 const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 
+/** The group that a log opens on. */
+export const OVERVIEW = "overview";
+/** The group of links. */
+export const SHARE = "share";
+
 const GROUPS: readonly Group[] = [
   {
-    id: "settings",
-    title: "Settings",
-    keeps: true,
-    content: ({ store, sensor, isGuest }) => <Settings store={store} sensor={isGuest ? null : sensor} />,
-  },
-  { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
-  {
-    id: "doctor",
-    title: "Findings",
-    section: "Doctor",
+    id: OVERVIEW,
+    title: "Overview",
+    section: "Log",
     badge: ({ doctor }) => findingsBadge(doctor),
     content: ({ store, doctor, onHeal, isGuest }) => (
-      <Doctor store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
+      <Overview store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
     ),
   },
   {
     id: "heal",
     title: "Heal",
-    section: "Doctor",
+    section: "Log",
     isThere: ({ log }) => log !== null,
     badge: ({ healing }) => healing.badge.value,
     content: ({ store, session, healing, comparison, isGuest }) => (
@@ -99,12 +101,19 @@ const GROUPS: readonly Group[] = [
   {
     id: "compare",
     title: "Compare",
-    section: "Doctor",
+    section: "Log",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
+  {
+    id: "settings",
+    title: "Settings",
+    keeps: true,
+    content: ({ store, sensor, isGuest }) => <Settings store={store} sensor={isGuest ? null : sensor} />,
+  },
+  { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
   {
     id: "localize",
     title: "Localize",
@@ -177,11 +186,11 @@ const GROUPS: readonly Group[] = [
     content: ({ session }) => <Scene session={session} />,
   },
   {
-    id: "share",
+    id: SHARE,
     title: "Link",
     section: "Share",
     isThere: ({ isGuest, log }) => !isGuest && log !== null,
-    content: ({ session, sharedView }) => <Share session={session} sharedView={sharedView} />,
+    content: ({ session, sharedView, shown }) => <Share session={session} sharedView={sharedView} shown={shown} />,
   },
   {
     id: "download",

@@ -12,6 +12,7 @@ import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
 import { MapStage } from "../logs/MapStage";
 import { Settings } from "../logs/Settings";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
+import { ViewerFrame } from "../logs/ViewerFrame";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
 import { type Attempt, leadsToCase, type Offered, percent, progressText } from "./attempt";
@@ -149,7 +150,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     },
   ];
   return (
-    <div class="viewer">
+    <ViewerFrame dock={<Dock label="About this puzzle" groups={groups} open={openGroup} />}>
       <header class="viewer-head">
         {onClose && <Button kind="quiet" icon="back" label="All puzzles" onClick={onClose} />}
         <h1>{now?.title ?? "…"}</h1>
@@ -174,7 +175,6 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
           picture.current = made;
         }}
       />
-      <Dock label="About this puzzle" groups={groups} open={openGroup} />
-    </div>
+    </ViewerFrame>
   );
 }

@@ -10,16 +10,25 @@ import { ask, request } from "../request";
 
 export type { Link };
 
+/** What else than a part of the map its sender saw. */
+export interface Shown {
+  readonly group: string | null;
+  readonly note: string | null;
+  readonly layout: string | null;
+}
+
 /** A link as everyone who has it sees it. */
 export interface Shared {
   readonly title: string;
   /** The visible part of the map; null for all of it. */
   readonly look: SharedView | null;
+  /** Null of a link that tells nothing of it. */
+  readonly shown: Shown | null;
 }
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
-export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
-  ask("POST /api/links", {}, { body: { session, look } });
+export const makeLink = (session: string, look: SharedView | null, shown: Shown | null = null): Promise<Link> =>
+  ask("POST /api/links", {}, { body: { session, look, shown } });
 
 const linksAddress = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/links`;
 
