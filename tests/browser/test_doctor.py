@@ -27,7 +27,9 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("wheel odometry").click()
     # It goes on while another group is open, and its tab tells how much it found.
-    expect(page.get_by_role("tab", name="Log", exact=False).first.locator(".dock-badge")).to_have_text(re.compile("[1-9]"))
+    expect(page.get_by_role("tab", name="Log", exact=False).first.locator(".dock-badge")).to_have_text(
+        re.compile("[1-9]")
+    )
     open_group(page, "Overview")
     finding = doctor.locator('[data-check="walls.drift"]')
     expect(finding).to_contain_text(re.compile("The poses (may )?drift"))

@@ -1,10 +1,12 @@
-"""Pictures of the images and clouds in recordings, decoded in a process with limits: what is decoded, others wrote."""
+"""Pictures and trees of messages in recordings, decoded in a process with limits: what is decoded, others wrote."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from mapper.core.errors import MapperError
 from server.jobs import process
@@ -14,6 +16,12 @@ from server.library.logs.records import Record
 from server.library.processing.reader import outcome_of
 from server.library.processing.reading_jobs import without_paths
 from server.work.fair_lock import FairLock
+
+if TYPE_CHECKING:
+    from mapper.io.contents.raw_message import RawMessage
+
+J = TypeVar("J")
+T = TypeVar("T")
 
 TIMEOUT_S = 60.0  #: of one picture, and of processor time
 BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
@@ -53,8 +61,27 @@ def _picture(job: PictureJob) -> MomentPicture:
     return MomentPicture(*picture_of(found.type, found.data, cdr=found.cdr), found.stamp_ns)
 
 
+@dataclass(frozen=True, slots=True)
+class MessageJob(PictureJob):
+    """Return the fields of such a message."""
+
+
+def message_job(job: MessageJob) -> RawMessage:
+    """Do the job. Raises as :func:`picture_job`."""
+    return process.bounded(job.timeout_s, job.timeout_s, lambda: _message(job))
+
+
+def _message(job: MessageJob) -> RawMessage:
+    from mapper.io.contents.raw_message import raw_message  # noqa: PLC0415 - as for pictures
+
+    return raw_message(Path(job.source), job.topic, job.at_ns)
+
+
 class MomentPictures:
-    """Makes one picture at a time, of waiting addresses and visitors in rotation. Used from the event loop only."""
+    """Makes one picture or tree at a time, of waiting addresses and visitors in rotation.
+
+    Used from the event loop only.
+    """
 
     def __init__(self, catalogue: Catalogue) -> None:
         self._catalogue = catalogue
@@ -68,11 +95,27 @@ class MomentPictures:
 
         Its process is ended when this is cancelled. Raises what it raised.
         """
+        return await self._done(picture_job, PictureJob, record, visitor, topic, at_ns, address)
+
+    async def message(self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = "") -> RawMessage:
+        """Return the newest message of ``topic`` at or before ``at_ns``, as :meth:`picture` does."""
+        return await self._done(message_job, MessageJob, record, visitor, topic, at_ns, address)
+
+    async def _done(
+        self,
+        do: Callable[[J], T],
+        kind: Callable[[str, str, int, float], J],
+        record: Record,
+        visitor: str,
+        topic: str,
+        at_ns: int,
+        address: str,
+    ) -> T:
         async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
-            job = PictureJob(str(source), topic, at_ns, timeout_s)
+            job = kind(str(source), topic, at_ns, timeout_s)
             try:
-                return await outcome_of(self._worker, self._worker.run(picture_job, job), timeout_s)
+                return await outcome_of(self._worker, self._worker.run(do, job), timeout_s)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
 

@@ -284,11 +284,19 @@ class LogModel(SessionModel):
 
     def _trajectory_message(self) -> dict[str, Any]:
         recording = self.recording
-        poses = recording.log.trajectory(recording.trajectory).poses
+        trajectory = recording.log.trajectory(recording.trajectory)
+        poses = trajectory.poses
         every = -(-len(poses) // MAX_PATH_POINTS)
         path = np.round(poses[::every, :2], 3).tolist()
-        stamps = np.round(recording.recorded[::every], 1).tolist()
-        return {"type": "trajectory", "name": recording.trajectory, "every": every, "poses": path, "stamps": stamps}
+        stamps = np.round(recording.recorded[::every], 3).tolist()
+        return {
+            "type": "trajectory",
+            "name": recording.trajectory,
+            "frame": trajectory.frame_id,
+            "every": every,
+            "poses": path,
+            "stamps": stamps,
+        }
 
     def frame(self) -> dict[str, Any]:
         """Return the robot's pose at the newest scan."""

@@ -33,6 +33,7 @@ import { Editing } from "./editing";
 import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { MapEditing } from "./mapEditing";
+import { Measuring } from "./measuring";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -165,6 +166,8 @@ export class SessionSignals {
   readonly look = new Optimistic();
   /** The voxel that is asked about. */
   readonly voxel = signal<VoxelMessage | null>(null);
+  /** What the user measures on the map. */
+  readonly measuring = new Measuring();
   /** What the user does with a map that is edited. */
   readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */

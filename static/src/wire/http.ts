@@ -207,6 +207,20 @@ export interface MergeStatus {
   readonly stage: string | null;
 }
 
+/**
+ * A message of a recording: topic, type, size, and the `fields` by name, as `ros2 topic echo` has them. `seconds` is
+ * when it was recorded, from the log's first scan; `stamp_ns` the same since 1970, as text, as JSON's numbers are not
+ * exact there. Arrays are cut after their first elements, with a text that says how many follow.
+ */
+export interface MessageAnswer {
+  readonly topic: string;
+  readonly type: string;
+  readonly seconds: number;
+  readonly stamp_ns: string;
+  readonly bytes: number;
+  readonly fields: Readonly<Record<string, unknown>>;
+}
+
 /** A note as the HTTP interface shows it, with the fields of its :class:`Pin`; `mine` is the asking visitor's. */
 export interface NoteAnswer {
   readonly id: string;
@@ -323,6 +337,7 @@ export interface Answers {
   "GET /api/logs/uploads/{key}": UploadOffset;
   "GET /api/logs/{log_id}": LogAnswer;
   "GET /api/logs/{log_id}/slam": SlamStatus;
+  "GET /api/sessions/{session_id}/contents/message": MessageAnswer;
   "GET /api/sessions/{session_id}/heal": SlamStatus;
   "GET /api/sessions/{session_id}/links": LinkList;
   "GET /api/sessions/{session_id}/localization": LocalizationStatus;

@@ -566,6 +566,8 @@ export interface Trajectory {
   readonly type: "trajectory";
   /** name of the trajectory */
   readonly name: string;
+  /** frame of the poses and of the map; null where the log names none */
+  readonly frame: string | null;
   /** a point for each `every`-th scan */
   readonly every: number;
   /** position of the base at those scans */
@@ -1907,6 +1909,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   trajectory: {
     name: isText,
+    frame: oneOf(isText, isNull),
     every: isInteger,
     poses: isListOf(isPoint),
     stamps: isListOf(isNumber),

@@ -1,15 +1,17 @@
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { clock } from "../../ui/numbers";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
 import type { LogEvent } from "../../wire/messages";
 import type { Trajectory } from "../../wire/protocol";
 import { eventLabel } from "./Doctor";
+import { isTyping } from "./isTyping";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
+import { Moment } from "./time/Moment";
+import { secondsAt } from "./time/scanTimes";
 import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
@@ -19,10 +21,6 @@ function speeds(now: number, [low, high]: readonly [number, number]): readonly n
   const round = SPEEDS.filter((speed) => speed >= low && speed <= high);
   return [...new Set([...round, now])].sort((a, b) => a - b);
 }
-
-/** Recorded time in seconds when `index` scans are in the map. */
-const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
-  stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
 
 /** The notes that have a time, for the seek bar. */
 function marksOf(state: NotesState | undefined, trajectory: Trajectory | null, count: number): TimelineMark[] {
@@ -45,9 +43,6 @@ const eventMarks = (store: Store, events: readonly LogEvent[]): TimelineMark[] =
     chosen: false,
     kind: "event",
   }));
-
-const isTyping = (target: EventTarget | null): boolean =>
-  target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
 
 interface TransportProps {
   readonly store: Store;
@@ -80,7 +75,8 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], pl
   const index = frame?.index ?? 0;
   const duration = hello?.log?.duration_s ?? 0;
   const trajectory = store.trajectory.value;
-  const timeAt = duration > 0 && trajectory ? (at: number): string => clock(stampAt(trajectory, at)) : undefined;
+  const timeAt =
+    duration > 0 && trajectory ? (at: number): string => shownTime(store, secondsAt(trajectory, at)) : undefined;
   const speed = frame?.speed ?? 1;
   return (
     <section class="viewer-transport" aria-label="Playback">
@@ -121,16 +117,12 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], pl
           goToNote(store, notes, note);
         }}
       />
-      <output class="viewer-position" aria-live="off" data-index={index} data-count={count}>
-        <span>
+      <div class="viewer-position">
+        <output aria-live="off" data-index={index} data-count={count}>
           {index} of {count}
-        </span>
-        {duration > 0 && frame && (
-          <span>
-            {clock(frame.stamp)} of {clock(duration)}
-          </span>
-        )}
-      </output>
+        </output>
+        {duration > 0 && frame && <Moment store={store} seconds={frame.stamp} duration={duration} />}
+      </div>
       <label class="speed">
         <span class="visually-hidden">Speed</span>
         <select

@@ -2,6 +2,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { CompareReadout } from "../../tools/compare/Readout";
+import { MapTools } from "../../tools/measure/MapTools";
 import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
@@ -10,6 +11,8 @@ import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
+import { written } from "../../ui/stage/layout";
+import { Stage } from "../../ui/stage/Stage";
 import { toast } from "../../ui/Toast";
 import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
@@ -32,6 +35,9 @@ import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";
 import { showColumn, ViewerFrame } from "./ViewerFrame";
+import { LayoutChoice } from "./views/LayoutChoice";
+import { useLayout } from "./views/useLayout";
+import { kindsFor, viewsOf } from "./views/views";
 
 interface ViewerProps {
   readonly session: string;
@@ -49,6 +55,7 @@ interface ViewerProps {
 /** The view of one log: its map, playback, parameters, downloads. */
 export function Viewer({ session, onClose, onGone, reopens = false, onSensor = () => undefined, guest }: ViewerProps) {
   const picture = useRef<Picture | null>(null);
+  const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
@@ -58,6 +65,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store, guest?.shown?.note);
   const plots = useTimelinePlots();
+  const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
+  const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
   const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
@@ -104,6 +113,37 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     openGroup.value = "heal";
     void healing.begin();
   };
+  const map = () => (
+    <div class="viewer-map">
+      <BeliefView
+        store={store}
+        comparison={comparison}
+        takesTap={(point) =>
+          localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+        }
+        onPicture={(made) => {
+          picture.current = made;
+        }}
+      />
+      <BothMaps store={store} comparison={comparison} />
+      <ErrorPaths store={store} errors={trajectoryErrors} />
+      <NotePins store={store} state={notes} onOpen={openNotes} />
+      {isGuest && <NoteCard state={notes} />}
+      <MapTools store={store} stage={stage} />
+      <Overview store={store} />
+      {!hello && !trouble.value && (
+        <p class="viewer-over" role="status">
+          Opening the log …
+        </p>
+      )}
+      {trouble.value && (
+        <p class="viewer-over" role="status">
+          <Icon name="warning" /> {trouble.value}
+        </p>
+      )}
+      <ComputingMap store={store} />
+    </div>
+  );
   return (
     <ViewerFrame
       dock={
@@ -124,44 +164,24 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             openGroup,
             onHeal,
             sharedView: () => sharedViewOf(store, picture),
-            shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: null }),
+            shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
           })}
           open={openGroup}
         />
       }
     >
       <Head store={store} onClose={onClose}>
+        <LayoutChoice layout={layout} kinds={kinds} />
         {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
       </Head>
-      <div class="viewer-stage">
-        <div class="viewer-map">
-          <BeliefView
-            store={store}
-            comparison={comparison}
-            takesTap={(point) =>
-              localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
-            }
-            onPicture={(made) => {
-              picture.current = made;
-            }}
-          />
-          <BothMaps store={store} comparison={comparison} />
-          <ErrorPaths store={store} errors={trajectoryErrors} />
-          <NotePins store={store} state={notes} onOpen={openNotes} />
-          {isGuest && <NoteCard state={notes} />}
-          <Overview store={store} />
-          {!hello && !trouble.value && (
-            <p class="viewer-over" role="status">
-              Opening the log …
-            </p>
-          )}
-          {trouble.value && (
-            <p class="viewer-over" role="status">
-              <Icon name="warning" /> {trouble.value}
-            </p>
-          )}
-          <ComputingMap store={store} />
-        </div>
+      <div class="viewer-stage" ref={stage}>
+        <Stage
+          views={viewsOf({ store, session }, isGuest, map)}
+          layout={layout.value}
+          onLayout={(next) => {
+            layout.value = next;
+          }}
+        />
         <Transport store={store} notes={notes} onNote={openNotes} events={eventsOf(doctor)} plots={plots} />
         {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
         <div class="viewer-readout">

@@ -9,7 +9,7 @@ import "./viewerFrame.css";
 
 const LIMITS = { low: 0.25, high: 0.82 };
 const BESIDE = 2 / 3;
-const BELOW = 0.58;
+const BELOW = 0.62;
 
 /** The share of the window that the map and its time have, with the dock beside them and below them. */
 const beside = kept("gridbloom.logs.column", BESIDE, isWithin(LIMITS.low, LIMITS.high));

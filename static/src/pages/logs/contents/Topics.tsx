@@ -1,9 +1,10 @@
 import { Button } from "../../../ui/Button";
-import { bytes, clock } from "../../../ui/numbers";
+import { bytes } from "../../../ui/numbers";
 import type { LogInfo } from "../../../wire/protocol";
 import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
+import { timeText } from "../time/timeText";
 import { type Contents, rateLabel, type TopicContents } from "./contents";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
@@ -117,11 +118,11 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
         {hasSpan && whole > 0 && (
           <span
             class="topic-span"
-            title={`${clock(first_s)} to ${clock(last_s)} of the recording`}
+            title={`${timeText(first_s)} to ${timeText(last_s)} of the recording`}
             style={{ "--from": first_s / whole, "--to": last_s / whole }}
           >
             <span class="visually-hidden">
-              from {clock(first_s)} to {clock(last_s)}
+              from {timeText(first_s)} to {timeText(last_s)}
             </span>
           </span>
         )}
