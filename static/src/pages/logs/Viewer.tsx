@@ -67,6 +67,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const plots = useTimelinePlots();
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
   const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
+  const topic = useSignal(""); // whose messages are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
   const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
@@ -162,6 +163,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             notes,
             trajectoryErrors,
             openGroup,
+            topic,
             onHeal,
             sharedView: () => sharedViewOf(store, picture),
             shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
@@ -176,7 +178,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       </Head>
       <div class="viewer-stage" ref={stage}>
         <Stage
-          views={viewsOf({ store, session }, isGuest, map)}
+          views={viewsOf({ store, session, topic }, isGuest, map)}
           layout={layout.value}
           onLayout={(next) => {
             layout.value = next;

@@ -20,6 +20,7 @@ import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
 import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
+import { Messages } from "./messages/Messages";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Overview } from "./overview/Overview";
@@ -48,6 +49,8 @@ export interface LogView {
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  /** The topic whose messages are shown. */
+  readonly topic: Signal<string>;
   /** Begin to heal the log's poses, and open the group that shows it. */
   readonly onHeal: () => void;
   readonly notes: NotesState;
@@ -142,9 +145,24 @@ const GROUPS: readonly Group[] = [
     id: "topics",
     title: "Topics",
     section: "Data",
-    content: ({ session, sensor, log, isGuest }) => (
-      <Topics key={log?.topic} session={session} sensor={isGuest ? null : sensor} log={log} />
+    content: ({ session, sensor, log, isGuest, topic, openGroup }) => (
+      <Topics
+        key={log?.topic}
+        session={session}
+        sensor={isGuest ? null : sensor}
+        log={log}
+        onMessages={(name) => {
+          topic.value = name;
+          openGroup.value = "messages";
+        }}
+      />
     ),
+  },
+  {
+    id: "messages",
+    title: "Messages",
+    section: "Data",
+    content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
   },
   {
     id: "pictures",

@@ -5,6 +5,7 @@ import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
 import { trajectoryLabel } from "../library/describeLog";
+import { UtcSwitch } from "../time/Moment";
 import { timeText } from "../time/timeText";
 import "./overview.css";
 
@@ -18,6 +19,8 @@ export function lengthOf({ poses }: Pick<Trajectory, "poses">): number {
   }
   return sum;
 }
+
+const RECORDED = "Recorded";
 
 const metres = (length: number): string => `${written(length, length < 100 ? 1 : 0)} m`;
 
@@ -36,7 +39,7 @@ function factsOf(
     ...(log.duration_s > 0
       ? [
           [
-            "Recorded",
+            RECORDED,
             `${timeText(log.duration_s)}${log.start_s === null ? "" : `, from ${timeText(0, log.start_s)}`}`,
           ] as const,
         ]
@@ -58,7 +61,9 @@ export function Facts({ store }: { readonly store: Store }) {
       {facts.map(([name, value]) => (
         <div key={name}>
           <dt>{name}</dt>
-          <dd>{value}</dd>
+          <dd>
+            {value} {name === RECORDED && (log?.start_s ?? null) !== null && <UtcSwitch />}
+          </dd>
         </div>
       ))}
     </dl>

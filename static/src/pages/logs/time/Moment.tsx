@@ -39,24 +39,30 @@ export function Moment({ store, seconds, duration }: MomentProps) {
             isAsking.value = true;
           }}
         >
-          {start === null ? `${text} of ${timeText(duration)}` : text.slice(11)}
+          {start === null ? text : text.slice(11)}
+          {start === null && <span class="moment-whole"> of {timeText(duration)}</span>}
         </button>
       )}
-      {hasUtc && (
-        <button
-          type="button"
-          class="moment-utc"
-          role="switch"
-          aria-checked={inUtc.value}
-          title="Times in UTC, or from the first scan"
-          onClick={() => {
-            inUtc.value = !inUtc.peek();
-          }}
-        >
-          UTC
-        </button>
-      )}
+      {hasUtc && <UtcSwitch />}
     </span>
+  );
+}
+
+/** Whether times are in UTC, on the whole page. */
+export function UtcSwitch() {
+  return (
+    <button
+      type="button"
+      class="moment-utc"
+      role="switch"
+      aria-checked={inUtc.value}
+      title="Times in UTC, or from the first scan"
+      onClick={() => {
+        inUtc.value = !inUtc.peek();
+      }}
+    >
+      UTC
+    </button>
   );
 }
 

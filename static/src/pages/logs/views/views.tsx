@@ -1,5 +1,6 @@
 /** The views that the stage of a log can show. A new view is one entry of `VIEWS`. */
 
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
 import { lazy } from "../../../ui/lazy";
@@ -7,6 +8,7 @@ import type { StageView } from "../../../ui/stage/Stage";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
+import { Messages } from "../messages/Messages";
 import "./views.css";
 
 const Scene = lazy(async () => (await import("../../../tools/scene/Scene")).Scene);
@@ -14,6 +16,8 @@ const Scene = lazy(async () => (await import("../../../tools/scene/Scene")).Scen
 interface LogOfView {
   readonly store: Store;
   readonly session: string;
+  /** The topic whose messages are shown. */
+  readonly topic: Signal<string>;
 }
 
 interface View {
@@ -27,6 +31,7 @@ interface View {
 /** In the order in which they fill an arrangement; the map, which the viewer has, is the first of all. */
 const VIEWS: readonly View[] = [
   { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
+  { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
   { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
