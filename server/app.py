@@ -53,8 +53,9 @@ from server.http.services import Services, install
 from server.http.sign_ins import SignIns
 from server.library.library import Library
 from server.scenes import Scenes
-from server.sessions import KINDS, Kind, SessionRegistry
+from server.sessions import Kind, SessionRegistry
 from server.settings import Settings
+from server.sources import KINDS
 from server.version import package_version
 from server.work.memory_reserve import MemoryReserve
 

@@ -31,8 +31,9 @@ from server.imports import UNUSED_BY_ROUTES, fast_imports
 from server.library.store_check import check_stores
 from server.logging import configure_logging
 from server.network_address import reachable
-from server.sessions import KINDS, Kind
+from server.sessions import Kind
 from server.settings import Settings
+from server.sources import KINDS
 from server.storage import StorageError, claimed
 from server.stream.frames import EXTENSION
 from server.warm_up import WarmUp

@@ -14,8 +14,8 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults
 from server.puzzles.spec import AS_IT_IS
-from server.sessions.models.log_recording import first_config
-from server.sessions.models.story import replayed
+from server.sources.log_recording import first_config
+from server.sources.story import replayed
 
 Wanted = Callable[[], bool]
 Tell = Callable[[str, float | None], None]

@@ -18,7 +18,7 @@ from mapper.puzzles import RECIPES
 from mapper.puzzles.puzzle import mapped
 from mapper.replay.overview import SIDE, cells_overview
 from server.library.packs.picture import read_picture
-from server.sessions.models.log_recording import first_config
+from server.sources.log_recording import first_config
 
 FOLDER = Path(__file__).parent / "map_pictures"  #: of the files, in the colours of a light page
 

@@ -80,8 +80,8 @@ class Puzzles:
         """Return the plan of a session that shows a puzzle: the whole map, paused."""
 
         def make(host: ModelHost, making: Making) -> SessionModel:
-            from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
-            from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
+            from server.sources.log import LogModel  # noqa: PLC0415 - imported with the first session
+            from server.sources.log_recording import first_replay  # noqa: PLC0415
 
             now: tuple[str, float | None] = ("Another puzzle is being made", None)
 

@@ -4,8 +4,6 @@ from typing import TYPE_CHECKING
 
 from mapper.core.lazy_imports import attributes_from
 from server.sessions.kind import Kind, Plan
-from server.sessions.kinds import KINDS
-from server.sessions.models.log_kind import costmaps_plan, log_plan
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.view import LogView
 
@@ -14,7 +12,6 @@ if TYPE_CHECKING:
     from server.sessions.model import SessionModel
 
 __all__ = [
-    "KINDS",
     "Kind",
     "LogView",
     "Plan",
@@ -23,8 +20,6 @@ __all__ = [
     "SessionModel",
     "SessionNotFoundError",
     "SessionRegistry",
-    "costmaps_plan",
-    "log_plan",
 ]
 
 # The stream and the arrays of layers are imported with the first session.

@@ -22,9 +22,9 @@ from mapper.volume.scans.scan_sequence import ScanSequence, gather
 from server.scenes.surface_glb import surface_glb
 from server.scenes.viser_server import Compressor
 from server.scenes.voxel_chunk import face_colors, voxel_chunk
-from server.sessions.models.volume_look import COLOURS, HEIGHT_RAMP, Look
-from server.sessions.models.volume_start import bounds_of, first_look, first_resolution
-from server.sessions.models.volume_surface import height_colors
+from server.sources.volume_look import COLOURS, HEIGHT_RAMP, Look
+from server.sources.volume_start import bounds_of, first_look, first_resolution
+from server.sources.volume_surface import height_colors
 from tests.mapper.volume.moving_lidar import record
 
 ROUNDS = 5

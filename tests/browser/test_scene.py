@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion
-from server.sessions.models.simulation import SimulationModel
+from server.sources.simulation import SimulationModel
 from tests.browser.conftest import visiting
 from tests.browser.looking import until
 from tests.server.service import running, settings_for

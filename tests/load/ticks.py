@@ -22,8 +22,8 @@ from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
 from mapper.simulation.kernels import driving
 from server.sessions import SessionRegistry, delivery, host, robot_report
-from server.sessions.models.simulation_kind import simulation_plan
 from server.settings import Settings
+from server.sources.simulation_kind import simulation_plan
 from server.stream.hub import Client, Hub
 from server.stream.layers import GridLayer
 from server.work.scheduler import Scheduler

@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 from mapper.sensors.scan import ScanLog
-from server.sessions import SessionRegistry, log_plan
-from server.sessions.models.simulation_kind import simulation_plan
+from server.sessions import SessionRegistry
+from server.sources import log_plan
+from server.sources.simulation_kind import simulation_plan
 
 
 async def new_simulation(

@@ -25,8 +25,9 @@ from websockets.exceptions import ConnectionClosed
 
 from server.http.services import Services, services_of
 from server.serving import Server, listen, make_server
-from server.sessions import KINDS, Kind, SessionNotFoundError
+from server.sessions import Kind, SessionNotFoundError
 from server.settings import Settings
+from server.sources import KINDS
 from server.stream.messages import ServerMessage
 from tests.server.stream.applied_frames import apply_frame
 

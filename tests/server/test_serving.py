@@ -217,7 +217,7 @@ NOT_AT_THE_START = (
     "PIL", "alembic", "dask", "mapper.io.logs.opening", "mapper.mapping.integrate", "mapper.matching.match",
     "mapper.replay", "mapper.simulation", "mapper.slam", "mcap", "numba", "pydantic.v1", "rich", "scipy",
     "server.scenes.proxy", "server.sessions.host",
-    "server.sessions.models.log", "server.sessions.models.simulation", "server.stream.hub", "viser", "yaml",
+    "server.sources.log", "server.sources.simulation", "server.stream.hub", "viser", "yaml",
 )  # fmt: skip
 
 
@@ -246,13 +246,13 @@ def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: P
     """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
     program = f"""
 import time
-import server.sessions.models.story
+import server.sources.story
 
 def never_ends(*_, **__):
     print("computing", flush=True)
     time.sleep(10_000)
 
-server.sessions.models.story.replayed = never_ends
+server.sources.story.replayed = never_ends
 {RUN}
 """
     process, address = started(program, tmp_path)

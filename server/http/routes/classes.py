@@ -33,8 +33,9 @@ from server.http.services import (
     services_of,
 )
 from server.network_address import reachable
-from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry, log_plan
-from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
+from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
+from server.sources import log_plan
+from server.sources.simulation_kind import NewSimulation, simulation_plan
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost

@@ -59,7 +59,7 @@ async def footprint(sessions: Sessions, session_id: str) -> dict[str, Any]:
 @guests_may(GuestRight.LINKED_SESSION)
 async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> dict[str, Any]:
     """Change the footprint of the session's costmap; answer as GET does."""
-    from server.sessions.models.lab_navigation_parameters import footprint_of  # noqa: PLC0415 - with the first session
+    from server.sources.lab_navigation_parameters import footprint_of  # noqa: PLC0415 - with the first session
 
     session = sessions.get(session_id)
     await _footprint(session)  # the command would begin a costmap where there is none

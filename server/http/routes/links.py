@@ -23,8 +23,9 @@ from server.http.uploaded_terrain import uploaded_terrain
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
-from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
+from server.sessions import LogView, SessionRegistry
 from server.sessions.commands import ShowGivenMap, UseTerrain
+from server.sources import costmaps_plan, log_plan
 from server.stream.commands import CostmapCommand
 from server.stream.protocol import command_of
 

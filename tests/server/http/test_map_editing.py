@@ -20,9 +20,9 @@ from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
 from server.library.packs.given_map import GivenMap
-from server.sessions.models.map_editing import MapModel, operation_of
-from server.sessions.models.painted_zones import painted_filters
 from server.sessions.tick import TickResult
+from server.sources.map_editing import MapModel, operation_of
+from server.sources.painted_zones import painted_filters
 from server.stream.commands import MapEditCommand
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.service import Service, once_read, running, settings_for, until

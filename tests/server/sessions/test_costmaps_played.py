@@ -11,8 +11,8 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from mapper.io.costmaps import open_costmaps
-from server.sessions.models.costmaps import CostmapsModel
 from server.sessions.tick import TickResult
+from server.sources.costmaps import CostmapsModel
 from server.stream.protocol import command_of
 
 TOPIC = "/local_costmap/costmap"

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from mapper.grid import GridGeometry
-from server.sessions import KINDS, Kind, Plan, SessionModel
+from server.sessions import Kind, Plan, SessionModel
 from server.sessions.kind import Resources, SessionRequest
 from server.sessions.tick import TickResult
+from server.sources import KINDS
 from server.stream.layers import GridLayer
 from tests.server.service import Service, Watcher, running, settings_for
 

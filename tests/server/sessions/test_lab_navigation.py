@@ -17,9 +17,9 @@ from mapper.costmap.nav2_parameters import parse_nav2_costmap
 from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
 from server.sessions import SessionRegistry
-from server.sessions.models.lab_navigation_parameters import LabParameters
-from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick import TickResult
+from server.sources.lab_navigation_parameters import LabParameters
+from server.sources.simulation import SimulationModel
 from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation

@@ -14,7 +14,7 @@ from mapper.simulation.space import cast
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments, Surface, Voxels
-from server.sessions.models import lab_volume
+from server.sources import lab_volume
 from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab

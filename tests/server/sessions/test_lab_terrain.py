@@ -20,10 +20,10 @@ from server.parts.terrain.part import TerrainPart
 from server.parts.terrain.patch import first_asked, patch_at
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments
-from server.sessions.models.cloud_points import CloudPoints
-from server.sessions.models.lab_volume import true_ground
 from server.sessions.part import Offers
 from server.sessions.tick import TickResult
+from server.sources.cloud_points import CloudPoints
+from server.sources.lab_volume import true_ground
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab

@@ -20,10 +20,10 @@ from mapper.simulation.space import cast
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
-from server.sessions.models import lab_volume
-from server.sessions.models.simulation import SimulationModel
-from server.sessions.models.volume_look import normal_colors
 from server.sessions.tick import TickResult
+from server.sources import lab_volume
+from server.sources.simulation import SimulationModel
+from server.sources.volume_look import normal_colors
 from server.stream.commands import TeleportCommand
 from server.stream.protocol import command_of, fields_of
 from tests.server.begin import new_simulation

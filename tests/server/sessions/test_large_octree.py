@@ -11,7 +11,7 @@ import pytest
 from mapper.core.errors import LimitError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.volume import Octree, OctreeFile
-from server.sessions.models.volume import VolumeModel
+from server.sources.volume import VolumeModel
 
 
 def opened(depth: int) -> VolumeModel:

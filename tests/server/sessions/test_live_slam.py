@@ -14,9 +14,9 @@ from mapper.mapping.integrate import integrate_log
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
-from server.sessions.models.live_slam import LiveSlam, live_slam
-from server.sessions.models.slam_view import SlamView
 from server.sessions.tick import TickResult
+from server.sources.live_slam import LiveSlam, live_slam
+from server.sources.slam_view import SlamView
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 

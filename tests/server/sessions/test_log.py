@@ -27,9 +27,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions import LogView, SessionRegistry
-from server.sessions.models.log import MAX_GAP_S, play_times
 from server.sessions.tick import error_message
 from server.sessions.why import why_message
+from server.sources.log import MAX_GAP_S, play_times
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
 from tests.server.service import eventually

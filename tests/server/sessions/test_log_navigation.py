@@ -17,10 +17,10 @@ from server.library.packs.given_map import GivenMap
 from server.parts.terrain.costs import TerrainMap
 from server.sessions import SessionRegistry
 from server.sessions.commands import UseTerrain
-from server.sessions.models import log_navigation
-from server.sessions.models.lab_navigation_parameters import LabParameters
-from server.sessions.models.log import LogModel
 from server.sessions.tick import TickResult
+from server.sources import log_navigation
+from server.sources.lab_navigation_parameters import LabParameters
+from server.sources.log import LogModel
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
 

@@ -17,10 +17,10 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionHost, SessionRegistry, long_work, requests
-from server.sessions.models.lab_navigation import LabNavigation
-from server.sessions.models.log_navigation import LogNavigation
-from server.sessions.models.simulation import SimulationModel
-from server.sessions.models.volume_view import VolumeView
+from server.sources.lab_navigation import LabNavigation
+from server.sources.log_navigation import LogNavigation
+from server.sources.simulation import SimulationModel
+from server.sources.volume_view import VolumeView
 from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
@@ -135,7 +135,7 @@ class Slices:
         self.allowed = threading.Semaphore(0)
         monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.0)
         monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
-        monkeypatch.setattr("server.sessions.models.log.slice_is_over", lambda: self._over)
+        monkeypatch.setattr("server.sources.log.slice_is_over", lambda: self._over)
 
     def _over(self) -> bool:
         assert self.allowed.acquire(timeout=PATIENCE_S)

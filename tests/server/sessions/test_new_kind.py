@@ -17,7 +17,7 @@ import pytest
 import zstandard
 from numpy.typing import NDArray
 
-from server.sessions.kinds import KINDS
+from server.sources.kinds import KINDS
 from server.stream.codecs import decode_frame
 from server.stream.hub import Hub
 from tests.server.scenes.viser_client import viser_client

@@ -12,7 +12,7 @@ from mapper.sensors.scan import ScanLog
 from server.library.library import Library
 from server.library.logs.sample import SAMPLE_ID
 from server.sessions import SessionRegistry
-from server.sessions.models.log_kind import LOG, NewLog
+from server.sources.log_kind import LOG, NewLog
 from tests.server.service import eventually, settings_for
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
-from server.sessions.models.simulation import SimulationModel
+from server.sources.simulation import SimulationModel
 from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually

@@ -16,7 +16,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
 from mapper.simulation.live_map import SNAP_M, LiveMap
 from server.sessions import SessionRegistry
-from server.sessions.models.story import replayed, story_of
+from server.sources.story import replayed, story_of
 from server.stream.layers import GridLayer
 from tests.server.begin import new_simulation
 from tests.server.view import view_of

@@ -18,11 +18,11 @@ from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
-from server.sessions.models import story as story_module
-from server.sessions.models.simulation_commands import act
-from server.sessions.models.story import action_of, replayed, story_of
-from server.sessions.models.story_cost import check_story, story_seconds
 from server.sessions.tick import TickResult
+from server.sources import story as story_module
+from server.sources.simulation_commands import act
+from server.sources.story import action_of, replayed, story_of
+from server.sources.story_cost import check_story, story_seconds
 from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
@@ -137,7 +137,7 @@ async def test_a_story_contains_what_was_asked_of_the_session_before(registry: S
 async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.sessions.models.story.replayed", lambda *_, **__: pytest.fail("it began"))
+    monkeypatch.setattr("server.sources.story.replayed", lambda *_, **__: pytest.fail("it began"))
     with pytest.raises(LimitError, match=r"about 8 s of computing, more than the 2 s .* GRIDBLOOM_MAX_STORY_S"):
         await new_simulation(registry, "me", "room", 1, edits(900), max_story_s=2.0)
     assert len(registry) == 0
@@ -183,7 +183,7 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
         raise WorkCancelledError("story.unwanted", "It is not wanted.")
 
     with running(settings_for(tmp_path)) as service:
-        monkeypatch.setattr("server.sessions.models.story.replayed", slow)
+        monkeypatch.setattr("server.sources.story.replayed", slow)
         _check_leaving(service, went_on, ended)
 
 

@@ -1,1 +1,0 @@
-"""The models of sessions: one file for each kind, and their helpers."""

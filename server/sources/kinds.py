@@ -1,0 +1,14 @@
+"""The kinds of sessions that the service offers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from server.sessions.kind import Kind
+from server.sources.log_kind import LOG
+from server.sources.simulation_kind import SIMULATION
+from server.sources.volume_kind import VOLUME
+
+#: By the name in ``POST /api/sessions`` and in the message ``hello``.
+KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG, "volume": VOLUME})

@@ -1,0 +1,257 @@
+"""The costmap of the lab's robot: layers over its map that follow the map, the scans and what a visitor paints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import (
+    NO_INFORMATION,
+    CellReason,
+    DecayLayer,
+    GivenLayer,
+    InflationLayer,
+    KeepoutLayer,
+    LayeredCostmap,
+    Mask,
+    ObstacleLayer,
+    SpeedFilter,
+    SpeedLimit,
+    StaticConfig,
+    StaticLayer,
+)
+from mapper.costmap.layers import Layer as CostLayer
+from mapper.costmap.observing import observation_of_scan
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.io.costmaps import RecordedCostmap
+from mapper.sensors.scan import RangeScan
+from mapper.simulation.robot import PoseTuple
+from server.sessions.parts import LayerCosts
+from server.sources.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
+from server.sources.painted_zones import SpeedZones, Stroke
+from server.stream.layers import GridLayer, Layer
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticMap:
+    """A map for the static layer in the place of the belief.
+
+    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 … 100.
+    """
+
+    grid: OccupancyGrid
+    keepout: Int8Array | None = None
+    speed: Int8Array | None = None
+
+
+class LabCostmap:
+    """Layers of costs over the map of a simulation, or over the plan of its world; each is a grid of the session.
+
+    :meth:`follow` takes over what changed in the map, :meth:`look` a scan, :meth:`change` other parameters and
+    :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
+    """
+
+    def __init__(self, grid: OccupancyGrid, plan: Callable[[], StaticMap], parameters: LabParameters) -> None:
+        """Lay layers over ``grid``, or over what ``plan`` returns if the parameter ``map`` says so."""
+        self._plan = plan() if parameters.values["map"] in PLANNED else None
+        self.parameters = parameters
+        self.strokes: tuple[Stroke, ...] = ()
+        names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
+        self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
+        self._master = GridLayer("costmap", "Costmap", "costs")
+        self._limits = GridLayer("speed_filter", "Speed limits", "speed")
+        self._terrain: LayerCosts | None = None
+        self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
+        self.begin(grid)
+
+    def begin(self, grid: OccupancyGrid) -> None:
+        """Make all layers again over the present map; what was painted stays."""
+        map_ = grid if self._plan is None else self._plan.grid
+        self.geometry = map_.geometry
+        parameters, general = self.parameters, self.parameters.general
+        self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
+        self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
+        self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
+        self._graded = GivenLayer(self.geometry, "terrain_layer", self._why_terrain)
+        if self._terrain is not None:
+            self._graded.take(self._terrain.costs(), self._terrain.geometry)
+        self._keepout = KeepoutLayer(self.geometry)
+        given_limits = None if self._plan is None else self._plan.speed
+        self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"], given_limits)
+        self._zones = None
+        if self._plan is not None and self._plan.keepout is not None:
+            zones = np.where(self._plan.keepout > 0, self._plan.keepout, -1).astype(np.int8)
+            self._zones = KeepoutLayer(self.geometry, Mask(self.geometry, zones), "map_keepout")
+        for stroke in self.strokes:
+            self._paint(stroke)
+        self._stack()
+        self._show_speed()
+
+    def _stack(self) -> None:
+        """Lay the layers that are on over each other."""
+        parameters = self.parameters
+        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout)
+        below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
+        if self._zones is not None and parameters.is_on("keepout_filter"):
+            below.append(self._zones)
+        inflation = None
+        if parameters.is_on("inflation_layer"):
+            inflation = InflationLayer(self.geometry, parameters.inflation, parameters.outline.inscribed_radius)
+        self.costmap = LayeredCostmap(self.geometry, parameters.general, parameters.outline, below, inflation)
+        self._inflation = inflation
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The costs, each layer's own, that of a terrain only with one, and the speed limits."""
+        sheets = [one for name, one in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
+        return (self._master, *sheets, self._limits)
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 20 * self.geometry.rows * self.geometry.cols
+
+    @property
+    def costs(self) -> UInt8Array:
+        """The costs (rows, cols)."""
+        return self.costmap.costs
+
+    def follow(self, grid: OccupancyGrid, box: CellBox | None, *, whole: bool) -> None:
+        """Take over what changed in the map: in a box, or the ``whole`` of it."""
+        if self._plan is not None or not (whole or box):
+            return
+        if grid.geometry != self.geometry:
+            self.begin(grid)
+            return
+        if whole or box is None:
+            box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
+        state = grid.band(slice(box.row0, box.row1)).classify()[:, box.col0 : box.col1]
+        self._static.renew(np.ascontiguousarray(state), box)
+
+    def look(self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array) -> None:
+        """Mark and clear by a scan, in the layers of obstacles."""
+        observation = observation_of_scan(scan, sensor_pose, inf_is_valid=True)
+        self._obstacle.observe(observation)
+        self._dynamic.observe(observation)
+
+    def lay_terrain(self, terrain: LayerCosts | None) -> None:
+        """Take other costs for the terrain's layer; None for none."""
+        self._terrain = terrain
+        if terrain is None:
+            self._graded.set(np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8))
+        else:
+            self._graded.take(terrain.costs(), terrain.geometry)
+
+    def _why_terrain(self, row: int, col: int) -> str:
+        """Say what the patch at a cell of the costmap is."""
+        if self._terrain is None:
+            return "There is no terrain: begin it in the group Terrain."
+        geometry = self._terrain.geometry
+        at_row, at_col = (int(k) for k in geometry.world_to_cell(self.geometry.cell_to_world((row, col))))
+        if not geometry.contains((at_row, at_col)):
+            return "Terrain: there is no patch here."
+        return self._terrain.why(at_row, at_col)
+
+    def renew_plan(self, plan: StaticMap, grid: OccupancyGrid) -> None:
+        """Use another map in the place of the belief."""
+        self._plan = plan
+        self.begin(grid)
+
+    def change(self, parameters: LabParameters, grid: OccupancyGrid, plan: Callable[[], StaticMap]) -> None:
+        """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
+        before, old_plan = self.parameters, self._plan
+        try:
+            self.parameters = parameters
+            wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
+            if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
+                if wanted != before.values["map"]:
+                    self._plan = plan() if wanted in PLANNED else None
+                self.begin(grid)
+                return
+            self._obstacle.configure(parameters.obstacle)
+            self._dynamic.configure(parameters.dynamic)
+            self._stack()
+            self._speed.interpret(parameters.values["speed_limits"])
+            self._show_speed()
+        except ConfigError:
+            self.parameters, self._plan = before, old_plan
+            raise
+
+    def paint(self, strokes: tuple[Stroke, ...]) -> None:
+        """Paint zones; the strokes replace those before. A stroke that only grew is painted on."""
+        known = len(self.strokes)
+        grows = bool(known) and len(strokes) >= known and strokes[: known - 1] == self.strokes[:-1]
+        grows = grows and strokes[known - 1].continues(self.strokes[-1])
+        if not grows and known:
+            self._keepout.clear()
+            self._speed.clear()
+        for stroke in strokes[known - 1 if grows else 0 :]:
+            self._paint(stroke)
+        self.strokes = strokes
+        self._show_speed()
+
+    def _paint(self, stroke: Stroke) -> None:
+        if stroke.speed is None:
+            for outline in stroke.outlines():
+                self._keepout.paint(outline, -1 if stroke.erases else 100)
+        if stroke.erases or stroke.speed is not None:
+            self._speed.paint(stroke)
+
+    def _show_speed(self) -> None:
+        """Write the mask of the speed limits into its layer."""
+        is_on = self.parameters.is_on("speed_filter")
+        self._show(self._limits, self._speed.picture if is_on else None)
+
+    def update(self, now: float, pose: PoseTuple) -> bool:
+        """Bring the costs up to date at ``now``, s, with the robot at ``pose``; return whether they changed."""
+        box = self.costmap.update(now, pose)
+        if box is None:
+            return False
+        own = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout, self._inflation)
+        for (name, sheet), layer in zip(self._sheets.items(), own, strict=True):
+            costs = None if layer is None or not self.parameters.is_on(name) else layer.costs
+            self._show(sheet, costs)
+        return self._show(self._master, self.costmap.costs)
+
+    def _show(self, sheet: GridLayer, costs: UInt8Array | None) -> bool:
+        """Write the costs into a sheet where they differ from what it shows; None for a layer that is off."""
+        costs = np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8) if costs is None else costs
+        geometry, before = self._shown.get(sheet.name, (None, costs))
+        if geometry == self.geometry and np.array_equal(before, costs):
+            return False
+        self._shown[sheet.name] = (self.geometry, costs.copy())
+        sheet.set_bytes(self.geometry, costs)
+        return True
+
+    def recorded(self, seconds: float, frame: str | None) -> RecordedCostmap:
+        """Return a copy of the costs as a message of a recording has them."""
+        stamp_ns = max(round(seconds * 1e9), 0)
+        return RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", self.geometry, self.costs.copy())
+
+    @property
+    def masks(self) -> dict[str, Int8Array]:
+        """Copies of the painted masks (rows, cols): ``keepout``, −1 for none, and ``speed``, 0 for none."""
+        painted = {"keepout": (self._keepout.mask, -1), "speed": (self._speed.mask, 0)}
+        return {name: mask.copy() for name, (mask, none) in painted.items() if (mask > none).any()}
+
+    def speed_limit(self, pose: PoseTuple) -> SpeedLimit | None:
+        """Return the speed limit of the robot at ``pose``; None where speed limits are off."""
+        return self._speed.at(pose[0], pose[1]) if self.parameters.is_on("speed_filter") else None
+
+    @property
+    def speed_filters(self) -> tuple[SpeedFilter, ...]:
+        """The speed filter; none where speed limits are off."""
+        return (self._speed.filter,) if self.parameters.is_on("speed_filter") else ()
+
+    def why_speed(self, x: float, y: float) -> str | None:
+        """Return which speed limit is painted at (x, y), metres, in one sentence; None for none."""
+        return self._speed.why(x, y) if self.parameters.is_on("speed_filter") else None
+
+    def why(self, x: float, y: float) -> list[CellReason]:
+        """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
+        row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
+        return self.costmap.why(row, col)

@@ -1,0 +1,111 @@
+"""The surface of the lab's 3D scans by truncated signed distances, while it is shown instead of the octree."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.sensors.depth_image import DepthImage
+from mapper.simulation.sensors_3d import Scan3D
+from mapper.volume.placed_scan import PlacedScan
+from server.sessions.drawings import Surface
+from server.sources.lab_volume import LabVolume, lab_limits
+from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
+from server.sources.volume_look import COLOURS, Look
+from server.sources.volume_surface import VolumeSurface
+
+FUSING_S = 0.05  #: of fusing scans in one tick, after which the others wait for the next one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabScans:
+    """Scans of the lab's robot as a surface takes them: images of the depth camera, end points of a lidar's beams."""
+
+    scans: list[Scan3D]
+
+    @property
+    def has_origins(self) -> bool:
+        """The robot knows where its sensor is."""
+        return True
+
+    def __len__(self) -> int:
+        return len(self.scans)
+
+    def depth_image(self, index: int) -> DepthImage | None:
+        """Return the image of a depth camera; None of a lidar's scan."""
+        return self.scans[index].depth_image()
+
+    def scan(self, index: int) -> PlacedScan:
+        """Return where the beams of a scan ended; those without a return say nothing of a surface."""
+        scan = self.scans[index]
+        points, origin = scan.ends()
+        return PlacedScan(points[np.isfinite(scan.ranges)], origin)
+
+
+class LabSurface:
+    """A surface of all recorded scans of ``made``, a part of them with each :meth:`catch_up`."""
+
+    def __init__(self, made: LabVolume, limits: Callable[[], Limits]) -> None:
+        self._made, self._scans = made, made.scans
+        config = made.parameters.surface
+        self.surface = VolumeSurface(
+            LabScans(self._scans), config.resolution, lambda: lab_limits(limits()), snapshot_bytes=0
+        )
+        self.surface.use(config)
+        self._problem: str | None = None  #: why scans are not in the surface
+        self.is_unmeshed = True  #: whether there may be blocks that have changed since they were meshed
+
+    def change(self, parameters: VolumeParameters) -> bool:
+        """Use other parameters; return whether the surface is made again."""
+        if not self.surface.use(parameters.surface):
+            return False
+        self._problem, self.is_unmeshed = None, True
+        return True
+
+    @property
+    def index(self) -> int:
+        """Number of scans in the surface."""
+        return self.surface.replayed.index
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether recorded scans are not in the surface yet."""
+        return self._problem is None and (self._made.scans is not self._scans or self.index < len(self._scans))
+
+    def catch_up(self) -> bool:
+        """Fuse the next scans; return whether there were any."""
+        if not self.is_behind:
+            return False
+        if self._made.scans is not self._scans:  # some were given up: the surface is that of the others
+            self._scans = self._made.scans
+            self.surface.set_source(LabScans(self._scans))
+        began = time.monotonic()
+        try:
+            self.surface.replayed.go_to(len(self._scans), lambda: time.monotonic() - began > FUSING_S)
+        except LimitError as error:
+            self._problem = error.message
+        self.is_unmeshed = True
+        return True
+
+    def mesh(self) -> None:
+        """Mesh what has changed, or a part of it."""
+        self.surface.mesh()
+        self.is_unmeshed = self.surface.is_stale
+
+    def drawing(self, values: Mapping[str, Any]) -> Surface:
+        """Return the triangles between the heights of ``values``, in colours of heights or of normals."""
+        low, high = values["cut_low"], max(values["cut_high"], values["cut_low"])
+        colour = "normal" if values["colour"] == "normal" else "height"
+        look = Look(colour=colour, band=HIGHEST / COLOURS, cut_low=low, cut_high=high)
+        return self.surface.drawing(look, 0.0)
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``surface``."""
+        found = self.surface.message()
+        return found if self._problem is None else found | {"problem": self._problem}

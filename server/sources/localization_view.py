@@ -1,0 +1,80 @@
+"""The localization of a simulation while it is on: begun, changed and ended by commands, and what is shown of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from msgspec import Struct
+
+from mapper.simulation.live_map import LiveMap
+from server.sessions.part import Part
+from server.sessions.tick import TickResult
+from server.sources.lab_localization import LabLocalization
+from server.sources.localization_message import OFF
+from server.stream.commands import LocalizeCommand, RestartCommand, SensorCommand, TeleportCommand, WorldCommand
+from server.stream.layers import Layer
+
+
+class LocalizationView(Part):
+    """The filter of the simulated robot, if there is one."""
+
+    commands = (LocalizeCommand,)
+    subject = "localization"
+
+    def __init__(self, mapper: LiveMap) -> None:
+        self._mapper = mapper
+        self._one: LabLocalization | None = None
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The particles and the likelihood field while it is on."""
+        return () if self._one is None else self._one.layers
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 0 if self._one is None else self._one.cells
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``localization``."""
+        return [self.message()]
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``localization``."""
+        return OFF if self._one is None else self._one.message()
+
+    def handle(self, command: LocalizeCommand, result: TickResult) -> None:
+        """Begin to localize the robot in a plan of the present world, change the parameters, or end it.
+
+        Raises :class:`mapper.core.errors.ConfigError`; nothing has changed then.
+        """
+        if not command.value:
+            self._one = None
+        elif command.keep and self._one is not None and self._one.given == command.map:
+            self._one.change(command.values)
+        else:
+            mapper, simulation = self._mapper, self._mapper.simulation
+            self._one = LabLocalization(
+                simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, command.values, command.map
+            )
+        result.changed = True
+        result.slot(self.message())
+
+    def changed(self, result: TickResult) -> None:
+        """Let the filter see the newest scan."""
+        mapper, scan = self._mapper, self._mapper.newest
+        if self._one is None or scan is None or mapper.hidden:
+            return
+        if self._one.look(scan, mapper.newest_pose):
+            result.changed = True
+            result.slot(self.message())
+
+    def note(self, command: Struct, result: TickResult) -> None:
+        """End with another sensor or world; of a robot that was carried elsewhere the filter is not told."""
+        if self._one is None:
+            return
+        if isinstance(command, TeleportCommand):
+            self._one.carried(self._mapper.newest_pose)
+        elif isinstance(command, SensorCommand | WorldCommand | RestartCommand):
+            self._one = None
+            result.slot(OFF)

@@ -1,0 +1,434 @@
+"""The model of a log session: it plays the log and maps its scans."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.grid import OccupancyGrid
+from mapper.io.logs.summary import start_s
+from mapper.mapping.parameters import MappingConfig
+from mapper.replay import Replay
+from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.sensors.georeference import Offset
+from mapper.sensors.scan import ScanLog
+from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Path
+from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
+from server.sessions.mapping_parameters import MappingParameters
+from server.sessions.messages import parameters_message
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.playback import Playback
+from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Bounds, Choice, SceneControls
+from server.sessions.tick import TickResult
+from server.sessions.view import LogView
+from server.sources.log_comparison import LogComparison
+from server.sources.log_graph import LogGraph
+from server.sources.log_healing import LogHealing
+from server.sources.log_localization import LogLocalization
+from server.sources.log_navigation import LogNavigation
+from server.sources.log_recording import LogRecording
+from server.sources.log_updates import LogUpdates
+from server.stream.commands import (
+    AutoCommand,
+    CancelCommand,
+    CompareCommand,
+    DriveCommand,
+    ParametersCommand,
+    RestartCommand,
+    SeekCommand,
+    SensorCommand,
+    StepCommand,
+    TeleportCommand,
+    TrajectoryCommand,
+    WorldCommand,
+)
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError, type_of
+
+FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
+MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
+DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
+PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
+MAX_PATH_POINTS = 20_000  #: of the trajectory message
+SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
+LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
+
+
+def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return when each scan is due (n,), in seconds of play from the first, never decreasing.
+
+    Stamps may step back, be missing or jump by years. A step back takes no time, a pause at most :data:`MAX_GAP_S`; a
+    log whose stamps never increase plays at :data:`DEFAULT_GAP_S` for each scan.
+    """
+    # Differences in floats: those of extreme stamps do not fit into 64 bits.
+    gaps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
+    gaps = np.clip(gaps, 0.0, MAX_GAP_S)
+    if not gaps.any():
+        gaps = np.full(len(gaps), DEFAULT_GAP_S)
+    return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def bounds_of(poses: NDArray[np.float64]) -> Bounds:
+    """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
+    (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
+    return (float(x0), float(y0), float(x1), float(y1))
+
+
+def slice_is_over() -> Callable[[], bool]:
+    """Return a function that returns whether this thread has worked so long since that the map should be shown."""
+    began, used = time.monotonic(), time.thread_time()
+    return lambda: time.monotonic() - began > SHOWN_EVERY_S and time.thread_time() - used > LEAST_SLICE_S
+
+
+def _playback(times: NDArray[np.float64]) -> Playback:
+    """Return the clock of a log whose scans are due at ``times``: it plays them in about :data:`FILL_S`."""
+    duration = float(times[-1])
+    speeds = (0.1, max(100.0, duration / 5.0))
+    return Playback(speed=float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds=speeds)
+
+
+class LogModel(SessionModel):
+    """A log and its map."""
+
+    kind: ClassVar[str] = "log"
+    replacing: ClassVar[tuple[type[Struct], ...]] = (
+        ParametersCommand,
+        SeekCommand,
+        RestartCommand,
+        TrajectoryCommand,
+    )
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {ParametersCommand: "parameters"}
+
+    recording: LogRecording
+    comparison: LogComparison
+    graph: LogGraph
+    localization: LogLocalization
+    navigation: LogNavigation
+
+    def __init__(
+        self,
+        host: ModelHost,
+        replay: Replay,
+        view: LogView,
+        *,
+        log_id: str = "",
+        title: str = "",
+        first: MappingConfig | None = None,
+    ) -> None:
+        """The map is brought to the scans of ``view``, and the log is paused there. ``first``: see the recording."""
+        self._times = play_times(replay.log.stamps_ns)
+        super().__init__(_playback(self._times))
+        replay.wanted = host.may_continue
+        self._host = host
+        self._title = title or replay.log.name
+        self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
+        self._time = 0.0  #: seconds of play
+        self._target = 0  #: the index that commands requested
+        self._left_at = 0  #: the index at which the map was before it was requested
+        self.recording = LogRecording(host, replay, log_id, view, first)
+        self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
+        self.comparison = LogComparison(host, self.recording, self._parameters_message)
+        self.graph = LogGraph(host, self.recording)
+        self.navigation = self.costed = LogNavigation(self.recording, lambda: self.localization.given)
+        self.localization = LogLocalization(host, self.recording)
+        self._healing = LogHealing(self.recording)
+        self._updates = LogUpdates(self, self._healing)
+        self.parts = (
+            self.parameters,
+            CellQuestions(self._explained),
+            self._updates,
+            self.localization,
+            self.navigation,
+        )
+        self._report = RobotReport()
+        self._map = GridLayer("map", "Map")
+        self._map.update(replay.grid, replay.config, None, whole=True)
+        if view.index:
+            self.playback.playing = False
+            self.go_to(min(view.index, replay.log.n_scans))
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map of a comparison, the pose graph, and what it is localized in."""
+        of_parts = (layer for part in self.parts for layer in part.layers)
+        return (self._map, *self.comparison.layers, *self.graph.layers, *of_parts)
+
+    @property
+    def title(self) -> str:
+        """The title of the log."""
+        return self._title
+
+    @property
+    def frame_id(self) -> str | None:
+        """The frame of the poses, None if the log does not state it."""
+        return self.recording.log.trajectory(self.recording.trajectory).frame_id
+
+    @property
+    def offset(self) -> Offset:
+        """The offset of the poses, which the map's origin gets again."""
+        return self.recording.log.trajectory(self.recording.trajectory).offset
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map."""
+        return self.recording.replay.grid
+
+    @property
+    def config(self) -> MappingConfig:
+        """The mapping parameters."""
+        return self.parameters.config
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of both maps, and their logs."""
+        other = self.comparison.footprint
+        return Footprint(
+            int(self.grid.log_odds.size) + other.cells + sum(part.cells for part in self.parts),
+            (self.recording.log, *other.logs),
+        )
+
+    @property
+    def fraction(self) -> float | None:
+        """The share of the present computation that is done."""
+        replay, first, last = self.recording.replay, self._left_at, self._target
+        if self.is_catching_up and first < replay.index < last:
+            return (replay.index - first) / (last - first)
+        return replay.fraction
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """Scans in the map, scans of the log."""
+        return (self.recording.replay.index, self.recording.log.n_scans)
+
+    def _explained(self) -> list[ExplainedMap]:
+        own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])
+        return [own, *self.comparison.explained()]
+
+    def drawings(self) -> list[Drawing]:
+        """Return the map, the robot and the path."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        return [
+            *map_drawings(self.grid, self.recording.robot_state(), self.config),
+            Path(name="trajectory", label="Path", poses=poses),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map, the index in the log, and the trajectories if there are several."""
+        index, count = self.progress
+        names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
+        return SceneControls(
+            playing=self.playback.playing,
+            hint="Click near the path to go to that scan.",
+            tables=(self.parameters.controls(),),
+            choices=(Choice("Trajectory", names, current, TrajectoryCommand),) if len(names) > 1 else (),
+            index=index,
+            count=count,
+            can_restart=True,
+            bounds=self._path_bounds,
+        )
+
+    def on_scene_click(self, x: float, y: float) -> Struct:
+        """Return the command to seek the scan nearest to (x, y)."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
+        return SeekCommand(int(gaps.argmin()) + 1)
+
+    def prefetcher(self) -> CheckpointPrefetcher | None:
+        """Return the prefetcher of missing checkpoints."""
+        return self.recording.replay.prefetcher()
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the parameters, the log and its trajectories."""
+        recording, log = self.recording, self.recording.log
+        return {
+            "parameters": self.parameters.table(recording.first_config()),
+            **self.tables(),
+            "log": {
+                "id": recording.log_id,
+                "topic": log.topic,
+                "cut": recording.cut_table(),
+                "trajectory": recording.trajectory,
+                "trajectories": self._trajectories_message()["trajectories"],
+                "n_beams": log.n_beams,
+                "n_scans": log.n_scans,
+                "duration_s": float(recording.recorded[-1]),
+                "format": log.format,
+                "notes": list(log.notes),
+                "start_s": start_s(log),
+            },
+        }
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
+        return [self._parameters_message(), self._trajectory_message(), *super().messages()]
+
+    def _parameters_message(self) -> dict[str, Any]:
+        return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+
+    def _trajectories_message(self) -> dict[str, Any]:
+        found = self.recording.log.trajectories.items()
+        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
+
+    def _trajectory_message(self) -> dict[str, Any]:
+        recording = self.recording
+        trajectory = recording.log.trajectory(recording.trajectory)
+        poses = trajectory.poses
+        every = -(-len(poses) // MAX_PATH_POINTS)
+        path = np.round(poses[::every, :2], 3).tolist()
+        stamps = np.round(recording.recorded[::every], 3).tolist()
+        return {
+            "type": "trajectory",
+            "name": recording.trajectory,
+            "frame": trajectory.frame_id,
+            "every": every,
+            "poses": path,
+            "stamps": stamps,
+        }
+
+    def frame(self) -> dict[str, Any]:
+        """Return the robot's pose at the newest scan."""
+        return self.parameters.frame() | self._report.frame(self.recording.robot_state())
+
+    def scan(self) -> dict[str, Any]:
+        """Return the newest scan."""
+        return self._report.scan(self.recording.robot_state(), self.config)
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def _remake(self, config: MappingConfig, result: TickResult) -> None:
+        self.comparison.remake(self.config, config, result)
+
+    def settle(self, result: TickResult) -> None:
+        """Recompute the maps with other parameters, up to the same scan."""
+        self.parameters.settle(result)
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Play, or seek the index that a command requested."""
+        replay, playback, count = self.recording.replay, self.playback, self.recording.log.n_scans
+        if dt > 0.0 and self._target < count and not self.is_catching_up:
+            self._left_at = replay.index
+            self._time += dt * playback.speed
+            self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
+        if self.is_catching_up:
+            try:
+                with self._host.cancellable():
+                    result.add(replay.advance_to(self._target, slice_is_over()))
+            except WorkCancelledError:
+                raise
+            except MapperError:
+                self._target = replay.index
+                raise
+        if playback.playing and replay.index == count:
+            playback.playing = False
+            result.changed = True
+            result.notice("log.end", "The log has ended: all of its scans are in the map.")
+
+    def draw(self, result: TickResult) -> None:
+        """Update the layer of the map, and advance the second map to the same scan."""
+        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        self.comparison.draw(result)
+        super().draw(result)
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the map is not yet that of the requested scan."""
+        return self._target != self.recording.replay.index
+
+    @property
+    def has_deferred_work(self) -> bool:
+        """Whether the numbers of the comparison are out of date."""
+        return self.comparison.is_outdated
+
+    def run_deferred_work(self, result: TickResult) -> None:
+        """Compare the two maps."""
+        self.comparison.update_numbers(result)
+
+    def play(self) -> None:
+        """Play; from the start if the end was reached."""
+        self._healing.leave()
+        if self.recording.replay.index == self.recording.log.n_scans:
+            self.go_to(0)
+        super().play()
+
+    def handle(self, command: Struct, result: TickResult) -> None:
+        """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
+        count = self.recording.log.n_scans
+        if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
+            self._healing.leave()
+        match command:
+            case SeekCommand(index=index):
+                if not 0 <= index <= count:
+                    raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
+                self.go_to(index)
+            case StepCommand(scans=scans):
+                self.playback.playing = False
+                self.go_to(min(max(self._target + scans, 0), count))
+            case RestartCommand():
+                self.go_to(0)
+                self.playback.playing = True
+            case CancelCommand():
+                self.parameters.cancel(result)
+                self.playback.playing = False
+                self.go_to(self.recording.replay.index)
+            case TrajectoryCommand(name=name):
+                self.recording.choose(name)
+                self._left_at = 0
+                result.new_grid = True
+                result.slot(self._trajectory_message())
+            case CompareCommand():
+                raise ProtocolError(
+                    "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
+                )
+            case TeleportCommand() | DriveCommand() | AutoCommand() | WorldCommand() | SensorCommand():
+                message = f"A log cannot be changed: the command {type_of(command)} is for simulations."
+                raise ProtocolError("log.recorded", message)
+            case _:
+                super().handle(command, result)
+                return
+        result.changed = True
+
+    def updated(self, result: TickResult, *, is_new: bool) -> None:
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
+        if is_new:
+            self._left_at = 0
+            result.new_grid = True
+        self.comparison.update_log(self.recording.log)
+        result.slot(self._trajectories_message())
+        result.slot(self._trajectory_message())
+
+    def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
+        """Begin the map again of another sensor of the log, or of scans that are cut otherwise, up to the same time."""
+        recording = self.recording
+        stamps, index = recording.log.stamps_ns, recording.replay.index
+        reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)
+        recording.use(log, view)
+        self.comparison.end(result)
+        self.graph.forget()
+        self._healing.leave()
+        self.parameters.adopt(recording.replay.config)
+        self._times = play_times(log.stamps_ns)
+        self._path_bounds = bounds_of(log.trajectory(recording.trajectory).poses)
+        self.go_to(log.n_scans if reached is None else int((log.stamps_ns <= reached).sum()))
+        self._left_at = 0
+        result.is_new_hello = result.new_grid = True
+        for message in (*self.messages(), self._trajectories_message()):
+            result.slot(message)
+
+    def go_to(self, index: int) -> None:
+        """Have the map brought to a number of scans."""
+        self._left_at = self.recording.replay.index
+        self._target = index
+        self._time = float(self._times[max(index - 1, 0)])

@@ -1,0 +1,184 @@
+"""The comparison of a log's map, B, with another map, A, which has its own layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.grid import OccupancyGrid
+from mapper.grid.compare import Comparison
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
+from server.sessions.cell_questions import ExplainedMap
+from server.sessions.comparison_numbers import comparison_message
+from server.sessions.hosting import ModelHost
+from server.sessions.model import Footprint
+from server.sessions.tick import TickResult
+from server.sessions.view import Wanted
+from server.sources.log_recording import LogRecording
+from server.sources.second_map_view import SecondMapView
+from server.stream.layers import GridLayer
+from server.work.scheduler import checkpoint
+
+
+class LogComparison:
+    """The second map of a log session, if there is one. ``message`` returns the ``parameters`` message."""
+
+    def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
+        self._host, self._recording, self._message = host, recording, message
+        self._other: SecondMapView | None = None
+        self._layer: GridLayer | None = None
+        self._request = 0  #: number of the newest request to compare: only that one is carried out
+
+    # -- on the event loop --------------------------------------------------------------------------------------
+
+    async def compare(self, wanted: Wanted | None) -> None:
+        """Compare with another map, which replaces the previous one; None ends the comparison.
+
+        Raises :class:`MapperError` if the other map cannot be made or another one was requested meanwhile; the
+        previous comparison continues then.
+        """
+        self._request += 1
+        request = self._request
+        other = None
+        if wanted is not None:
+            # Made while the session runs; _replace applies what has changed meanwhile.
+            other = await self._host.on_thread(partial(self._second_view, wanted, request))
+        async with self._host.locked():
+            if request != self._request or self._host.closed:
+                raise _superseded()
+            result = await self._host.on_thread(partial(self._replace, other))
+        self._host.deliver(result)
+
+    async def compared(self) -> tuple[dict[str, Any], Comparison]:
+        """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
+        async with self._host.settled():
+            other = self._compared_with()
+            found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
+            return other.description(), found
+
+    def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
+        """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
+        other, grid = self._compared_with(), self._recording.replay.grid
+        other.check_lattice(grid)
+        return other.replay.grid, grid
+
+    def description(self) -> dict[str, Any] | None:
+        """Return the description of A, None if there is no comparison."""
+        return None if self._other is None else self._other.description()
+
+    def _compared_with(self) -> SecondMapView:
+        if self._other is None:
+            raise MapperError("compare.none", "This session has no comparison now.")
+        return self._other
+
+    # -- for the model --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[GridLayer, ...]:
+        """The layer of A, if there is one."""
+        return () if self._layer is None else (self._layer,)
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of A, and its log."""
+        other = self._other
+        return Footprint() if other is None else Footprint(int(other.replay.grid.log_odds.size), (other.replay.log,))
+
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the numbers are out of date."""
+        return self._other is not None and self._other.is_new
+
+    def explained(self) -> list[ExplainedMap]:
+        """Return A for questions about its cells."""
+        other, layer = self._other, self._layer
+        if other is None or layer is None:
+            return []
+        return [ExplainedMap(layer, other.replay.grid, other.replay.config, other.sources, other.replay.index)]
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    def _second_view(self, wanted: Wanted, request: int) -> SecondMapView:
+        def is_wanted() -> bool:
+            checkpoint()
+            return request == self._request and not self._host.closed
+
+        limits, replay = self._host.limits(), self._recording.replay
+        room = replace(limits, max_cells=max(1, limits.max_cells - int(replay.grid.log_odds.size)))
+        try:
+            return SecondMapView(wanted, replay, replay.config, room, is_wanted)
+        except WorkCancelledError as error:
+            raise _superseded() from error
+
+    def _replace(self, other: SecondMapView | None) -> TickResult:
+        """Set another A, None for none; return what to send."""
+        result = TickResult(changed=True)
+        replay = self._recording.replay
+        if other is None:
+            self._other = self._layer = None
+            result.slot(comparison_message(replay.index))
+            result.slot(self._message())
+            return result
+        other.replay.wanted = self._host.may_continue
+        other.reconfigure(replay.config)
+        other.advance(replay.index)
+        other.second.changed()
+        layer = GridLayer("second_map", "Second map")
+        layer.update(other.second.grid, other.second.config, None, whole=True)
+        self._other, self._layer = other, layer
+        result.slot(self._message())
+        return result
+
+    def remake(self, before: MappingConfig, config: MappingConfig, result: TickResult) -> None:
+        """Recompute both maps with other parameters, or neither. Raises as :meth:`Replay.reconfigure`."""
+        other = self._other
+        if other is not None:
+            other.reconfigure(config)
+        try:
+            result.add(self._recording.replay.reconfigure(config))
+        except MapperError:
+            if other is not None:
+                other.reconfigure(before)
+            raise
+
+    def update_log(self, log: ScanLog) -> None:
+        """Go on with the session's ``log``, the same scans with other trajectories. Raises as :class:`Replay` does."""
+        if self._other is not None:
+            self._other.update_log(log)
+
+    def end(self, result: TickResult) -> None:
+        """End the comparison, if there is one."""
+        self._request += 1  # one that is being prepared is of the log from before
+        if self._other is not None:
+            self._other = self._layer = None
+            result.slot(comparison_message(self._recording.replay.index))
+
+    def draw(self, result: TickResult) -> None:
+        """Advance A to the session's scan, and update its layer."""
+        other, layer = self._other, self._layer
+        if other is None or layer is None:
+            return
+        other.advance(self._recording.replay.index)
+        whole, box = other.second.changed()
+        other.is_new |= whole or box is not None or result.new_grid or result.box is not None
+        result.changed |= whole or box is not None
+        result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
+
+    def update_numbers(self, result: TickResult) -> None:
+        """Compare the two maps, and send the numbers."""
+        other, replay = self._other, self._recording.replay
+        if other is None:
+            return
+        other.is_new = False
+        try:
+            result.slot(comparison_message(replay.index, other.compared(replay.grid)))
+        except MapperError as error:
+            result.slot(comparison_message(replay.index, refused=error.message))
+
+
+def _superseded() -> MapperError:
+    return MapperError("compare.superseded", "Another comparison was requested meanwhile; this one was dropped.")

@@ -1,0 +1,148 @@
+"""The pose graph of a log session's trajectory: shown as a layer, questioned and changed by hand."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from mapper.core.errors import ConfigError
+from mapper.sensors.scan import ScanLog
+from server.sessions.hosting import ModelHost
+from server.sessions.parts import GraphSource
+from server.sessions.view import GraphChange
+from server.sources.log_recording import LogRecording
+from server.sources.solved_graph import ShowGraph
+from server.stream.whole_layers import GraphLayer
+
+if TYPE_CHECKING:
+    from server.sources.solved_graph import SolvedGraph
+
+LAYER = "graph"
+
+
+def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
+    """Return the solution of a graph's file, which a trajectory of ``log`` was made with (worker thread).
+
+    Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
+    """
+    from server.library.packs.graph import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
+    from server.sources.solved_graph import SolvedGraph  # noqa: PLC0415
+
+    graph, candidates = read_graph(data)
+    if len(graph.nodes) and int(graph.nodes.max()) >= log.n_scans:
+        raise ConfigError("graph.none", "This pose graph belongs to the scans of another sensor of the log.")
+    return SolvedGraph.of(trajectory, log.trajectory(trajectory).poses, graph, candidates)
+
+
+def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
+    """Return the present poses of a graph as TUM lines of ``log``, and the graph as a file (worker thread)."""
+    from mapper.io.export import tum_text  # noqa: PLC0415 - imports the writers
+    from server.library.packs.graph import graph_bytes  # noqa: PLC0415
+
+    graph = replace(solved.graph, poses=solved.node_poses)
+    text = tum_text(solved.in_log(log), solved.trajectory)
+    return text.encode(), graph_bytes(graph, solved.candidates)
+
+
+class LogGraph:
+    """The graph of a log session's present trajectory, if it has one, and its layer."""
+
+    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+        self._host, self._recording = host, recording
+        self._newest: SolvedGraph | None = None  #: which the model may not show yet
+        self._changing = asyncio.Lock()  #: held while the graph is read or changed
+        self._shown: SolvedGraph | None = None
+        self._layer: GraphLayer | None = None
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[GraphLayer, ...]:
+        """The layer of the graph, while the map is that of its trajectory."""
+        is_shown = self._shown is not None and self._shown.trajectory == self._recording.trajectory
+        return (self._layer,) if is_shown and self._layer is not None else ()
+
+    def show(self, solved: SolvedGraph) -> None:
+        """Write another graph into the layer."""
+        self._shown = solved
+        self._layer = self._layer or GraphLayer(LAYER, "Pose graph", "pose_graph", ("x", "y", "yaw", "scan"))
+        solved.draw(self._layer)
+
+    # -- on the event loop --------------------------------------------------------------------------------------
+
+    async def public(self, source: GraphSource) -> dict[str, Any]:
+        """Return the loops of the present trajectory's graph, and show its layer.
+
+        ``source`` reads the graph's file. Raises :class:`ConfigError` for a trajectory without a graph.
+        """
+        async with self._changing:
+            return (await self._present(source)).public()
+
+    async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return an edge with both of its scans. Raises as :meth:`public` and :meth:`SolvedGraph.edge`."""
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(solved.edge, self._recording.log, edge))
+
+    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
+        from server.sources.loop_hill import hill_of  # noqa: PLC0415 - imports SLAM, which few sessions need
+
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(hill_of, solved, self._recording.log, edge))
+
+    async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
+        """Return the loops that were tried near a place. Raises as :meth:`public`."""
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(solved.near, x, y))
+
+    async def candidate(self, candidate: int, source: GraphSource) -> dict[str, Any]:
+        """Return a loop that was tried with both of its scans. Raises as :meth:`public`."""
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(solved.candidate, self._recording.log, candidate))
+
+    async def change(self, change: GraphChange, source: GraphSource) -> dict[str, Any]:
+        """Change the graph, solve it and map the log along its poses; return as :meth:`public`.
+
+        Raises :class:`mapper.core.errors.MapperError` for a change that cannot be made; nothing has changed then.
+        """
+        async with self._changing:
+            solved = await self._present(source)
+            solved = await self._host.on_thread(partial(solved.changed, self._recording.log, change))
+            self._give(solved)
+            return solved.public()
+
+    async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
+        """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
+        async with self._changing:
+            solved = await self._present(source)
+        return (solved.trajectory, *await self._host.on_thread(partial(files_of, solved, self._recording.log)))
+
+    async def _present(self, source: GraphSource) -> SolvedGraph:
+        """Return the graph of the present trajectory, which is read and solved where it was not yet."""
+        name, log = self._recording.trajectory, self._recording.log
+        if self._newest is not None and self._newest.trajectory == name:
+            return self._newest
+        data = await source(name)
+        if data is None:
+            raise ConfigError(
+                "graph.none", f"The trajectory {name!r:.90} has no pose graph: heal the log's poses first."
+            )
+
+        solved = await self._host.on_thread(partial(read_solved, data, log, name))
+        self._give(solved)
+        return solved
+
+    def _give(self, solved: SolvedGraph) -> None:
+        """Have the model show a graph and its poses."""
+        self._newest = solved
+        self._host.enqueue(ShowGraph(solved))
+
+    def forget(self) -> None:
+        """Read the graph again when it is asked for next: its trajectory was replaced."""
+        self._newest = None

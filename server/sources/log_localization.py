@@ -1,0 +1,195 @@
+"""The localization of a log in a given map: the map, the particles and the estimate along the way."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.mapping.parameters import MappingConfig
+from server.library.packs.course import Course, read_course
+from server.library.packs.given_map import GivenMap
+from server.sessions.commands import ShowCourse, ShowGivenMap
+from server.sessions.hosting import ModelHost
+from server.sessions.part import Part
+from server.sessions.parts import GraphSource
+from server.sessions.tick import TickResult
+from server.sources.localization_message import COLUMNS, OFF
+from server.sources.log_recording import LogRecording
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import TableLayer
+
+if TYPE_CHECKING:
+    from server.library.processing.localization import LocalizeProgress
+
+MOST_POINTS = 1000  #: of the series that pages plot
+
+
+class LogLocalization(Part):
+    """View of a running localization job, and of a trajectory from one."""
+
+    commands = (ShowGivenMap, ShowCourse)
+
+    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+        self._host, self._recording = host, recording
+        self._changing = asyncio.Lock()  #: held while a course is read
+        self._newest: tuple[str, Course] | None = None  #: which the model may not show yet
+        self._shown: tuple[str, Course] | None = None
+        self._report: LocalizeProgress | None = None
+        self._drawn: tuple[Course, int] | None = None  #: the course and the scan whose particles are in the layer
+        self._given: GivenMap | None = None
+        self._map: GridLayer | None = None
+        self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The given map, and the particles while there are some."""
+        is_on = self._report is not None or self._course is not None
+        given = () if self._map is None else (self._map,)
+        return (*given, self._particles) if is_on else given
+
+    @property
+    def cells(self) -> int:
+        """Cells of the given map."""
+        return 0 if self._given is None else int(self._given.values.size)
+
+    @property
+    def _course(self) -> Course | None:
+        """The course of the trajectory in use."""
+        shown = self._shown
+        return shown[1] if shown is not None and shown[0] == self._recording.trajectory else None
+
+    @property
+    def given(self) -> GivenMap | None:
+        """The map that the log is localized in, None before one was shown."""
+        return self._given
+
+    def handle(self, command: ShowGivenMap | ShowCourse, result: TickResult) -> None:
+        """Show a map, or the course that a trajectory comes with."""
+        result.changed = True
+        if isinstance(command, ShowCourse):
+            self._shown = (command.trajectory, command.course)
+            self._drawn = None
+            self.show_map(command.course.given)
+        else:
+            self.show_map(command.map)
+
+    def show_map(self, given: GivenMap) -> None:
+        """Write a map into its layer."""
+        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
+
+        self._given = given
+        self._map = self._map or GridLayer("given_map", "Map to localize in")
+        grid = grid_of_values(given.geometry, given.values)
+        self._map.update(grid, MappingConfig(), None, whole=True)
+
+    def show_progress(self, report: LocalizeProgress) -> None:
+        """Show the newest report of a job that runs."""
+        self._report = report
+        self._particles.set(report.particles.T)
+
+    def end_progress(self) -> None:
+        """The job has ended."""
+        self._report = None
+        self._drawn = None
+
+    def changed(self, result: TickResult) -> None:
+        """Bring the particles to the newest scan."""
+        course, scan = self._course, max(self._recording.replay.index - 1, 0)
+        drawn, at = self._drawn or (None, scan)
+        if self._report is not None or (drawn is course and at == scan):
+            return
+        self._drawn = None if course is None else (course, scan)
+        result.changed = True
+        if course is None:
+            result.slot(OFF)
+            return
+        cloud = course.cloud(scan)
+        self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
+        result.slot(self.message())
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``localization``."""
+        return [self.message()]
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``localization``."""
+        if self._report is not None:
+            report = self._report
+            c, pose = report.covariance, [round(float(v), 4) for v in report.poses[-1]]
+            numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
+            updates = report.n_updates
+        elif (course := self._course) is not None:
+            recording = self._recording
+            scan = max(recording.replay.index - 1, 0)
+            c = course.covariance[scan]
+            pose = [round(float(v), 4) for v in recording.log.trajectory(recording.trajectory).poses[scan]]
+            numbers = (
+                bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
+                float(course.entropy[scan]), int(course.n_particles[scan]),
+            )  # fmt: skip
+            updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
+        else:
+            return OFF
+        is_converged, share, fit, entropy, n_particles = numbers
+        return OFF | {
+            "is_on": True,
+            "pose": pose,
+            "at": pose,
+            "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
+            "is_converged": is_converged,
+            "share": round(share, 4),
+            "fit": round(fit, 4),
+            "entropy": round(entropy, 3),
+            "n_particles": n_particles,
+            "n_updates": updates,
+        }
+
+    # -- on the event loop ----------------------------------------------------------------------------------------
+
+    async def public(self, source: GraphSource) -> dict[str, Any] | None:
+        """Return the series of the trajectory in use, None where it comes from no localization; show its layers.
+
+        ``source`` reads its file. Raises :class:`mapper.core.errors.ReadError` for a file that cannot be read.
+        """
+        async with self._changing:
+            name = self._recording.trajectory
+            if self._newest is None or self._newest[0] != name:
+                data = await source(name)
+                if data is None:
+                    return None
+                course = await self._host.on_thread(partial(read_course, data))
+                if len(course.share) != self._recording.log.n_scans:
+                    return None  # it belongs to the scans of another sensor
+                self._newest = (name, course)
+            course = self._newest[1]
+            if self._shown is not self._newest:
+                self._host.enqueue(ShowCourse(name, course))
+            return await self._host.on_thread(partial(series_of, course, self._recording.recorded))
+
+    def forget(self) -> None:
+        """Read the course again when it is asked for next: its trajectory was replaced."""
+        self._newest = None
+
+
+def series_of(course: Course, seconds: np.ndarray[Any, Any]) -> dict[str, Any]:
+    """Return the course's numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
+    n = len(course.share)
+    at = np.unique(np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(int))
+    xy = np.trace(course.covariance[at, :2, :2], axis1=1, axis2=2)
+    converged = np.flatnonzero(course.is_converged)
+    return {
+        "map": course.given.public(),
+        "scans": at.tolist(),
+        "seconds": np.round(seconds[at], 2).tolist(),
+        "entropy": np.round(course.entropy[at], 3).tolist(),
+        "deviation_m": np.round(np.sqrt(np.maximum(xy, 0.0)), 4).tolist(),
+        "fit": np.round(course.fit[at], 4).tolist(),
+        "is_converged": course.is_converged[at].tolist(),
+        "n_particles": course.n_particles[at].tolist(),
+        "first_converged": int(converged[0]) if len(converged) else None,
+    }

@@ -1,0 +1,239 @@
+"""The log of a session: its replay, its trajectory, and its diagnosis."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.io.export import GrowingMap
+from mapper.io.logs.summary import recorded_seconds
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.placed_scan import placed_scan
+from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.replay import Replay
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
+from mapper.sensors.planar.options import PlanarCut, applies
+from mapper.sensors.scan import ScanLog
+from server.sessions.hosting import ModelHost
+from server.sessions.view import LogView, RobotState, as_pose
+from server.sessions.why import Source
+from server.sources.diagnosing import examination
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Diagnosis
+
+COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
+
+
+def first_config(log: ScanLog) -> MappingConfig:
+    """Return the initial parameters for a log."""
+    row = BY_NAME["range_max"]
+    range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
+    return MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": range_max}))
+
+
+def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
+    """Return the replay of a session before the first scan: as in ``view``, with larger cells if the map is too large.
+
+    Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
+    """
+    config = first_config(log).with_values(view.values or {})
+    for resolution in (*(one for one in COARSER if one > config.resolution), None):
+        try:
+            replay = Replay(log, config, view.trajectory, limits)
+            replay.wanted = wanted
+        except LimitError:
+            if resolution is None:
+                raise
+            config = replace(config, resolution=resolution)
+        else:
+            break
+    return replay
+
+
+class _Examination:
+    """One examination that is under way or done: how many wait for it, and the share that is done (None: not begun)."""
+
+    def __init__(self) -> None:
+        self.future: asyncio.Future[Diagnosis]
+        self.waiting = 0
+        self.share: float | None = None
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody waits for it (any thread)."""
+        return self.waiting > 0
+
+
+class LogRecording:
+    """A log, and the replay that makes its map.
+
+    ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut. ``first``
+    are the initial parameters, None for those of the log.
+    """
+
+    def __init__(
+        self, host: ModelHost, replay: Replay, log_id: str, view: LogView, first: MappingConfig | None = None
+    ) -> None:
+        self.log_id = log_id
+        self.replay = replay
+        self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
+        self._topic, self._cut = view.topic, view.cut
+        self._host = host
+        self._first = first
+        self._examinations: dict[str, _Examination] = {}  #: by trajectory
+
+    @property
+    def log(self) -> ScanLog:
+        """The log."""
+        return self.replay.log
+
+    @property
+    def trajectory(self) -> str:
+        """The name of the trajectory in use."""
+        return self.replay.trajectory
+
+    def first_config(self) -> MappingConfig:
+        """Return the initial parameters for the log."""
+        return first_config(self.log) if self._first is None else self._first
+
+    def view(self) -> LogView:
+        """Return the present view: sensor, trajectory, parameters, scans in the map."""
+        replay = self.replay
+        return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index, self._cut)
+
+    def cut_table(self) -> dict[str, Any] | None:
+        """Return the parameters of how the scans are cut, and their values; None where they come from a lidar."""
+        names = {part.topic for part in (self.log.parts if isinstance(self.log, JointLog) else (self.log,))}
+        kinds = {topic.type for topic in self.log.topics if topic.name in names}
+        rows = [asdict(row) for row in CUT_PARAMETERS if any(applies(row, kind) for kind in kinds)]
+        values = PlanarCut.of(self._cut or {}).values
+        return {"table": rows, "values": {row["name"]: values[row["name"]] for row in rows}} if rows else None
+
+    def use(self, log: ScanLog, view: LogView) -> None:
+        """Begin again with another sensor of the log, or with scans that are cut otherwise (worker thread).
+
+        The parameters stay, but for those that the sensor sets. Raises as :meth:`choose`, without changes.
+        """
+        old = self.replay
+        before = asdict(first_config(self.log))
+        changed = {name: value for name, value in asdict(old.config).items() if value != before[name]}
+        trajectory = old.trajectory if old.trajectory in log.trajectories else None
+        wanted = replace(view, trajectory=trajectory, values=changed)
+        self.replay = first_replay(log, wanted, self._host.limits(), old.wanted)
+        self.recorded = recorded_seconds(log)
+        self._topic, self._cut = view.topic, view.cut
+        self._examinations.clear()
+
+    def choose(self, trajectory: str) -> None:
+        """Begin the map again with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        self._replay_with(self.log, trajectory)
+
+    def update(self, log: ScanLog) -> bool:
+        """Go on with ``log``, the same scans with other trajectories (worker thread); return whether the map is new.
+
+        A trajectory that is in use stays, also where ``log`` has it no longer. Raises as :meth:`choose`, without
+        changes.
+        """
+        old = self.replay
+        name = old.trajectory
+        if name not in log.trajectories:
+            log = replace(log, trajectories={**log.trajectories, name: self.log.trajectory(name)})
+        for one, trajectory in log.trajectories.items():
+            known = self.log.trajectories.get(one)
+            if known is None or not np.array_equal(known.poses, trajectory.poses):
+                self._examinations.pop(one, None)
+        if old.adopt(log):
+            return False
+        self._replay_with(log, name)
+        return True
+
+    def show(self, log: ScanLog, trajectory: str) -> bool:
+        """Go on with ``log``, the same scans, and a trajectory (worker thread); return whether the map is new.
+
+        Otherwise it stays as it is. Raises as :meth:`choose`, without changes.
+        """
+        self._examinations.pop(trajectory, None)
+        if trajectory == self.trajectory and self.replay.adopt(log):
+            return False
+        self._replay_with(log, trajectory)
+        return True
+
+    def _replay_with(self, log: ScanLog, trajectory: str) -> None:
+        """Begin the map of ``log`` again with one of its trajectories."""
+        old = self.replay
+        replay = Replay(log, old.config, trajectory, self._host.limits())
+        replay.wanted = old.wanted
+        self.replay = replay
+
+    def robot_state(self) -> RobotState:
+        """Return the newest scan in the map; before the first scan, its pose without readings."""
+        index = self.replay.index
+        newest = max(index - 1, 0)
+        placed = placed_scan(self.log, self.replay.config, self.trajectory, newest)
+        scan = placed.scan
+        if index == 0:
+            scan = replace(scan, ranges=np.full_like(scan.ranges, np.nan))
+        sensor = as_pose(placed.sensor_pose)
+        return RobotState(as_pose(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
+
+    def sources(self) -> list[Source]:
+        """Return the scans that are in the map."""
+        return [Source(self.log, self.trajectory, self.replay.index, self.recorded)]
+
+    async def growing_map(self) -> tuple[GrowingMap, str]:
+        """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
+        async with self._host.settled():
+            replay = self.replay
+            return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
+
+    @property
+    def examined_share(self) -> float | None:
+        """The share of the examination with the present trajectory that is done; None before it has begun."""
+        known = self._examinations.get(self.trajectory)
+        return None if known is None else known.share
+
+    async def examined(self) -> Diagnosis:
+        """Return the diagnosis of the log with the present trajectory.
+
+        Requests during an examination wait for its result; it ends when the last of them was cancelled, and with the
+        session. One that failed or ended early begins again at the next request. Raises as
+        :func:`mapper.diagnosis.diagnose`.
+        """
+        name = self.trajectory
+        known = self._examinations.get(name)
+        if known is None or (known.future.done() and known.future.exception() is not None):
+            known = self._examinations[name] = self._examination(name)
+        known.waiting += 1
+        try:
+            return await asyncio.shield(known.future)
+        finally:
+            known.waiting -= 1
+            if not known.is_wanted and not known.future.done() and self._examinations.get(name) is known:
+                del self._examinations[name]
+
+    def _examination(self, trajectory: str) -> _Examination:
+        host, log = self._host, self.log
+        goes_on = host.in_background()
+        one = _Examination()
+
+        def progress(share: float) -> None:
+            one.share = share
+
+        def wanted() -> bool:
+            return one.is_wanted and goes_on()
+
+        one.future = asyncio.ensure_future(
+            examination(log, trajectory, host.scheduler, host.job_owner, wanted, progress)
+        )
+        one.future.add_done_callback(
+            lambda done: done.cancelled() or done.exception()
+        )  # its exception is then not logged as never retrieved
+        return one

@@ -1,0 +1,372 @@
+"""The model of a simulation: a robot explores a simulated world and maps it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from msgspec import Struct
+
+from mapper.core.errors import ConfigError, WorkCancelledError
+from mapper.core.se2 import compose_one
+from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
+from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
+from mapper.simulation.live_map import LiveMap, world_named
+from mapper.simulation.second_map import Vanishing, forgetting_message
+from server.parts import parts_of
+from server.sessions.cell_questions import CellQuestions, ExplainedMap
+from server.sessions.drawings import Drawing, Walls
+from server.sessions.hosting import ModelHost
+from server.sessions.map_drawings import map_drawings
+from server.sessions.mapping_parameters import MappingParameters
+from server.sessions.messages import parameters_message
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.part import Offers
+from server.sessions.robot_report import RobotReport
+from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
+from server.sessions.tick import TickResult
+from server.sessions.view import RobotState
+from server.sessions.why import Source
+from server.sources.lab_navigation import LabNavigation, believed_now
+from server.sources.localization_view import LocalizationView
+from server.sources.navigation_messages import checked_commands
+from server.sources.simulation_commands import Action, act
+from server.sources.simulation_messages import world_message
+from server.sources.slam_view import SlamView
+from server.sources.story import SimulationStory
+from server.sources.volume_view import VolumeView
+from server.stream.commands import (
+    AutoCommand,
+    CancelCommand,
+    CompareCommand,
+    DriveCommand,
+    EditCommand,
+    FaultsCommand,
+    ParametersCommand,
+    RestartCommand,
+    SeekCommand,
+    SensorCommand,
+    StepCommand,
+    TeleportCommand,
+    WorldCommand,
+)
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError
+
+MAX_STEP_SCANS = 100
+SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
+_ROWS = tuple(row for row in PARAMETERS if row.name not in LOG_ONLY)
+
+
+class SimulationModel(SessionModel):
+    """A simulated world, its robot, and the map of its scans."""
+
+    kind: ClassVar[str] = "simulation"
+    replacing: ClassVar[tuple[type[Struct], ...]] = (ParametersCommand, RestartCommand)
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {
+        ParametersCommand: "parameters",
+        SensorCommand: "parameters",
+    }
+
+    def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
+        """``max_story_s`` is the longest computing time for replaying its story, seconds."""
+        super().__init__()
+        self._host = host
+        self._mapper = mapper
+        mapper.limits, mapper.wanted = host.limits, host.may_continue
+        self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
+        self._volume = self.volume = VolumeView(host, mapper, self.playback)
+        offers = Offers(host, self._volume, {"map_3d": lambda: self._volume.projection})
+        offered = parts_of(offers)
+        self._navigation = self.costed = LabNavigation(mapper, offers)
+        self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.history)
+        following = (LocalizationView(mapper), self._volume, *offered, self._navigation, SlamView(mapper))
+        self.parts = (self.parameters, CellQuestions(self._explained), *following)
+        self._report = RobotReport()
+        self._map = GridLayer("map", "Map")
+        self._map.update(mapper.grid, mapper.config, None, whole=True)
+        self._second: GridLayer | None = None
+        self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map if there is one, and those of what else is on."""
+        second = () if self._second is None else (self._second,)
+        return (self._map, *second, *(layer for part in self.parts for layer in part.layers))
+
+    @property
+    def title(self) -> str:
+        """The title of the world."""
+        return self.world.title
+
+    @property
+    def file_stem(self) -> str:
+        """The name of the world."""
+        return self.world.name
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map."""
+        return self._mapper.grid
+
+    @property
+    def config(self) -> MappingConfig:
+        """The mapping parameters."""
+        return self.parameters.config
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
+        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts))
+
+    @property
+    def world(self) -> World:
+        """The true world."""
+        return self._mapper.simulation.world
+
+    @property
+    def sensor(self) -> SensorConfig:
+        """The simulated sensor."""
+        return self._mapper.simulation.sensor
+
+    @property
+    def fraction(self) -> float | None:
+        """The share of the recomputation of the map, or of the 3D map, that is done."""
+        shares = (self._mapper.fraction, *(part.progress for part in self.parts))
+        return next((share for share in shares if share is not None), None)
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the 3D map is made again."""
+        return any(part.is_behind for part in self.parts)
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """Scans in the map, scans taken; ``step`` back removes scans from the map."""
+        return (self._mapper.scans - self._mapper.hidden, self._mapper.scans)
+
+    def robot_state(self) -> RobotState:
+        """Return the robot's present pose and its newest scan."""
+        mapper, simulation = self._mapper, self._mapper.simulation
+        scan = mapper.newest
+        if scan is None:
+            raise RuntimeError("a simulation has taken a scan before its session starts")
+        pose, mount = simulation.pose, simulation.mount
+        seen_from = compose_one(mapper.newest_pose, mount)
+        robot_state = RobotState(pose, compose_one(pose, mount), seen_from, scan, simulation.time)
+        if mapper.hidden:
+            robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
+        if mapper.believed_pose == mapper.newest_pose:
+            return robot_state
+        now, scan_pose = believed_now(mapper), compose_one(mapper.believed_pose, mount)
+        return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
+
+    def sources(self) -> list[Source]:
+        """Return the recordings, one for each kind of sensor."""
+        trajectory = self._mapper.faults.trajectory
+        logs, hidden = self._mapper.logs(), self._mapper.hidden
+        return [
+            Source(
+                log,
+                trajectory,
+                log.n_scans - (hidden if log is logs[-1] else 0),
+                np.asarray(log.stamps_ns * 1e-9, dtype=np.float64),
+            )
+            for log in logs
+        ]
+
+    def _explained(self) -> list[ExplainedMap]:
+        return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
+
+    def drawings(self) -> list[Drawing]:
+        """Return the map, which the 3D map takes the place of, the robot, a marked patch and the true world."""
+        world, robot = self.world, self.robot_state()
+        flat = map_drawings(self.grid, robot, self.config)
+        return [
+            *(self._volume.over(flat) if self._volume.is_on else flat),
+            *(drawing for part in self.parts for drawing in part.drawings()),
+            Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
+        ]
+
+    def controls(self) -> SceneControls:
+        """Return the parameters of the map and the sensor, and the worlds."""
+        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), SensorCommand, ("sensor",))
+        return SceneControls(
+            playing=self.playback.playing,
+            hint="Click a voxel to ask about it."
+            if self._volume.is_asked
+            else "Click the floor to place the robot there.",
+            tables=(self.parameters.controls(), sensor),
+            choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
+            can_restart=True,
+            bounds=self.world.bounds,
+        )
+
+    @property
+    def working_on(self) -> str:
+        """The answer about a voxel, or else what is computed."""
+        return "voxel" if self._volume.is_answering else super().working_on
+
+    def on_scene_click(self, x: float, y: float) -> Struct:
+        """Return the command that places the robot at (x, y)."""
+        return TeleportCommand(x, y)
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the parameters, the sensor and the world; initial parameters are those for a lidar."""
+        return {
+            "parameters": self.parameters.table(self._mapper.first_config(SensorConfig())),
+            "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
+            "world": self.world.name,
+            "seed": self._mapper.seed,
+            **self.tables(),
+        }
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
+        return [self._parameters_message(), world_message(self._mapper), *super().messages()]
+
+    def _parameters_message(self) -> dict[str, Any]:
+        """Return the parameters, the robot's faults and the parameters in which the second map differs."""
+        second = self._mapper.second
+        return parameters_message(self.config, self.sensor) | {
+            "faults": asdict(self._mapper.faults),
+            "compare": None if second is None else {"values": second.values, "with_faults": second.with_faults},
+        }
+
+    def frame(self) -> dict[str, Any]:
+        """Return the robot's pose, and whether it explores by itself."""
+        robot = self._report.frame(self.robot_state())
+        return self.parameters.frame() | robot | {"auto": self._mapper.simulation.auto}
+
+    def scan(self) -> dict[str, Any]:
+        """Return the newest scan."""
+        return self._report.scan(self.robot_state(), self.config)
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def resume(self, story: dict[str, Any]) -> None:
+        """Set playing, speed and the costmap as in a story. Raises :class:`ConfigError`, :class:`ProtocolError`."""
+        low, high = self.playback.speeds
+        speed = story.get("speed") or self.playback.speed
+        if not low <= speed <= high:
+            raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
+        self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
+        for command in checked_commands(story.get("navigation") or ()):
+            self.handle(command, TickResult())
+
+    def _remake(self, config: MappingConfig, result: TickResult) -> None:
+        self._mapper.remake(config)
+        result.new_grid = True
+
+    def settle(self, result: TickResult) -> None:
+        """Recompute the map with other parameters."""
+        self.parameters.settle(result)
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Advance the simulation, and map its scans."""
+        if dt > 0.0:
+            result.changed = True
+            for change in self._navigation.advance(dt * self.playback.speed, result):
+                result.add(change)
+
+    def draw(self, result: TickResult) -> None:
+        """Update the layers, and send how both maps forget what was erased from the world."""
+        result.changed |= self._map.update(
+            self.grid, self.config, result.box, whole=result.new_grid, cells=result.cells
+        )
+        super().draw(result)
+        second, vanishing = self._mapper.second, self._mapper.vanishing
+        forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
+        if forgetting != self._forgetting:
+            self._forgetting = forgetting
+            result.slot(forgetting_message(vanishing))
+        if second is None:
+            self._second = None
+            return
+        self._second = self._second or GridLayer("second_map", "Second map")
+        whole, box = second.changed()
+        result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
+
+    def handle(self, command: Struct, result: TickResult) -> None:
+        """Carry out a command."""
+        match command:
+            case TeleportCommand() | DriveCommand() | AutoCommand() | SensorCommand() | EditCommand():
+                self._act(command, result)
+            case StepCommand(scans=scans):
+                self._step(scans, result)
+            case FaultsCommand(values=values):
+                with self._cancellable():
+                    self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values))
+                    result.new_grid = True
+                result.slot(self._parameters_message())
+            case CompareCommand(values=wanted):
+                with self._cancellable():
+                    self._mapper.compare(wanted)
+                result.slot(self._parameters_message())
+            case CancelCommand():
+                self.parameters.cancel(result)
+            case WorldCommand(name=name, added=added, erased=erased):
+                if name not in WORLDS:
+                    raise ProtocolError("command.name", f"There is no world {name!r:.80}.")
+                self._begin(world_named(name), Edits.of(added, erased), result)
+            case RestartCommand():
+                self._begin(self._mapper.plan, self._mapper.edits, result)
+                self.playback.playing = True
+            case SeekCommand():
+                raise ProtocolError("world.seek", "A simulation cannot seek; use restart.")
+            case _:
+                super().handle(command, result)
+                return
+        for part in self.parts:
+            part.note(command, result)
+        result.changed = True
+
+    @contextmanager
+    def _cancellable(self) -> Iterator[None]:
+        """Return a context for what has no effect where a client cancels it."""
+        with suppress(WorkCancelledError), self._host.cancellable(by_newer=False):
+            yield
+
+    def _act(self, command: Action, result: TickResult) -> None:
+        mapper, second = self._mapper, self._mapper.second
+        if isinstance(command, EditCommand | SensorCommand):
+            with self._cancellable():
+                act(mapper, command, result)
+        else:
+            act(mapper, command, result)
+        result.changed = True
+        self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
+        if isinstance(command, DriveCommand):
+            self.playback.playing = True
+        if isinstance(command, EditCommand):
+            result.slot(world_message(self._mapper))
+        if isinstance(command, SensorCommand) or mapper.second is not second:
+            result.slot(self._parameters_message())
+
+    def _step(self, scans: int, result: TickResult) -> None:
+        if not 1 <= abs(scans) <= MAX_STEP_SCANS:
+            raise ProtocolError("command.scans", f"A simulation steps forward or back by 1 to {MAX_STEP_SCANS} scans.")
+        self.playback.playing = False
+        if scans < 0:
+            with self._cancellable():
+                result.new_grid |= self._mapper.step_back(-scans)
+            return
+        now = min(scans, SCANS_AT_ONCE)
+        for change in self._mapper.step(now):
+            result.add(change)
+        if scans > now:
+            result.unfinished = StepCommand(scans - now)
+
+    def _begin(self, world: World, edits: Edits, result: TickResult) -> None:
+        self._mapper.begin(world, self.sensor, edits)
+        result.new_grid = True
+        result.slot(world_message(self._mapper))

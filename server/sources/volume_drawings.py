@@ -1,0 +1,220 @@
+"""Drawings of a map in 3D: its voxels in chunks, its points, the chosen voxel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float64Array, Int32Array, Int64Array
+from mapper.volume import OccupancyVolume, OctreeFile
+from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
+from mapper.volume.mesh.voxel_normals import painted_directions
+from mapper.volume.occupancy.changes import Changes
+from mapper.volume.scans.scan_sequence import ScanSequence
+from server.sessions.drawings import Drawing, Points, Voxels
+from server.sources.chosen_voxel import HIT, ChosenVoxel
+from server.sources.volume_look import (
+    ADDED,
+    BELIEF_RAMP,
+    CLASS_COLOURS,
+    COLOURS,
+    HEIGHT_RAMP,
+    NORMAL_COLOURS,
+    PLAIN,
+    REMOVED,
+    SIDE_COLOURS,
+    Look,
+    ramp_of,
+)
+
+MOST_POINTS = 1_000_000  #: that are drawn
+MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
+MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
+DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
+WITHOUT_VOXELS = ("points", "surface")
+PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
+NUMBERED = ("probability", "class", "normal")  #: colourings whose rectangles are not those of heights
+NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
+
+
+class VolumeDrawings:
+    """The drawings of a map; :meth:`work` makes them again in pieces, :meth:`current` returns what is there."""
+
+    def __init__(self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array) -> None:
+        self._scans = source if isinstance(source, ScanSequence) else None
+        self._low, self._high = low, high
+        self.faces = VoxelFaces()
+        self._classes: tuple[float, Painted] | None = None  #: at a resolution
+        self._pending: set[ChunkKey] = set()
+        self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
+        self._points: Points | None = None
+        self._stale_points = True
+        self._newest: Points | None = None
+        self.chosen = ChosenVoxel()
+        self._changes: list[Drawing] = []
+
+    # -- what is to be made again ---------------------------------------------------------------------------------
+
+    @property
+    def pending(self) -> int:
+        """Number of chunks to be computed again."""
+        return len(self._pending)
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether something is to be made again."""
+        return bool(self._pending) or self._stale_points
+
+    def note_change(self, volume: OccupancyVolume, slots: Int32Array | None) -> None:
+        """Note that blocks have changed, None for all of them."""
+        if slots is None:
+            self._pending = set(chunks_of(volume)) | set(self.faces.chunks)
+        else:
+            self._pending |= set(chunks_of(volume, slots))
+        self._stale_points = True
+
+    def note_look(self, volume: OccupancyVolume, old: Look, new: Look) -> None:
+        """Note that another look was chosen."""
+        if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
+            return
+        self._stale_points = True
+        if old.show in WITHOUT_VOXELS:
+            self.note_change(volume, None)
+            return
+        if old.colour != new.colour and not {old.colour, new.colour}.isdisjoint(NUMBERED):
+            # Rectangles of the old colouring in the new colours would mislead until the last of them is made again.
+            self.faces.clear()
+            self._chunks = {}
+            self.note_change(volume, None)
+            return
+        if (old.band, old.whole) != (new.band, new.whole):
+            self.note_change(volume, None)
+            return
+        # A cut changes the chunks between its old and its new height.
+        side = 32 * volume.config.resolution
+        spans = [
+            sorted(ends) for ends in ((old.cut_low, new.cut_low), (old.cut_high, new.cut_high)) if ends[0] != ends[1]
+        ]
+        for key in chunks_of(volume):
+            z = key[2] * side - CENTRE * volume.config.resolution
+            if any(low - side / 32 <= z + side and z <= high + side / 32 for low, high in spans):
+                self._pending.add(key)
+
+    def rule(self, volume: OccupancyVolume, look: Look, *, has_free: bool) -> FaceRule:
+        """Return the rule by which voxels are drawn."""
+        return face_rule(
+            volume, look.cut_low, look.cut_high, base=float(self._low[2]), band=look.band, colours=COLOURS,
+            by_belief=look.colour == "probability", seen_only=has_free and not look.whole,
+        )  # fmt: skip
+
+    def work(
+        self, volume: OccupancyVolume, index: int, look: Look, *, has_free: bool, is_over: Callable[[], bool]
+    ) -> None:
+        """Make again what is stale, until that is done or ``is_over``."""
+        if look.show in WITHOUT_VOXELS:
+            self._pending.clear()
+            self.faces.clear()
+        rule = self.rule(volume, look, has_free=has_free)
+        classes = self._classes_at(volume.config.resolution) if look.colour == "class" else None
+        # Low chunks first: the ground, and what stands on it.
+        for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
+            painted = painted_directions(volume, key) if look.colour == "normal" else classes
+            self.faces.update(volume, rule, [key], painted=painted)
+            self._pending.discard(key)
+            if is_over():
+                break
+        self._chunks = dict(self.faces.chunks)
+        if not self._pending and self._stale_points:
+            self._points = self._drawn_points(index, look)
+            self._newest = None
+            self._stale_points = False
+
+    def _classes_at(self, resolution: float) -> Painted:
+        """Return the classes of the voxels, as far as the file states them."""
+        if self._scans is None or "class" not in self._scans.fields:
+            return {}
+        if self._classes is None or self._classes[0] != resolution:
+            some = slice(None, None, max(1, -(-len(self._scans.points) // MOST_CLASSED)))
+            points, classes = self._scans.points[some], np.asarray(self._scans.fields["class"])[some].reshape(-1)
+            self._classes = resolution, voxel_classes(points, classes, resolution, len(CLASS_COLOURS))
+        return self._classes[1]
+
+    def show_newest(self, index: int, look: Look) -> None:
+        """Show the newest scan as points, while voxels are made again less often."""
+        if self._scans is None or index == 0:
+            return
+        points = self._scans.points[self._scans.starts[index - 1] : self._scans.starts[index]]
+        points = points[:: max(1, -(-len(points) // MOST_MOVING))]
+        points = points[(points[:, 2] >= look.cut_low) & (points[:, 2] <= look.cut_high)]
+        self._newest = Points(name="newest", points=np.ascontiguousarray(points), colors=HIT, size=self._point_size())
+
+    def _point_size(self) -> float:
+        return float(np.clip(np.linalg.norm(self._high - self._low) / 1500.0, 0.004, 0.2))
+
+    def _drawn_points(self, index: int, look: Look) -> Points | None:
+        if self._scans is None or look.show in ("voxels", "surface"):
+            return None
+        scans = self._scans
+        some = np.arange(0, int(scans.starts[index]), max(1, -(-int(scans.starts[index]) // MOST_POINTS)))
+        points = scans.points[some]
+        kept = (points[:, 2] >= look.cut_low) & (points[:, 2] <= look.cut_high)
+        some, points = some[kept], np.ascontiguousarray(points[kept])
+        colors: NDArray[np.uint8] | tuple[int, int, int] = PLAIN
+        if look.colour == "own colour" and "rgb" in scans.fields:
+            colors = scans.fields["rgb"][some].astype(np.uint8)
+        elif look.colour == "intensity" and "intensity" in scans.fields:
+            values = scans.fields["intensity"][some].astype(np.float64)
+            low, high = np.nanpercentile(values, [1.0, 99.0]) if len(values) else (0.0, 1.0)
+            colors = ramp_of(values, float(low), float(high), HEIGHT_RAMP)
+        elif look.colour == "class" and "class" in scans.fields:
+            colors = CLASS_COLOURS[np.clip(scans.fields["class"][some].astype(np.int64), 0, len(CLASS_COLOURS) - 1)]
+        else:
+            low = float(self._low[2])
+            colors = ramp_of(points[:, 2], low, low + COLOURS * look.band, HEIGHT_RAMP)
+        return Points(name="points", label="Points", points=points, colors=colors, size=self._point_size())
+
+    # -- a comparison -----------------------------------------------------------------------------------------------
+
+    def show_changes(self, changes: Changes | None, size: float) -> None:
+        """Show the voxels that differ from another map, None for no comparison."""
+        self._changes = []
+        if changes is None:
+            return
+        for name, label, keys, color in (
+            ("appeared", "Appeared", changes.appeared, ADDED),
+            ("vanished", "Vanished", changes.vanished, REMOVED),
+        ):
+            chunks = _chunks_of_keys(keys, size)
+            palette = np.array([color], dtype=np.uint8)
+            self._changes.append(
+                Voxels(name=name, label=label, chunks=chunks, palette=palette, size=size, corner=CENTRE)
+            )
+
+    def current(self, volume: OccupancyVolume, look: Look) -> list[Drawing]:
+        """Return the drawings."""
+        by_side = look.colour == "side"
+        palette = PALETTES.get(look.colour, HEIGHT_RAMP)
+        chunks = NO_CHUNKS if look.show in WITHOUT_VOXELS else self._chunks
+        found: list[Drawing] = [
+            Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
+                   corner=CENTRE, by_side=by_side)
+        ]  # fmt: skip
+        found += [one for one in (self._points, self._newest) if one is not None]
+        return [*found, *self.chosen.drawings, *self._changes]
+
+
+def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:
+    """Return the chunks of voxels (n, 3)."""
+    from mapper.volume import VolumeConfig  # noqa: PLC0415 - as the map's own, for the faces of some voxels
+
+    if not len(keys):
+        return {}
+    volume = OccupancyVolume(VolumeConfig(resolution=size))
+    volume.insert_scan((keys - CENTRE + 0.5) * size, None)
+    faces = VoxelFaces()
+    rule = face_rule(volume, -np.inf, np.inf, base=0.0, band=1e6, colours=1)
+    faces.update(volume, rule, chunks_of(volume))
+    return dict(faces.chunks)

@@ -1,0 +1,353 @@
+"""View of a simulation's 3D map: grids over the belief, the message with its numbers, and the 3D view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+
+from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.errors import ConfigError
+from mapper.grid import OccupancyGrid
+from mapper.simulation.live_map import LiveMap
+from mapper.volume import Octree, octree_file
+from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule, voxel_mesh
+from mapper.volume.mesh.files import glb_bytes, ply_bytes
+from mapper.volume.mesh.voxel_classes import Painted
+from mapper.volume.mesh.voxel_normals import painted_directions
+from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
+from server.sessions.hosting import ModelHost
+from server.sessions.part import Part
+from server.sessions.playback import Playback
+from server.sessions.tick import TickResult
+from server.sources.chosen_voxel import ChosenVoxel
+from server.sources.lab_navigation import believed_now
+from server.sources.lab_surface import LabSurface
+from server.sources.lab_volume import LabVolume, only_in_3d, points_of, true_ground
+from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
+from server.sources.lab_volume_parameters import TABLE as MAP_3D
+from server.sources.volume_look import NORMAL_COLOURS
+from server.sources.voxel_questions import VoxelQuestions
+from server.stream.commands import Map3dCommand, RestartCommand, VoxelCommand, VoxelRayCommand, WorldCommand
+from server.stream.layers import GridLayer, Layer
+
+MOST_POINTS = 2000  #: of the newest scan that are drawn
+SCANS_OF_PROJECTION = 2  #: scans between two projections,
+SCANS_OF_MEMORY = 8  #: and between two counts of the nodes of the octree
+BANDS = 12  #: colours of heights
+POINT = (200, 60, 120)
+#: From dark blue at the floor to yellow, even steps of lightness.
+PALETTE = np.array(
+    [
+        (48, 60, 120), (46, 82, 140), (42, 104, 152), (40, 124, 156), (44, 144, 154), (58, 162, 146),
+        (84, 178, 134), (116, 192, 118), (150, 204, 102), (184, 212, 92), (216, 216, 92), (240, 218, 104),
+    ],
+    dtype=np.uint8,
+)  # fmt: skip
+
+
+class VolumeView(Part):
+    """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
+
+    Faces of voxels are made only while a 3D view asks for them.
+    """
+
+    commands = (Map3dCommand, VoxelCommand, VoxelRayCommand)
+    subject = "map_3d"
+
+    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
+        self.tables = {"map3d": [asdict(row) for row in MAP_3D]}
+        self._host, self._mapper, self._playback = host, mapper, playback
+        self._map: LabVolume | None = None
+        self._surface: LabSurface | None = None  #: while it is shown instead of the voxels
+        self._only = GridLayer("only_in_3d", "Only in the 3D map", "only_in_3d")
+        self._faces = VoxelFaces()
+        self._chosen = ChosenVoxel()
+        self._questions = VoxelQuestions(host, self._chosen)
+        self._dirty: set[ChunkKey] = set()
+        self._is_drawn = False  #: whether a 3D view has asked for drawings since the last tick
+        self._voxels: dict[ChunkKey, np.ndarray] = {}
+        self._palette = PALETTE  #: of these
+        self._since = 0  #: scans since the last projection
+        self._memory: dict[str, int] = {}
+        self._memory_at = -1  #: scans in the map when memory was counted last
+        self._missing = 0
+        self.projection: OccupancyGrid | None = None  #: the map from above, replaced when it changes; None: no 3D map
+
+    @property
+    def is_on(self) -> bool:
+        """Whether there is a 3D map."""
+        return self._map is not None
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether a click in the 3D view asks about a voxel; otherwise it places the robot."""
+        return self._map is not None and self._map.parameters.values["click"] == "asks_a_voxel"
+
+    @property
+    def is_answering(self) -> bool:
+        """Whether the answer about a voxel is being computed."""
+        return self._questions.is_busy or (self._surface is not None and self._surface.surface.is_busy)
+
+    @property
+    def count(self) -> int:
+        """Number of recorded scans; 0 while it is off."""
+        return 0 if self._map is None else len(self._map.scans)
+
+    @property
+    def truth(self) -> str | None:
+        """The simulated world says which points are ground."""
+        return "the true world"
+
+    def points(self) -> Float64Array:
+        """Return the points of the scans (n, 3)."""
+        return points_of(() if self._map is None else self._map.scans)
+
+    def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
+        """Return the points of the scans (n, 3), the world's bounds, and which points lie on its floor and ramps."""
+        world = self._mapper.simulation.world
+        points = self.points()
+        return points, world.bounds, true_ground(world, points)
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether recorded scans are not in the map, or the surface that is shown, yet."""
+        if self._surface is not None and self._surface.is_behind:
+            return True
+        return self._map is not None and self._map.is_behind
+
+    @property
+    def progress(self) -> float | None:
+        """The share of the recorded scans that is in the map, or in the surface that is shown; None while all are."""
+        if self._map is None or not self.is_behind:
+            return None
+        used = self._map.used if self._surface is None else min(self._map.used, self._surface.index)
+        return used / len(self._map.scans)
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """Layers of the 3D map; none while it is off."""
+        return () if self._map is None else (self._only,)
+
+    @property
+    def cells(self) -> int:
+        """Numbers of 4 bytes that it holds."""
+        surface = 0 if self._surface is None else self._surface.surface.cells
+        return surface + (0 if self._map is None else 512 * self._map.volume.blocks.count)
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def handle(self, command: Map3dCommand | VoxelCommand | VoxelRayCommand, result: TickResult) -> None:
+        """Begin the 3D map, change it, end it, or say why a voxel is so.
+
+        Raises :class:`ConfigError`; nothing has changed then.
+        """
+        result.changed = True
+        if not isinstance(command, Map3dCommand):
+            made = self._made()
+            if self._surface is not None:
+                self._surface.surface.ask(command, self._host, self._chosen, result)
+                return
+            self._questions.handle(command, made, lambda: self._rule(made), result)
+            return
+        if not command.value:
+            self.end(result)
+            return
+        before = VolumeParameters() if self._map is None else self._map.parameters
+        parameters = before.with_values(command.values)
+        if self._map is None:
+            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
+            self._start_again()
+        elif self._map.change(parameters):
+            self._choose_none(self._map, result)
+            self._start_again()
+        elif any(parameters.values[name] != before.values[name] for name in ("cut_low", "cut_high", "colour")):
+            self._dirty.update(chunks_of(self._map.volume), self._faces.chunks)
+        self._show_kind(self._map, result)
+        self._since = SCANS_OF_PROJECTION
+        result.slot(self.message())
+
+    def _show_kind(self, made: LabVolume, result: TickResult) -> None:
+        """Begin, change or end the surface as the parameters say."""
+        if not made.parameters.is_surface:
+            if self._surface is not None:
+                self._choose_none(made, result)
+                self._surface = None
+            return
+        if self._surface is None:
+            self._choose_none(made, result)
+            self._surface = LabSurface(made, self._host.limits)
+        elif self._surface.change(made.parameters):
+            self._choose_none(made, result)
+        result.slot(self._surface.message())
+
+    def _made(self) -> LabVolume:
+        if self._map is None:
+            raise ConfigError("map3d.off", "There is no 3D map: begin one first.")
+        return self._map
+
+    def octree_bytes(self, kind: str) -> bytes:
+        """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
+        made = self._made()
+        return octree_file(Octree.of(made.volume), kind, made.config).bytes(made.config)
+
+    def mesh_bytes(self, kind: str) -> bytes:
+        """Return what is shown as a file ``.ply`` or ``.glb``: the outside of the occupied voxels, or the surface.
+
+        Raises as the octree's.
+        """
+        made = self._made()
+        if self._surface is not None:
+            return self._surface.surface.file(kind, self._surface.index)
+        mesh = voxel_mesh(made.volume)
+        return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
+
+    @property
+    def above(self) -> OccupancyGrid | None:
+        """The map from above, of the band of heights."""
+        return self.projection
+
+    def end(self, result: TickResult) -> None:
+        """Keep no 3D map any more."""
+        if self._map is not None:
+            self._choose_none(self._map, result)
+            self._map = self._surface = self.projection = None
+            self._start_again()
+            result.slot(self.message())
+
+    def note(self, command: Struct, result: TickResult) -> None:
+        """Begin an empty map in another world."""
+        if self._map is not None and isinstance(command, WorldCommand | RestartCommand):
+            self._choose_none(self._map, result)
+            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
+            self._start_again()
+            self._surface = None
+            self._show_kind(self._map, result)
+            self._since = SCANS_OF_PROJECTION
+            result.slot(self.message())
+
+    def _choose_none(self, made: LabVolume, result: TickResult) -> None:
+        if self._chosen.drawings:
+            self._questions.clear(made.config.resolution, result)
+            if self._surface is not None:
+                result.slot(self._surface.surface.no_voxel())
+
+    def _start_again(self) -> None:
+        self._faces.clear()
+        self._voxels = {}
+        self._dirty.clear()
+        self._memory, self._memory_at, self._missing = {}, -1, 0
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def changed(self, result: TickResult) -> None:
+        """Take a scan if one is due, put scans into the map, and update what is shown."""
+        made = self._map
+        if made is None:
+            return
+        mapper, problem = self._mapper, made.problem
+        simulation = mapper.simulation
+        if not mapper.hidden:
+            made.look(simulation.world, simulation.robot.pose, believed_now(mapper), simulation.time)
+        for slots in made.catch_up(self._host.limits()):
+            self._dirty.update(chunks_of(made.volume, slots))
+            self._since += 1
+        if made.problem is not None and problem is None:
+            result.notice(made.problem.code, made.problem.message)
+        if self._since >= SCANS_OF_PROJECTION and not made.is_behind:
+            self._since = 0
+            self._project(made)
+            result.changed = True
+            result.slot(self.message())
+        if self._surface is not None:
+            self._make_surface(self._surface, result)
+        elif self._is_drawn and self._dirty:
+            self._make_faces(made)
+        self._is_drawn = False
+
+    def _make_surface(self, surface: LabSurface, result: TickResult) -> None:
+        has_news = surface.catch_up()
+        if self._is_drawn and surface.is_unmeshed:
+            surface.mesh()
+            has_news = True
+        if has_news:
+            result.changed = True
+            result.slot(surface.message())
+
+    def _project(self, made: LabVolume) -> None:
+        self.projection = made.projection()
+        states, self._missing = only_in_3d(self.projection, self._mapper.grid)
+        self._only.set_bytes(self.projection.geometry, states)
+        if made.used < self._memory_at or made.used - self._memory_at >= SCANS_OF_MEMORY or self._memory_at < 0:
+            self._memory, self._memory_at = made.memory(), made.used
+
+    def _rule(self, made: LabVolume) -> FaceRule:
+        """Return which faces of voxels are drawn."""
+        shown = made.parameters.values
+        return face_rule(
+            made.volume,
+            shown["cut_low"],
+            max(shown["cut_high"], shown["cut_low"]),
+            base=0.0,
+            band=HIGHEST / BANDS,
+            colours=BANDS,
+            by_belief=shown["colour"] == "belief",
+        )
+
+    def _make_faces(self, made: LabVolume) -> None:
+        dirty, self._dirty = self._dirty, set()
+        by_normal = made.parameters.values["colour"] == "normal"
+        painted: Painted | None = None
+        if by_normal:
+            parts = (painted_directions(made.volume, key) for key in dirty)
+            painted = {key: directions for part in parts for key, directions in part.items()}
+        if self._faces.update(made.volume, self._rule(made), dirty, painted=painted):
+            self._voxels = dict(self._faces.chunks)
+        self._palette = NORMAL_COLOURS if by_normal else PALETTE  # changes with the chunks
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``map3d``, and ``surface`` while that is shown."""
+        return [self.message(), *([] if self._surface is None else [self._surface.message()])]
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``map3d``."""
+        made = self._map
+        nothing = {"known": 0, "nodes": 0, "leaves": 0, "octree_bytes": 0, "block_bytes": 0, "dense_bytes": 0}
+        return {
+            "type": "map3d",
+            "is_on": made is not None,
+            "values": dict((VolumeParameters() if made is None else made.parameters).values),
+            "scans": 0 if made is None else made.used,
+            "taken": 0 if made is None else len(made.scans),
+            "only_in_3d": self._missing,
+            "problem": None if made is None or made.problem is None else made.problem.message,
+            **(self._memory or nothing),
+        }
+
+    def over(self, flat: Sequence[Drawing]) -> list[Drawing]:
+        """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
+        made = self._map
+        if made is None:
+            return [*flat]
+        self._is_drawn = True
+        surface = self._surface
+        if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
+            self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
+        size = made.parameters.config.resolution
+        found = [one for one in flat if not isinstance(one, GridColumns)]
+        found.append(
+            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
+            if surface is None
+            else surface.drawing(made.parameters.values)
+        )
+        if made.scans:
+            scan = made.scans[-1]
+            points = scan.ends()[0][np.isfinite(scan.ranges)]
+            some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
+            found.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
+        return [*found, *self._chosen.drawings]
