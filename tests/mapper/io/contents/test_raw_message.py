@@ -14,7 +14,7 @@ from tests.mapper.io.logs import recorded
 
 @pytest.mark.parametrize("kind", ["bag", "mcap", "db3"])
 def test_the_newest_message_at_a_moment_is_read_by_the_recording_s_definition(tmp_path: Path, kind: str) -> None:
-    file = recorded.written(tmp_path, robot(2), kind)
+    file = recorded.written(tmp_path, list(robot(2)), kind)
     found = raw_message(file, "/imu", T0 + recorded.SECOND)
     assert found.type == "sensor_msgs/Imu"
     assert abs(found.stamp_ns - T0 - recorded.SECOND) < recorded.SECOND // 10
