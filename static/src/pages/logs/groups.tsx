@@ -111,6 +111,14 @@ const GROUPS: readonly Group[] = [
     ),
   },
   {
+    id: "trajectories",
+    title: "Trajectories",
+    section: "Log",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
+  {
     id: "settings",
     title: "Settings",
     keeps: true,
@@ -181,14 +189,6 @@ const GROUPS: readonly Group[] = [
     title: "Frames",
     section: "Data",
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
-  },
-  {
-    id: "trajectories",
-    title: "Trajectories",
-    section: "Data",
-    content: ({ store, session, isGuest, trajectoryErrors }) => (
-      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
-    ),
   },
   {
     id: "notes",
