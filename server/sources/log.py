@@ -267,7 +267,7 @@ class LogModel(SessionModel):
                 "duration_s": float(recording.recorded[-1]),
                 "format": log.format,
                 "notes": list(log.notes),
-                "start_s": start_s(log),
+                "start_s": start_s(log.stamps_ns),
             },
         }
 
