@@ -62,6 +62,9 @@ def test_the_column_is_resized_and_hidden(page: Page, server: str) -> None:
     until("a wider map", lambda: width() > first)
     page.get_by_role("button", name="Hide the column").click()
     expect(page.locator(".dock")).to_be_hidden()
+    window = page.viewport_size
+    assert window is not None
+    until("a map as wide as the window", lambda: width() > 0.9 * window["width"])
     page.reload()  # the browser keeps it
     page.get_by_role("button", name="Show the column").click()
     border.press("Enter")

@@ -38,7 +38,7 @@ export function ViewerFrame({ class: className = "", children, dock }: ViewerFra
   return (
     <div
       class={`viewer ${hidden ? "is-wide" : ""} ${className}`}
-      style={{ "--dock-size": dockSize.value }}
+      style={{ "--dock-size": hidden ? "0px" : dockSize.value }}
       data-split=""
     >
       {children}
