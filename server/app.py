@@ -58,6 +58,7 @@ from server.settings import Settings
 from server.sources import KINDS
 from server.version import package_version
 from server.work.memory_reserve import MemoryReserve
+from server.workers.worker import Worker
 
 END_S = 2.0  #: seconds that the shutdown waits for sessions that compute or whose kernels are being compiled
 
@@ -66,25 +67,37 @@ _log = structlog.get_logger(__name__)
 
 @asynccontextmanager
 async def _lifespan(
-    settings: Settings, kinds: Mapping[str, Kind], sign_ins: SignIns, reserve: MemoryReserve, app: FastAPI
+    settings: Settings,
+    kinds: Mapping[str, Kind],
+    sign_ins: SignIns,
+    reserve: MemoryReserve,
+    worker: Worker | None,
+    app: FastAPI,
 ) -> AsyncIterator[None]:
     metrics = Metrics()
     async with AsyncExitStack() as stack:
         guarding = asyncio.create_task(reserve.watch(), name="memory")
         stack.callback(guarding.cancel)
-        registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
+        registry = SessionRegistry(
+            settings,
+            remake_seconds=metrics.remake_seconds.observe,
+            traffic=metrics.traffic,
+            elsewhere=None if worker is None else worker.use,
+        )
         metrics.watch(registry, kinds)
         await registry.start()
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
         library.sign_in_ends.take_over = sign_ins.take_over
+        library.links.ended = registry.end_linked
         await library.start()
         stack.push_async_callback(library.close)
         downloads = Downloads(settings.data_dir)
         stack.push_async_callback(downloads.close)
         open_scenes = Scenes()
         stack.push_async_callback(open_scenes.close)
-        opened = Classes(settings.max_class_followers, settings.class_code)
+        is_own = (lambda _: True) if worker is None else worker.has_class
+        opened = Classes(settings.max_class_followers, settings.class_code, is_own=is_own)
         watching = asyncio.create_task(opened.watch(), name="classes")
         stack.callback(watching.cancel)
         install(
@@ -98,6 +111,7 @@ async def _lifespan(
                 scenes=open_scenes,
                 sign_ins=sign_ins,
                 classes=opened,
+                worker=worker,
             ),
         )
         yield
@@ -112,8 +126,13 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
         _log.warning("sessions were still computing at shutdown", seconds=seconds)
 
 
-def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS) -> FastAPI:
-    """Return the service for these settings (None: those of the environment), with sessions of these kinds."""
+def create_app(
+    settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS, worker: Worker | None = None
+) -> FastAPI:
+    """Return the service for these settings (None: those of the environment), with sessions of these kinds.
+
+    ``worker`` says which one of several workers it is, whose settings these are.
+    """
     settings = (Settings() if settings is None else settings).with_token()
     token = None if settings.token is None else settings.token.get_secret_value()
     sign_ins = SignIns(token, settings.data_dir / "sign-ins.json")
@@ -125,7 +144,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=partial(_lifespan, settings, kinds, sign_ins, reserve),
+        lifespan=partial(_lifespan, settings, kinds, sign_ins, reserve, worker),
     )
     install_error_handlers(app)
     routers = (

@@ -1,7 +1,8 @@
-"""Run the service: one address, one process."""
+"""Run the service: one address, one process or several workers."""
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import os
@@ -25,7 +26,8 @@ from websockets.protocol import State
 
 from mapper.core.lazy_imports import hidden_modules
 from server.app import create_app
-from server.http.connections import Connections, Listener
+from server.http.connections import Connections, Listener, counted
+from server.http.services import services_of
 from server.http.uvicorn_protocol import HttpProtocol
 from server.imports import UNUSED_BY_ROUTES, fast_imports
 from server.library.store_check import check_stores
@@ -37,6 +39,8 @@ from server.sources import KINDS
 from server.storage import StorageError, claimed
 from server.stream.frames import EXTENSION
 from server.warm_up import WarmUp
+from server.workers.supervisor import in_child, load_for_workers, supervise
+from server.workers.worker import Worker
 
 BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
@@ -143,33 +147,75 @@ class Socket(WebSocketsSansIOProtocol):
 
 
 class Server(uvicorn.Server):
-    """A uvicorn server that limits its number of ``connections``. While it runs, ``warm_up`` may compile kernels."""
+    """A uvicorn server that limits its number of ``connections``. While it runs, ``warm_up`` may compile kernels.
 
-    def __init__(self, config: uvicorn.Config, connections: Connections, warm_up: WarmUp | None = None) -> None:
+    ``worker`` says which one of several workers it is: it also takes the connections that others pass on to it.
+    """
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        connections: Connections,
+        warm_up: WarmUp | None = None,
+        worker: Worker | None = None,
+    ) -> None:
         super().__init__(config)
-        self.connections, self.warm_up = connections, warm_up
+        self.connections, self.warm_up, self.worker = connections, warm_up, worker
+        self._taking: set[asyncio.Task[None]] = set()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen on the sockets."""
         await super().startup([Listener(one, self.connections) for one in sockets or ()])
         if self.warm_up is not None and not self.should_exit:
             self.warm_up.begin()
+        if self.worker is not None:
+            self.worker.end_with_supervisor()
+            figures = services_of(self.config.app).metrics.text  # type: ignore[arg-type]
+            self.worker.handover.begin(self._take, figures)
+
+    def _take(self, passed_on: socket.socket, head: bytes) -> None:
+        """Begin with a connection of which another worker has read ``head``."""
+        taking = asyncio.create_task(self._begin_with(passed_on, head))
+        self._taking.add(taking)
+        taking.add_done_callback(self._taking.discard)
+
+    async def _begin_with(self, passed_on: socket.socket, head: bytes) -> None:
+        with contextlib.suppress(OSError):  # the client has gone
+            connection = counted(passed_on, str(passed_on.getpeername()[0]), self.connections)
+            if connection is None:
+                return
+            protocol: Callable[[], asyncio.Protocol] = partial(
+                self.config.http_protocol_class,  # type: ignore[call-arg]
+                config=self.config,
+                server_state=self.server_state,
+                app_state=self.lifespan.state,
+                passed_on=head,
+            )
+            await asyncio.get_running_loop().connect_accepted_socket(protocol, connection)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Close all connections and end what was begun."""
+        if self.worker is not None:
+            self.worker.handover.end()
         if self.warm_up is not None:
             self.warm_up.end()
         await super().shutdown(sockets)
 
 
-def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server:
-    """Return a uvicorn server of the service with sessions of these kinds, not yet running. Run it on sockets."""
+def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: Worker | None = None) -> Server:
+    """Return a uvicorn server of the service with sessions of these kinds, not yet running. Run it on sockets.
+
+    ``worker`` says which one of several workers it is, whose settings these are.
+    """
+    handover = None if worker is None else worker.handover
     connections = Connections(settings.max_connections, settings.max_connections_per_address)
     return Server(
         uvicorn.Config(
-            create_app(settings, kinds),
+            create_app(settings, kinds, worker),
             loop="asyncio",  # other loops accept connections themselves, without the limits
-            http=partial(HttpProtocol, connections=connections, header_s=settings.header_timeout_s),  # type: ignore[arg-type]
+            http=partial(  # type: ignore[arg-type]
+                HttpProtocol, connections=connections, header_s=settings.header_timeout_s, handover=handover
+            ),
             ws=Socket,
             ws_per_message_deflate=False,  # tiles are compressed already
             ws_max_size=1 << 20,
@@ -183,7 +229,8 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server
             timeout_graceful_shutdown=2,
         ),
         connections,
-        WarmUp() if settings.compile_ahead else None,
+        WarmUp() if settings.compile_ahead and (worker is None or worker.number == 0) else None,
+        worker,
     )
 
 
@@ -198,13 +245,20 @@ def run(settings: Settings) -> None:
             with tempfile.TemporaryFile(dir=settings.data_dir):
                 pass
             held.enter_context(claimed(settings.data_dir))
-        try:
-            with fast_imports():  # it imports SQLAlchemy
-                check_stores(settings)
-        except StorageError as error:
-            print(f"gridbloom: {error.message}", file=sys.stderr)
-            raise SystemExit(1) from None
+        if settings.workers == 1:
+            _check_stores(settings)
+        else:  # the stores have threads, which this process cannot have when it is forked
+            in_child(partial(_check_stores, settings))
         _serve(settings)
+
+
+def _check_stores(settings: Settings) -> None:
+    try:
+        with fast_imports():  # it imports SQLAlchemy
+            check_stores(settings)
+    except StorageError as error:
+        print(f"gridbloom: {error.message}", file=sys.stderr)
+        raise SystemExit(1) from None
 
 
 def _serve(settings: Settings) -> None:
@@ -213,18 +267,30 @@ def _serve(settings: Settings) -> None:
         bound = listen(settings.host, settings.port)
     _take_all_descriptors()
     with bound:
-        server = make_server(settings)
         token = None if settings.token is None else settings.token.get_secret_value()
-        # uvicorn shuts down and raises the signal again: this handler then ends the process with status 0.
-        signal.signal(signal.SIGTERM, _end)
-        signal.signal(signal.SIGINT, _end)
+        server = make_server(settings) if settings.workers == 1 else None
         if settings.is_reached_from_beyond and token is None:
             print(f"gridbloom: warning: {UNGUARDED}", file=sys.stderr)
         port = bound.getsockname()[1]
         print(f"Gridbloom runs at {address_of(settings.host, port, token)}", flush=True)
         if settings.class_code is not None:
             print(class_invitation(settings.class_code, reachable(f"127.0.0.1:{port}")), flush=True)
-        server.run(sockets=[bound])
+        if server is None:
+            with fast_imports():
+                load_for_workers()
+            supervise(
+                settings.workers,
+                lambda worker: _run(make_server(settings.of_worker(worker.number), worker=worker), bound),
+            )
+        else:
+            _run(server, bound)
+
+
+def _run(server: Server, bound: socket.socket) -> None:
+    # uvicorn shuts down and raises the signal again: this handler then ends the process with status 0.
+    signal.signal(signal.SIGTERM, _end)
+    signal.signal(signal.SIGINT, _end)
+    server.run(sockets=[bound])
 
 
 @contextmanager

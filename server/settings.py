@@ -7,6 +7,7 @@ import ipaddress
 import os
 import re
 import secrets
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
@@ -146,6 +147,13 @@ class Settings(BaseSettings):
         ge=1,
         description="Number of threads that compute maps.",
     )
+    workers: int = Field(
+        default=1,
+        ge=1,
+        le=256,
+        description="Number of processes that have the sessions, behind the one port; auto: one for each core on a "
+        "machine with more than two, else one. Linux only.",
+    )
     compile_ahead: bool = Field(
         default=True,
         description="Whether a process of the lowest priority compiles all kernels after the start, where that was not "
@@ -155,6 +163,14 @@ class Settings(BaseSettings):
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         default="info", description="Lowest level that is logged."
     )
+
+    @field_validator("workers", mode="before")
+    @classmethod
+    def _one_for_each_core(cls, value: object) -> object:
+        if value != "auto":
+            return value
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+        return cores if cores > 2 else 1
 
     @field_validator("trusted_proxies")
     @classmethod
@@ -201,12 +217,25 @@ class Settings(BaseSettings):
     def _one_wish(self) -> Settings:
         if self.no_token and self.token is not None:
             raise ValueError("a token and no_token contradict each other")
+        if self.workers > 1 and self.class_code is not None:
+            raise ValueError("a class that is open from the start needs one worker; open it on a page instead")
+        if self.workers > 1 and not sys.platform.startswith("linux"):
+            raise ValueError("several workers need Linux")
         return self
 
     @property
     def database_url(self) -> str | None:
         """The database's URL, with its password; None for the default file."""
         return None if self.database is None else self.database.get_secret_value()
+
+    def of_worker(self, worker: int) -> Settings:
+        """Return the settings of one of several workers: it shares records and blobs, and has a folder for the rest."""
+        root = self.data_dir / "library"
+        shared = {
+            "database": self.database or SecretStr(f"sqlite:///{(root / 'library.db').absolute()}"),
+            "blobs": self.blobs or str(root),
+        }
+        return self.model_copy(update={**shared, "data_dir": self.data_dir / "workers" / str(worker)})
 
     @property
     def is_loopback(self) -> bool:

@@ -29,12 +29,12 @@ def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
     return fill_bins(particles, chosen, BINS, table, numbers, np.empty(len(chosen), dtype=np.int64))
 
 
-def kld_number(k: int, error: float, z: float) -> float:
-    """Return how many particles ``k`` bins need for a distance of ``error`` at the quantile ``z``. Equation (8.11)."""
+def kld_number(k: int, error: float, quantile: float) -> float:
+    """Return how many particles ``k`` bins need for a distance of ``error``, at a normal quantile. Equation (8.11)."""
     if k < 2:
         return 0.0
     a = 2.0 / (9.0 * (k - 1))
-    return (k - 1) / (2.0 * error) * (1.0 - a + math.sqrt(a) * z) ** 3
+    return (k - 1) / (2.0 * error) * (1.0 - a + math.sqrt(a) * quantile) ** 3
 
 
 def resampled(

@@ -200,25 +200,26 @@ def bin_of(pose: Float64Array, side: float, turn: float) -> tuple[int, int, int]
     return math.floor(pose[0] / side), math.floor(pose[1] / side), math.floor(pose[2] / turn)
 
 
-def kld_number(k: int, error: float, z: float) -> float:
+def kld_number(k: int, error: float, quantile: float) -> float:
     """Return how many particles k bins need. Table 8.4, line 11: equation (8.11).
 
-    It is a quantile of the χ² distribution of k − 1 degrees of freedom, by Wilson and Hilferty, over twice the error.
+    It is a quantile of the χ² distribution of k − 1 degrees of freedom, from the ``quantile`` of the standard normal
+    distribution by Wilson and Hilferty, over twice the error.
     """
     freedom = max(k - 1, 0)
     if freedom == 0:
         return 0.0
     mean, deviation = 1.0 - 2.0 / (9.0 * freedom), math.sqrt(2.0 / (9.0 * freedom))
-    return float(freedom * (mean + z * deviation) ** 3 / (2.0 * error))
+    return float(freedom * (mean + quantile * deviation) ** 3 / (2.0 * error))
 
 
 def kld_sampling_mcl(
-    draw: Callable[[], Float64Array], least: int, most: int, error: float, z: float, side: float, turn: float
+    draw: Callable[[], Float64Array], least: int, most: int, error: float, quantile: float, side: float, turn: float
 ) -> Float64Array:
     """Return particles (n, 3), drawn one at a time by ``draw`` until they are as many as their bins need. Table 8.4."""
     particles: list[Float64Array] = []
     bins: set[tuple[int, int, int]] = set()
-    while len(particles) < most and (len(particles) < least or len(particles) < kld_number(len(bins), error, z)):
+    while len(particles) < most and (len(particles) < least or len(particles) < kld_number(len(bins), error, quantile)):
         particles.append(draw())
         bins.add(bin_of(particles[-1], side, turn))
     return np.array(particles)

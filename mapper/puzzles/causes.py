@@ -62,7 +62,7 @@ _ROWS = (
     ),
     Cause(
         "max_range",
-        "Beams without a return are taken as hits",
+        "Beams without a return are counted as hits",
         "no-return",
         (
             "There are walls in free space. How far are they from the robot?",
@@ -75,7 +75,7 @@ _ROWS = (
     ),
     Cause(
         "mount_yaw",
-        "The sensor is mounted at another angle than stated",
+        "The sensor is mounted at a different angle than stated",
         "mount",
         (
             "Watch what a turn of the robot does, and what a straight drive does.",
@@ -91,15 +91,15 @@ _ROWS = (
     ),
     Cause(
         "mount_x",
-        "The sensor is mounted at another place than stated",
+        "The sensor is mounted at a different place than stated",
         "mount",
         (
             "Compare a wall that was seen from one heading only with one that was seen from many.",
             "Ask Why about both copies of a doubled wall: the robot's heading differs.",
             "Look at the parameter Mount forward, both signs.",
         ),
-        "A wrong place of the sensor shifts each scan along the robot's heading. As long as the heading stays the map "
-        "is only shifted; after a turn the same wall is drawn a second time beside the first.",
+        "A wrong position of the sensor shifts each scan along the robot's heading. While the heading is constant, the "
+        "map is only shifted; after a turn the same wall is drawn a second time beside the first.",
         lesson="The offset of a shifted sensor rotates with the heading: where the robot turned, walls appear twice; "
         "on a straight drive the error cannot be seen.",
         amount=(0.25, 0.45),
@@ -127,15 +127,15 @@ _ROWS = (
             "Ask Why about both copies of a wall: the numbers of their scans are far apart.",
             "The log has more than one trajectory, or its poses can be corrected by SLAM.",
         ),
-        "Errors of odometry add up. Each scan is right by itself, but a wall that is seen again later is drawn at "
-        "another place. Poses from localization or SLAM repair it; parameters of the sensor model do not.",
+        "Errors of odometry add up. Each scan is right by itself, but a wall that is seen again later is drawn in "
+        "a second place. Poses from localization or SLAM repair it; parameters of the sensor model do not.",
         lesson="Wheels slip, and the errors of odometry add up: after one lap the same wall is in several places.",
         amount=(1.0, 2.0),
         unit="× worn wheels",
     ),
     Cause(
         "grid_origin",
-        "The origin of the grid was another one for a part of the log",
+        "The origin of the grid changed during the log",
         "endpoint",
         (
             "Compare the two copies of several walls: by how much, and in which direction, do they differ?",
@@ -220,7 +220,7 @@ _ROWS = (
             "Make misses count more, or let a cell become more certainly free: Miss increment, Lower clamp.",
         ),
         "The map assumes that the world does not move. A person leaves a row of occupied cells, which stay where the "
-        "robot does not look again. Evidence of more misses removes some; what moves belongs into another layer.",
+        "robot does not look again. Evidence of more misses removes some; what moves belongs in another layer.",
         lesson="A trail disappears where later beams pass, and stays where none do.",
     ),
     Cause(
@@ -232,18 +232,18 @@ _ROWS = (
             "Ask Why about a cell where a wall should be: beams at a slant passed, and none came back.",
             "A beam that was reflected away does not say that its way was free: look at the parameter No return.",
         ),
-        "A slanting beam that meets a polished wall or glass does not return. If no return is taken for free space up "
-        "to the max range, the wall is erased and free space leaks out of the building.",
+        "A beam that meets a polished wall or glass at a slant does not return. If no return counts as free space up "
+        "to the max range, the wall is erased and the map shows free space outside the building.",
         lesson="A polished wall reflects like a mirror: unless the beam meets it almost at a right angle, nothing "
         "comes back.",
         of_log=False,
     ),
     Cause(
         "sonar",
-        "A cone is taken for a thin beam",
+        "A cone is treated as a thin beam",
         "sonar",
         (
-            "Look at how many readings a scan has, and how they lie.",
+            "Look at how many readings a scan has, and in which directions.",
             "Ask Why about a cell in front of a wall: the echo may have come from anywhere in a wide angle.",
             "Look at the parameter Inverse sensor model.",
         ),
@@ -262,7 +262,7 @@ _ROWS = (
             "No parameter of the map repairs this: the laser cannot see it.",
         ),
         "A planar laser maps one height. What is lower or higher, a low table or the top of one, is free space in the "
-        "map, and the robot runs into it. A sensor with height, or a layer of its own, is needed.",
+        "map, and the robot runs into it. A 3D sensor, or a second sensor at another height, is needed.",
         lesson="A cell has no height: which obstacles are in the map depends on the height of the laser.",
         of_log=False,
     ),

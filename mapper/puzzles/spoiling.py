@@ -203,6 +203,7 @@ def _time_offset(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
     shown = replace(
         log,
         stamps_ns=stamps,
+        order_ns=None if log.order_ns is None else log.order_ns + round(late * 1e9),
         trajectories={
             key: replace(
                 one,

@@ -15,12 +15,23 @@ Int64Array = NDArray[np.int64]
 SEPARATOR = " + "  #: between the topics of several sensors, in the name of their joint log
 
 
+def ascending_times(stamps_ns: Int64Array, counted_ns: Int64Array | None = None) -> Int64Array | None:
+    """Return times (n,) that ascend with the scans, each at or after its stamp; None where the stamps do so.
+
+    ``counted_ns`` (n,) are the stamps counted on where the clock of a recording began again.
+    """
+    numbers = np.arange(len(stamps_ns))
+    found = np.maximum.accumulate((stamps_ns if counted_ns is None else counted_ns) - numbers) + numbers
+    return None if np.array_equal(found, stamps_ns) else np.asarray(found)
+
+
 def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
     """Return for all scans of the logs, in the order of their stamps, which log each is of and its index there, (n,).
 
     Within a log the order is the file's, also where the time runs backwards; of equal stamps the first log's is first.
+    Where a log has them, the times of its order (``order_ns``) count.
     """
-    stamps = [np.maximum.accumulate(log.stamps_ns) for log in logs]
+    stamps = [np.maximum.accumulate(log.stamps_ns if log.order_ns is None else log.order_ns) for log in logs]
     numbers = np.repeat(np.arange(len(logs)), [log.n_scans for log in logs])
     indices = np.concatenate([np.arange(log.n_scans) for log in logs])
     order = np.argsort(np.concatenate(stamps), kind="stable")
@@ -101,6 +112,7 @@ class JointLog(ScanLog):
                 "notes": tuple(notes),
                 "odometry": None,
                 "mounts": None,
+                "order_ns": None,
             },
             parts=tuple(logs),
             part_of_scan=part_of_scan,

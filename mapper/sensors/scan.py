@@ -228,6 +228,8 @@ class ScanLog:
     ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
     where the file does not state them; where scans state different ones, the median.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
+    ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
+    them scans of several sensors follow one another, and those of one sensor with different beams.
     """
 
     ranges: NDArray[np.float32]
@@ -251,6 +253,7 @@ class ScanLog:
     notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
     odometry: OdometryRecords | None = None
     mounts: NDArray[np.float64] | None = None
+    order_ns: NDArray[np.int64] | None = None
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -269,6 +272,10 @@ class ScanLog:
         if self.stamps_ns.shape != (len(self.ranges),):
             raise ConfigError(
                 "log.stamps", f"{len(self.ranges)} scans need as many stamps, not {self.stamps_ns.shape}."
+            )
+        if self.order_ns is not None and self.order_ns.shape != self.stamps_ns.shape:
+            raise ConfigError(
+                "log.stamps", f"{len(self.ranges)} scans need as many times of their order, not {self.order_ns.shape}."
             )
         if not self.trajectories:
             raise ConfigError("log.no_trajectory", "A log needs at least one trajectory.")
@@ -371,6 +378,7 @@ class ScanLog:
             trajectories={name: replace(one, poses=one.poses[scans]) for name, one in self.trajectories.items()},
             odometry=None if self.odometry is None else self.odometry.take(scans),
             mounts=None if self.mounts is None else self.mounts[scans],
+            order_ns=None if self.order_ns is None else self.order_ns[scans],
         )
 
     def scan(self, index: int) -> RangeScan:

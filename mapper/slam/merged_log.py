@@ -51,6 +51,7 @@ def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[S
         replace(
             part,
             stamps_ns=part.stamps_ns + shift,
+            order_ns=None if part.order_ns is None else part.order_ns + shift,
             trajectories={MERGED: Trajectory(poses[owner == number], "poses of two merged logs", "map")},
             topic=f"{name}/{_NO_PART_OF_A_NAME.sub('_', part.topic).strip('/') or f'scan_{number}'}",
             frame_id=f"{name.strip('/')}_{part.frame_id.strip('/')}",
@@ -74,6 +75,7 @@ def _one_after_the_other(first: ScanLog, second: ScanLog) -> ScanLog:
         first,
         ranges=np.concatenate([first.ranges, second.ranges]),
         stamps_ns=np.concatenate([first.stamps_ns, second.stamps_ns]),
+        order_ns=None,
         trajectories={MERGED: replace(way, poses=both)},
         topic="/scan",
     )

@@ -25,7 +25,7 @@ UNKNOWN, SAFE, UNSAFE = 0, 1, 2  #: the classes of patches
 class Patches:
     """Moments (rows, cols, 10) float64 of square patches of ``size`` metres, each about the centre of its patch.
 
-    The entries are n, x, y, z, xx, xy, yy, xz, yz, zz: those of P, the sum of p pᵀ with p = [1 x y z]. ``corner`` (3,)
+    The entries are n, x, y, z, xx, xy, yy, xz, yz, zz: those of P, the sum of v vᵀ with v = [1 x y z]. ``corner`` (3,)
     is the lowest corner of patch (0, 0); heights are above it.
     """
 

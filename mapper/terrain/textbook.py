@@ -1,6 +1,6 @@
 """Terrain assessment by planes, in plain NumPy, as a lecture prints it; the kernels must return the same.
 
-A patch's points z = a + b·x + c·y have P = Σ p pᵀ with p = [1 x y z]ᵀ (4 × 4), which grows by one term for each point.
+A patch's points z = a + b·x + c·y have P = Σ v vᵀ with v = [1 x y z]ᵀ (4 × 4), which grows by one term for each point.
 P holds AᵀA = P[:3, :3], Aᵀz = P[:3, 3] and zᵀz = P[3, 3] of the least squares, so that points need not be kept.
 """
 

@@ -38,10 +38,18 @@ class Classes:
     """Opens, finds and ends classes. Used from the event loop only."""
 
     def __init__(
-        self, max_followers: int, prepared: str | None = None, clock: Callable[[], float] = time.monotonic
+        self,
+        max_followers: int,
+        prepared: str | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        is_own: Callable[[str], bool] = lambda _: True,
     ) -> None:
-        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over."""
+        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over.
+
+        ``is_own`` says whether requests with a code reach this process.
+        """
         self._max_followers = max_followers
+        self._is_own = is_own
         self._clock = clock
         self._classes: dict[str, Classroom] = {}
         if prepared is not None:
@@ -61,9 +69,9 @@ class Classes:
                 one.lecturer_seen = self._clock()
                 return one
         if len(self._classes) >= MAX_CLASSES:
-            raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the most there may be.")
+            raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the maximum.")
         code = new_code()
-        while code in self._classes:
+        while code in self._classes or not self._is_own(code):
             code = new_code()
         made = self._classes[code] = Classroom(code, owner, self._clock)
         return made
@@ -103,7 +111,7 @@ class Classes:
         if found.is_locked:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
         if found.places_taken(self.most_of_address) >= self._max_followers or found.is_full:
-            raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
+            raise ClassBudgetError("class.crowded", "This class is full.")
         given = found.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
         if found.present_of(address) >= self.most_of_address or given:
             raise _crowded_address()
@@ -127,7 +135,7 @@ class Classes:
         found = self.get(code)
         self.check(found, visitor, address)
         if found.connections_of(visitor) >= MAX_CONNECTIONS:
-            raise ClassBudgetError("class.connections", "This browser shows the class on as many pages as it may.")
+            raise ClassBudgetError("class.connections", "This browser follows the class in too many pages: close one.")
         return found, found.join(visitor, address, follows=follows)
 
     def close(self, found: Classroom) -> None:
@@ -157,6 +165,5 @@ def unknown_class() -> ClassNotFoundError:
 def _crowded_address() -> ClassBudgetError:
     return ClassBudgetError(
         "class.crowded_address",
-        "As many people of your network as may follow this class already do. "
-        "Another network, such as mobile data, may have room.",
+        "This class has no more room for your network. Another network, such as mobile data, may have room.",
     )

@@ -213,7 +213,7 @@ class Classroom:
         match command:
             case AnswerCommand(question=number, value=value):
                 if self.asked is None or self.asked.id != number or not member.number:
-                    raise ConfigError("class.answer", "That question is not asked any more.")
+                    raise ConfigError("class.answer", "That question is closed.")
                 self.asked.answer(member.number, value)
             case RaiseCommand(value=value):
                 (self._hands.add if value and member.number else self._hands.discard)(member.number)

@@ -47,7 +47,7 @@ class Question:
         if options is not None and (len(options) < 2 or not all(options)):
             raise ConfigError("class.options", "A question needs at least two options, none of them empty.")
         if asked.axis is not None and not asked.axis.low < asked.axis.high:
-            raise ConfigError("class.axis", "The least guess must be less than the greatest.")
+            raise ConfigError("class.axis", "The lowest guess must be below the highest.")
         if asked.axis is not None and not LEAST_WIDTH <= asked.axis.high - asked.axis.low <= GREATEST_WIDTH:
             # The parts of a wider or narrower axis have no width as a number.
             raise ConfigError("class.axis", f"Guesses may be {LEAST_WIDTH:g} to {GREATEST_WIDTH:g} apart.")
@@ -58,17 +58,17 @@ class Question:
     def set_right(self, right: float | None) -> None:
         """Set the right answer. Raises :class:`ConfigError` for an option that there is not."""
         if right is not None and self.options is not None and right not in range(len(self.options)):
-            raise ConfigError("class.right", "The right answer is none of the options.")
+            raise ConfigError("class.right", "The right answer is not one of the options.")
         self.right = self.right if right is None else right
 
     def answer(self, follower: int, value: float) -> None:
         """Take an answer, which replaces an earlier one. Raises :class:`ConfigError` if it cannot be given."""
         if self.is_revealed:
-            raise ConfigError("class.revealed", "The result is shown already: no more answers are taken.")
+            raise ConfigError("class.revealed", "The result has been shown: no more answers are accepted.")
         if self.options is not None and value not in range(len(self.options)):
-            raise ConfigError("class.answer", "That is none of the options.")
+            raise ConfigError("class.answer", "That is not one of the options.")
         if self.axis is not None and not self.axis.low <= value <= self.axis.high:
-            raise ConfigError("class.answer", f"A guess is from {self.axis.low:g} to {self.axis.high:g}.")
+            raise ConfigError("class.answer", f"A guess must be between {self.axis.low:g} and {self.axis.high:g}.")
         self.answers[follower] = value
 
     @property

@@ -35,6 +35,12 @@ def serve(
             help="Scheduler of the Dask cluster on which the page maps all logs, tcp://HOST:PORT or tls://HOST:PORT."
         ),
     ] = None,
+    workers: Annotated[
+        str | None,
+        typer.Option(
+            help="Number of processes that have the sessions, or auto: one for each of more than two cores. [1]"
+        ),
+    ] = None,
     open_class: Annotated[
         bool,
         typer.Option(
@@ -67,6 +73,7 @@ def serve(
         "database": database,
         "logs_dir": logs_dir,
         "fleet_executor": fleet_executor,
+        "workers": workers,
         "no_token": no_token or None,
         "class_code": new_code() if open_class else None,
     }

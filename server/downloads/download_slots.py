@@ -94,8 +94,8 @@ class DownloadSlots:
         if any(self._taken[key] >= MAX_PER_KEY for key in who.keys):
             return BusyError(
                 "download.too_many",
-                f"{MAX_PER_KEY} downloads of yours, of your address or by this link run, as many as may at one time; "
-                "try again when one of them is done.",
+                f"{MAX_PER_KEY} downloads by you, from your address or by this link are running, the maximum; "
+                "try again when one of them is finished.",
             )
         return BusyError("download.busy", "Too many downloads are running; try again in a minute.")
 

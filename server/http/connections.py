@@ -140,6 +140,16 @@ class _Connection(socket.socket):
         super().close()
 
 
+def counted(accepted: socket.socket, address: str, connections: Connections) -> socket.socket | None:
+    """Return a connection that counts until it is closed; None, and it is closed, if the limit is reached."""
+    if not connections.admit(accepted.fileno(), address):
+        accepted.close()
+        return None
+    connection = _Connection(accepted.family, accepted.type, accepted.proto, fileno=accepted.detach())
+    connection.on_close = connections.closed
+    return connection
+
+
 class Listener(socket.socket):
     """A duplicate of the listening socket ``bound`` that accepts connections up to the limits.
 
@@ -163,11 +173,9 @@ class Listener(socket.socket):
                     raise
                 self._refuse_one()
                 break
-            if self._connections.admit(accepted.fileno(), str(address[0])):
-                connection = _Connection(self.family, self.type, self.proto, fileno=accepted.detach())
-                connection.on_close = self._connections.closed
+            connection = counted(accepted, str(address[0]), self._connections)
+            if connection is not None:
                 return connection, address
-            accepted.close()
         raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
     def _refuse_one(self) -> None:

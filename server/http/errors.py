@@ -120,7 +120,7 @@ async def _http_error(request: Request, error: Exception) -> Response:
     if error.status_code == 404 and (page := missing_page(request)) is not None:
         return page
     status = HTTPStatus(error.status_code)
-    messages = {404: "There is nothing at this address.", 405: "This address does not take this method."}
+    messages = {404: "There is nothing at this address.", 405: "This address does not accept this method."}
     code = f"http.{status.phrase.lower().replace(' ', '_')}"
     headers = dict(error.headers) if error.headers else None
     return error_response(status, code, messages.get(status, f"{str(error.detail).rstrip('.')}."), headers=headers)

@@ -36,6 +36,39 @@ class Metrics:
         return generate_latest(self._registry)
 
 
+def summed(texts: Iterable[bytes]) -> bytes:
+    """Return the sums of the figures that several workers of one service state in Prometheus' text format.
+
+    What tells when a figure was begun (``…_created``) is that of the first worker.
+    """
+    registry = CollectorRegistry()
+    registry.register(_Summed([*map(bytes.decode, texts)]))
+    return generate_latest(registry)
+
+
+class _Summed(Collector):
+    def __init__(self, texts: Sequence[str]) -> None:
+        self._texts = texts
+
+    def collect(self) -> Iterable[Metric]:
+        from prometheus_client.parser import text_string_to_metric_families  # noqa: PLC0415 - for several workers only
+
+        families: dict[str, Metric] = {}
+        sums: dict[str, dict[tuple[str, tuple[tuple[str, str], ...]], float]] = {}
+        for text in self._texts:
+            for family in text_string_to_metric_families(text):
+                families.setdefault(family.name, Metric(family.name, family.documentation, family.type))
+                values = sums.setdefault(family.name, {})
+                for sample in family.samples:
+                    key = (sample.name, tuple(sample.labels.items()))
+                    is_time = sample.name.endswith("_created") and key in values
+                    values[key] = values[key] if is_time else values.get(key, 0.0) + sample.value
+        for name, family in families.items():
+            for (sample_name, labels), value in sums[name].items():
+                family.add_sample(sample_name, dict(labels), value)
+            yield family
+
+
 class _SessionCollector(Collector):
     def __init__(self, sessions: SessionRegistry, kinds: Sequence[str], traffic: Traffic) -> None:
         self._sessions, self._kinds = sessions, kinds

@@ -29,8 +29,8 @@ from server.http.services import services_of
 from server.http.sign_ins import SIGNED_IN_COOKIE, TOKEN_COOKIE, VALID_S, SignIns
 from server.settings import Settings
 from server.stream.close_codes import SIGNED_OUT
+from server.workers.places import VISITOR_COOKIE
 
-VISITOR_COOKIE = "gridbloom_visitor"
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
 BODY_S = 30.0  #: seconds within which it must arrive

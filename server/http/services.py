@@ -19,6 +19,7 @@ from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
 from server.work.fair_lock import FairLock
+from server.workers.worker import Worker
 
 if TYPE_CHECKING:
     from server.puzzles import Puzzles
@@ -36,6 +37,7 @@ class Services:
     scenes: Scenes
     classes: Classes
     sign_ins: SignIns
+    worker: Worker | None = None  #: which one of several workers this is
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
     code_brake: CodeGuesses = field(default_factory=CodeGuesses)
     #: Copies of a lecturer's world by one follower: each replays its whole history.

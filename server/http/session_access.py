@@ -57,7 +57,7 @@ def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[Sessi
 
 def _refuse_guests(session: SessionHost) -> None:
     if session.link is not None:
-        raise MapperError("link.read_only", "This link shares a view of a log; what belongs to the log is only read.")
+        raise MapperError("link.read_only", "This link shares a view of a log; the log itself cannot be changed.")
 
 
 def writable_session(sessions: SessionRegistry, session_id: str) -> SessionOfLog:

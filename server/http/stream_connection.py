@@ -115,7 +115,7 @@ async def exchange(
         return
     follows = following is not None
     if sum(client.follows == follows for client in session.hub.clients) >= max_clients:
-        raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
+        raise SessionBudgetError("session.crowded", "Too many browsers watch this session already.")
     await accepted(websocket)
     client = session.join(follows=follows)
     allowance = Allowance()
@@ -319,6 +319,6 @@ def _take(session: SessionHost, client: Client, command: Command, following: Fol
         case InspectCommand():
             session.enqueue(command, client)
         case _ if following is not None and not following.may(type_of(command)):
-            raise ProtocolError("class.read_only", "The lecturer drives this robot; your own world obeys you.")
+            raise ProtocolError("class.read_only", "The lecturer drives this robot; you can drive it in your own copy.")
         case _:
             session.enqueue(command, client)

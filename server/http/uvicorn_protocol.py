@@ -1,7 +1,7 @@
 """uvicorn's HTTP/1.1 protocol with a deadline for request headers and closable waiting connections.
 
 uvicorn itself has no time limit for the headers of a connection that has sent a byte, nor for the rest of a body after
-it has answered.
+it has answered. Where the service has several workers, a connection whose next request is for another one is passed on.
 """
 
 from __future__ import annotations
@@ -13,17 +13,34 @@ import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from server.http.connections import Connections
+from server.workers.handover import MAX_HEAD, Handover
 
+AGAIN_S = 0.02  #: seconds until a connection is passed on again whose worker has a full buffer
 REST_S = 60.0  #: seconds within which the rest of a body must arrive after its answer
 
 
 class HttpProtocol(H11Protocol):
-    """One connection. Complete headers must arrive within ``header_s`` seconds."""
+    """One connection. Complete headers must arrive within ``header_s`` seconds.
 
-    def __init__(self, *arguments: Any, connections: Connections, header_s: float, **more: Any) -> None:  # noqa: ANN401
+    ``handover`` passes connections on to other workers, None: there are none. ``passed_on`` is what another worker has
+    read of this one, whose first request is for this worker.
+    """
+
+    def __init__(
+        self,
+        *arguments: Any,  # noqa: ANN401
+        connections: Connections,
+        header_s: float,
+        handover: Handover | None = None,
+        passed_on: bytes = b"",
+        **more: Any,  # noqa: ANN401
+    ) -> None:
         super().__init__(*arguments, **more)
         self._open = connections
         self._header_s = header_s
+        self._handover = handover
+        self._passed_on = passed_on
+        self._head = b""  #: what was read of a request whose worker is not known yet
         self._deadline: asyncio.TimerHandle | None = None
         self._descriptor = -1
 
@@ -33,6 +50,8 @@ class HttpProtocol(H11Protocol):
         self._descriptor = transport.get_extra_info("socket").fileno()
         self._open.made(self._descriptor)
         self._wait()
+        if self._passed_on:
+            self._answer(self._passed_on)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Stop waiting for a request."""
@@ -41,6 +60,41 @@ class HttpProtocol(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Process received bytes."""
+        if self._handover is None or not self._is_between_requests:
+            self._answer(data)
+            return
+        self._unset_keepalive_if_required()
+        self._head += data
+        if b"\r\n\r\n" in self._head or len(self._head) > MAX_HEAD:
+            self._choose(self._handover)
+
+    @property
+    def _is_between_requests(self) -> bool:
+        return self.conn.their_state is h11.IDLE and self.conn.our_state is h11.IDLE and not self.conn.trailing_data[0]
+
+    def _choose(self, handover: Handover) -> None:
+        """Pass the connection on, or answer the request here."""
+        if self.transport.is_closing():
+            return
+        # Of a client that has not read the last answer it cannot be: this process has what was not sent of it.
+        worker = None
+        if len(self._head) <= MAX_HEAD and not self.transport.get_write_buffer_size():
+            worker = handover.other(self._head, self.client[0] if self.client else "")
+        if worker is None:
+            head, self._head = self._head, b""
+            self._answer(head)
+        elif handover.pass_on(worker, self._head, self._descriptor):
+            self.transport.abort()  # closes this process's descriptor only
+        else:
+            self.transport.pause_reading()
+            self.loop.call_later(AGAIN_S, self._choose_again, handover)
+
+    def _choose_again(self, handover: Handover) -> None:
+        if not self.transport.is_closing():
+            self.transport.resume_reading()
+            self._choose(handover)
+
+    def _answer(self, data: bytes) -> None:
         super().data_received(data)
         self._look()
 

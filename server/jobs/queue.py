@@ -123,7 +123,7 @@ class JobQueue(Generic[Q, P, R]):
             message = (
                 f"You have a {kind.noun} under way: wait, or cancel it."
                 if most == 1
-                else f"You have {most} {kind.noun}s under way, the most there can be: wait, or cancel one."
+                else f"You have {most} {kind.noun}s under way, the maximum: wait, or cancel one."
             )
             raise LimitError(f"{kind.name}.too_many", message)
         if len(self.running) >= kind.most:

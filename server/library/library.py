@@ -101,8 +101,8 @@ class Library:
             scratch=scratch,
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
-        self._database = Database.open(settings.database_url, root)
-        self._standing = Standing([root, scratch, *([root / "library.db"] if settings.database_url is None else [])])
+        self._database = Database.open(settings.database_url, root, of_workers=settings.workers > 1)
+        self._standing = Standing([root, scratch, *([self._database.file] if self._database.file else [])])
         self.links = Links(self._database)
         self.notes = Notes(self._database)
         self.sign_in_ends = SignInEnds(self._database)
@@ -299,7 +299,7 @@ class Library:
     def _own_upload(self, owner: str, log_id: str) -> Record:
         record = self.get(owner, log_id)
         if record.source != "upload":
-            raise LogReadOnlyError("log.read_only", "This log belongs to the server and is read as it needs to be.")
+            raise LogReadOnlyError("log.read_only", "This log belongs to the server: how it is read cannot be changed.")
         return record
 
     # -- looking ------------------------------------------------------------------------------------------------

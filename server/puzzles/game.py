@@ -103,7 +103,7 @@ class Game:
 
     def _check_open(self) -> None:
         if self.is_over:
-            raise ConfigError("puzzle.over", "This puzzle is over: its answer is shown.")
+            raise ConfigError("puzzle.over", "This attempt is over: its answer was shown.")
 
     def public(self) -> dict[str, Any]:
         """Return what the page may know now."""

@@ -48,7 +48,7 @@ class RecipeSource:
         def step(done: float) -> None:
             tell(DRIVING, done)
             if not wanted():
-                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+                raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
 
         return _ready(recipe.make(step), recipe.cause, limits, wanted, tell)
 

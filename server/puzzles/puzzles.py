@@ -63,7 +63,7 @@ class Puzzles:
                 return known
         while not self._making.acquire(timeout=LOOK_S):
             if not wanted():  # which lets the sessions compute that wait for this thread
-                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+                raise WorkCancelledError("puzzle.unwanted", "The making of the puzzle was cancelled.")
         try:
             with self._lock:
                 known = self._ready.get(key)

@@ -36,9 +36,7 @@ def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool
     for name, is_there in found.items():
         if is_there:
             return name
-    raise ConfigError(
-        "puzzle.nothing_wrong", "Nothing that a puzzle could ask for is wrong with this map: choose a fault."
-    )
+    raise ConfigError("puzzle.nothing_wrong", "This map has no fault that a puzzle could ask for: choose one.")
 
 
 def _checked(cause: str) -> str:

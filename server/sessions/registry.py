@@ -23,6 +23,7 @@ from server.library.library import Library
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
+from server.sessions.use import Alone, OthersUse, Use
 from server.stream.traffic import Traffic
 from server.work.memory import give_back
 from server.work.scheduler import JobOwner, Scheduler
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from server.sessions.host import SessionHost
 
 REAP_EVERY_S = 5.0
+STATE_EVERY_S = 1.0  #: between two statements to the other workers of what is used
 ENDING_S = 1.0  #: the longest that anybody waits for the last computation of a session that ends
 THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
@@ -76,8 +78,11 @@ class SessionRegistry:
         clock: Callable[[], float] = time.monotonic,
         remake_seconds: Callable[[float], None] = lambda _: None,
         traffic: Traffic | None = None,
+        elsewhere: OthersUse | None = None,
     ) -> None:
+        """``elsewhere`` is what the other workers of the service use of the same budgets; None: there are none."""
         self._settings = settings
+        self._elsewhere = elsewhere or Alone()
         self._clock = clock
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
@@ -102,6 +107,7 @@ class SessionRegistry:
         self._tasks = [
             asyncio.create_task(self._reap(), name="session reaper"),
             asyncio.create_task(preparing.run(), name="seeks prepared"),
+            asyncio.create_task(self._keep_stating(), name="use of the budgets"),
         ]
 
     async def shutdown(self) -> None:
@@ -194,6 +200,7 @@ class SessionRegistry:
             model.playback.playing = model.playback.playing and plan.playing
             host.start(model)
             self._sessions[host.id] = host
+        self._state_use()
         _log.info("session began", kind=model.kind, cells=host.cells, sessions=len(self._sessions))
         return host
 
@@ -217,6 +224,7 @@ class SessionRegistry:
     async def _close(self, session: SessionHost) -> None:
         await session.close()
         self._have_ended = True
+        self._state_use()
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
     def limits(self, session: SessionHost | None) -> Limits:
@@ -225,14 +233,26 @@ class SessionRegistry:
         return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
     def _limits(self, session: SessionHost | None, *, guest: bool, owner: str | None = None) -> Limits:
-        others = [s for s in self._sessions.copy().values() if s is not session]
-        room = self._settings.max_total_cells - sum(s.cells for s in others)
+        others, elsewhere = [s for s in self._sessions.copy().values() if s is not session], self._elsewhere.others()
+        room = self._settings.max_total_cells - elsewhere.cells - sum(s.cells for s in others)
         if guest:  # all guests together have at most half of the cells
-            room = min(room, self._settings.max_total_cells // 2 - sum(s.cells for s in others if s.link is not None))
+            taken = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
+            room = min(room, self._settings.max_total_cells // 2 - taken)
         if owner is not None:  # one visitor has at most half, but at least one grid of the largest size
             share = max(self._settings.max_total_cells // 2, self._settings.max_cells)
             room = min(room, share - sum(s.cells for s in others if s.owner == owner))
         return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
+
+    def _state_use(self) -> None:
+        live, guests = self.all(), self._guests()
+        logs = {id(one.ranges): one.ranges.nbytes for session in live for one in session.model.footprint.logs}
+        cells, guests_cells = sum(s.cells for s in live), sum(s.cells for s in guests)
+        self._elsewhere.state(Use(len(live), len(guests), cells, guests_cells, sum(logs.values())))
+
+    async def _keep_stating(self) -> None:
+        while True:  # grids grow
+            self._state_use()
+            await asyncio.sleep(STATE_EVERY_S)
 
     # -- budgets ---------------------------------------------------------------------------------------------------
 
@@ -251,7 +271,8 @@ class SessionRegistry:
                 await self._evict(mine, "session.too_many", message)
             if link is not None:
                 await self._make_room_for_guest(link, places or self._settings.max_sessions_per_visitor)
-            if len(self._sessions) + len(self._making) > self._settings.max_sessions:
+            here = len(self._sessions) + len(self._making)
+            if here + self._elsewhere.others().sessions > self._settings.max_sessions:
                 message = "The service has no room for another session: try again in a minute."
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
@@ -274,7 +295,8 @@ class SessionRegistry:
             await self._evict(same, "link.crowded", message)
         guests = self._guests()
         most = max(1, self._settings.max_sessions // 2)
-        if len(guests) + sum(one is not None for _, one in self._making) > most:
+        here = len(guests) + sum(one is not None for _, one in self._making)
+        if here + self._elsewhere.others().guests > most:
             await self._evict(
                 guests, "session.full", "The service has no room for another guest: try again in a minute."
             )
@@ -305,7 +327,7 @@ class SessionRegistry:
         own = "Your open logs use all the memory that one visitor may have: close one first."
         await self._free_bytes(log, share, own, guest=guest, owner=owner)
         all_open = "The open logs use all the memory for logs: try again later."
-        await self._free_bytes(log, room, all_open, guest=guest)
+        await self._free_bytes(log, room - self._elsewhere.others().log_bytes, all_open, guest=guest)
 
     async def _free_bytes(
         self, log: ScanLog, room: int, message: str, *, guest: bool, owner: str | None = None

@@ -56,7 +56,7 @@ TABLE: tuple[Parameter, ...] = (
     ),
     Parameter(
         "click", "A click in 3D", "click_3d", "choice", "asks_a_voxel",
-        "What a click in a 3D view does: it asks why a voxel is so, or it places the robot on the floor.",
+        "What a click in a 3D view does: it asks why a voxel has its value, or it places the robot on the floor.",
         choices=("asks_a_voxel", "places_the_robot"),
     ),
     Parameter(

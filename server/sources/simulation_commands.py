@@ -31,5 +31,5 @@ def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
             result.new_grid |= mapper.set_sensor(simulation.sensor.with_values(values))
         case EditCommand(added=added, erased=erased, watch=watch):
             if mapper.edit(Edits.of(added, erased), watch=watch):
-                result.notice("edit.moved", "The robot was where you drew: it was moved aside.")
+                result.notice("edit.moved", "The robot stood where you drew, so it was moved aside.")
     mapper.journal.append((steps, {name: value for name, value in fields_of(command).items() if name != "watch"}))

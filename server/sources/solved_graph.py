@@ -44,7 +44,7 @@ class GraphOptions:
 
     def __post_init__(self) -> None:
         if self.robust not in KERNELS:
-            raise ConfigError("graph.robust", f"The kernel {self.robust!r:.40} is none of {', '.join(KERNELS)}.")
+            raise ConfigError("graph.robust", f"The kernel {self.robust!r:.40} is not one of {', '.join(KERNELS)}.")
         if not (math.isfinite(self.robust_scale) and SCALES[0] <= self.robust_scale <= SCALES[1]):
             raise ConfigError("graph.robust_scale", f"The scale of the kernel must be {SCALES[0]:g} to {SCALES[1]:g}.")
 
@@ -136,7 +136,7 @@ class SolvedGraph:
         if found.score < LEAST_SCORE:
             raise ConfigError(
                 "graph.no_match",
-                f"The scans {first} and {second} lie on one another nowhere within {WINDOW:g} m: the best agreement is "
+                f"The scans {first} and {second} do not fit anywhere within {WINDOW:g} m: the best agreement is "
                 f"{100 * found.score:.0f} %.",
             )
         if found.is_degenerate:

@@ -46,7 +46,7 @@ class ClassSlide(Struct):
     title: Annotated[Sentence | None, Meta(description="title; null for a section")] = None
     text: Annotated[
         Annotated[str, Meta(max_length=MAX_SLIDE_TEXT)] | None,
-        Meta(description="the paragraphs of a text that are shown so far; null for other kinds"),
+        Meta(description="the paragraphs of a text that are shown so far; of a section, its answer once it is shown"),
     ] = None
     address: Annotated[
         Hash | None,

@@ -17,6 +17,8 @@ from tests.browser.slides import cut_off, settle
 from tests.browser.test_class import ended
 from tests.marks import also_long
 
+#: Of the lecture's own slide *One cell*.
+ANSWER, NOTES = "hits and misses cancel by their sum", "Let the audience count"
 MARKS = ("NOTE-OF-MINE", "HIDDEN-SLIDE", "LATER-SLIDE", "LATER-PARAGRAPH", "PAST-SLIDE")
 
 
@@ -112,7 +114,7 @@ def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
     never_idle(page)
     never_idle(visitor)
     session = standing_world(context, server)
-    written, secrets = deck_with(session), (*MARKS, session)
+    written, secrets = deck_with(session), (*MARKS, session, ANSWER, NOTES)
     deck = letters_of(written)
     assert MARKS[0] in [*unpacked(f"#&deck={deck}")][2]  # what is looked for would be found
     link = f"/lecture.html?present#own-text-2/2&deck={deck}"
@@ -153,6 +155,12 @@ def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
     page.keyboard.press("Shift+ArrowRight")
     expect(phone.get_by_role("region", name="LATER-SLIDE")).to_be_visible()
     assert received.found(secrets) == {"LATER-SLIDE"}  # what is received is found
+    page.keyboard.press("Shift+ArrowLeft")
+    page.keyboard.press("Shift+ArrowLeft")
+    for _ in ("predict", "figure", "answer"):
+        page.keyboard.press("ArrowRight")
+    expect(phone.get_by_text(ANSWER)).to_be_visible()
+    assert received.found(secrets) == {"LATER-SLIDE", ANSWER}
     ended(page)
 
 

@@ -14,7 +14,7 @@ _PATCH = f"() => {_STORE}.part('terrain').message.peek()?.patch ?? null"
 
 
 def moments(points: np.ndarray) -> np.ndarray:
-    """Return P (4, 4), the sum of p pᵀ with p = [1 x y z]."""
+    """Return P (4, 4), the sum of v vᵀ with v = [1 x y z]."""
     rows = np.column_stack([np.ones(len(points)), points])
     return np.asarray(rows.T @ rows)
 

@@ -14,7 +14,7 @@ FAULTS: dict[str, dict[str, Any]] = {
     "Laser mounted at an angle": {"mount_yaw": 0.15},
     "Laser upside down": {"mount_upside_down": True},
     "Odometry drift": {},
-    "No return taken as a hit": {"no_return": "hit", "range_max": 4},
+    "No return counted as a hit": {"no_return": "hit", "range_max": 4},
     "Polished walls": {"no_return": "free"},
     "Each beam counts": {"clamp": False},
     "No clamp": {"clamp": False},

@@ -8,13 +8,14 @@ from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
 from tests.load.memory import memory
-from tests.load.sessions import services, sessions
+from tests.load.sessions import services, sessions, workers
 from tests.load.ticks import ticks
 
 RUNS = {
     "ticks": ticks,
     "sessions": sessions,
     "services": services,
+    "workers": workers,
     "followers": followers,
     "fairness": fairness,
     "memory": memory,

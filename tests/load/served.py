@@ -68,10 +68,10 @@ def _process(command: Sequence[str], **environment: str) -> Iterator[Process]:
 
 
 @contextmanager
-def service(sessions: int, clients: int, threads: int | None = None, stores: Sequence[str] = ()) -> Iterator[Process]:
+def service(sessions: int, clients: int, threads: int | None = None, options: Sequence[str] = ()) -> Iterator[Process]:
     """Run the service with room for so many sessions, and clients of each; ``threads`` compute maps, None: as set.
 
-    ``stores`` are the options of a database and a store of logs that it shares with others.
+    ``options`` are more of the command's: its workers, or stores that it shares with others.
     """
     with tempfile.TemporaryDirectory() as folder:
         limits = {
@@ -92,10 +92,22 @@ def service(sessions: int, clients: int, threads: int | None = None, stores: Seq
             "0",
             "--data-dir",
             folder,
-            *stores,
+            *options,
         ]
         with _process(command, **limits) as process:
             yield process
+
+
+@contextmanager
+def workers(sessions: int, clients: int, count: int) -> Iterator[tuple[list[Process], int]]:
+    """Run one service of so many worker processes; yield these and the port once it answers."""
+    with (
+        service(sessions, clients, options=["--workers", str(count)]) as supervisor,
+        httpx.Client(base_url=f"http://127.0.0.1:{supervisor.port}", timeout=60.0) as http,
+    ):
+        until(lambda: _is_ready(http))
+        children = Path(f"/proc/{supervisor.pid}/task/{supervisor.pid}/children").read_text(encoding="ascii")
+        yield [Process(int(pid), supervisor.port) for pid in children.split()], supervisor.port
 
 
 @contextmanager

@@ -6,10 +6,12 @@ Either in one service, beside an echo server on the same sockets, or spread over
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import httpx
 
 from tests.load.served import Figures, echo, figures, replicas, service
+from tests.load.served import workers as several_workers
 from tests.load.viewer import PERIOD_S
 
 COUNTS = (16, 32, 64, 100, 200)
@@ -65,6 +67,32 @@ def sessions(*counts: int) -> None:
         print(row(f"{count} sessions", ours))
         print(row(f"{count} echoes", theirs))
         print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)
+
+
+def workers(*counts: int) -> None:
+    """Print the figures of these numbers of sessions in one process, and in a worker process for each core.
+
+    Below them is the memory of each worker before the first session and with all of them: its share (Pss), MB.
+    """
+    cores = len(os.sched_getaffinity(0))
+    print(f"load {os.getloadavg()[0]:.1f} before the run; 10 looks a second, 1 of 10 viewers stalled")
+    print(HEAD)
+    for count in counts or (1, 200):
+        with service(count, 4) as process:
+            one = figures([process], streams(process.port, count, count), count // 10, PERIOD_S)
+        print(row(f"{count} in 1", one), flush=True)
+        with several_workers(count, 4, cores) as (several, port):
+            idle = [pss_mb(worker.pid) for worker in several]
+            more = figures(several, streams(port, count, count), count // 10, PERIOD_S)
+            busy = [pss_mb(worker.pid) for worker in several]
+        print(row(f"{count} in {cores} workers", more))
+        print("Pss of each worker, MB:", *(f"{a:.0f} → {b:.0f}" for a, b in zip(idle, busy, strict=True)), flush=True)
+
+
+def pss_mb(pid: int) -> float:
+    """Return a process's memory, of what it shares its share, MB."""
+    text = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
+    return next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024 / 1e6
 
 
 def services(*counts: int) -> None:

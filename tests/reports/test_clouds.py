@@ -137,6 +137,15 @@ def keys(*entries: tuple[int, int]) -> bytes:
     )
 
 
+def titled(*entries: tuple[int, int], text: str) -> dict[int, bytes]:
+    """Return such a directory whose system has a title."""
+    rows = [(k, 0, 1, value) for k, value in entries] + [(3073, 34737, len(text), 0)]
+    return {
+        34735: struct.pack(f"<{4 + 4 * len(rows)}H", 1, 1, 0, len(rows), *(v for row in rows for v in row)),
+        34737: text.encode(),
+    }
+
+
 def las(
     path: Path, points: np.ndarray, records: dict[int, bytes], steps: tuple[float, float, float] = (1e-3,) * 3
 ) -> Path:
@@ -157,8 +166,27 @@ UNITS: dict[str, tuple[dict[int, bytes], tuple[float, float, float], str | None]
     "metres, heights in feet": ({34735: keys((1024, 1), (3076, 9001), (4099, 9002))}, (1.0, 1.0, 0.3048), "z is in"),
     "WKT": ({2112: WKT.encode() + b"\0"}, (1200 / 3937, 1200 / 3937, 1.0), FEET),
     "WKT 2": ({2112: WKT2.encode()}, (0.3048,) * 3, "'foot'"),
-    "a number without its unit": ({34735: keys((1024, 1), (3072, 2277))}, (1.0, 1.0, 1.0), "EPSG:2277 and no unit"),
+    "a state's plane by its number": ({34735: keys((1024, 1), (3072, 2277))}, (1200 / 3937,) * 3, FEET),
+    "a number without a model": ({34735: keys((3072, 2269))}, (0.3048,) * 3, "'foot'"),
+    "a number in metres": ({34735: keys((1024, 1), (3072, 31468))}, (1.0, 1.0, 1.0), None),
+    "a title": (titled((1024, 1), (3072, 6560), text="NAD83(2011) / Oregon South (ft)|"), (0.3048,) * 3, "'foot'"),
+    "a title in survey feet": (titled((1024, 1), (3072, 6584), text="Texas South (ftUS)|"), (1200 / 3937,) * 3, FEET),
+    "a title in metres": (titled((1024, 1), (3072, 6559), text="Oregon South (m)|"), (1.0, 1.0, 1.0), None),
 }
+
+
+def test_a_system_whose_unit_the_file_does_not_tell_is_refused(tmp_path: Path) -> None:
+    path = las(tmp_path / "a.las", POINTS, {34735: keys((1024, 1), (3072, 6560))})
+    with pytest.raises(ReadError, match=r"names EPSG:6560 and no unit.*state it in the record"):
+        read_cloud(path)
+
+
+def test_angles_in_grads_are_metres(tmp_path: Path) -> None:
+    """0.0001 gon of latitude at the equator are 9.95 m."""
+    grads = np.array([[8.0, 0.0, 5.0], [8.0, 0.0001, 6.0]])
+    records = {34735: keys((1024, 2), (2048, 4807), (2054, 9105))}
+    cloud = read_cloud(las(tmp_path / "a.las", grads, records, (1e-7, 1e-7, 0.01)))
+    assert cloud.points[1] - cloud.points[0] == pytest.approx([0.0, 9.951, 1.0], abs=0.02)
 
 
 @pytest.mark.parametrize("end", ["las", "laz"])

@@ -210,6 +210,12 @@ def _in_metres(
     notes: list[str] = []
     name, size = units.horizontal
     height = units.vertical
+    if units.unstated is not None:
+        raise ReadError(
+            "cloud.units",
+            f"The projection record names EPSG:{units.unstated} and no unit of its coordinates, which the file does "
+            "not tell either: state it in the record (ProjLinearUnitsGeoKey, or WKT), or project the cloud to UTM.",
+        )
     if units.model == "geographic":
         why = "The coordinates are longitude and latitude in degrees, by the file's projection record"
         points[:, :2], note = metres_of_degrees(np.degrees(points[:, :2] * size), why)
@@ -220,10 +226,6 @@ def _in_metres(
         points[:, :2] *= size
         height = height or units.horizontal
         notes.append(f"x and y are in the unit {name!r}, by the file's projection record; {size:.9g} m each.")
-    elif units.unstated is not None:
-        notes.append(
-            f"The projection record names EPSG:{units.unstated} and no unit: the coordinates are taken for metres."
-        )
     if height is not None and abs(height[1] - 1.0) > 1e-9:
         points[:, 2] *= height[1]
         stated = "the file's projection record" if units.vertical else "that of x and y, as no other is stated"

@@ -1,8 +1,9 @@
 """The units of the coordinates of a LAS file, from its projection record.
 
 Source: the LAS specification 1.4 (records 34735 … 34737 and 2112 of LASF_Projection); the GeoTIFF specification 1.8.2
-(keys 1024, 2054, 3076, 3077, 4099); OGC 01-009 and 18-010 (WKT of both versions). Only units are read: no coordinates
-are transformed from one system to another, for which pyproj and its database would be needed.
+(keys 1024, 1026, 2048, 2054, 3072, 3073, 3076, 3077, 4099); OGC 01-009 and 18-010 (WKT of both versions); the units of
+the EPSG dataset for systems that files name without one. Only units are read: no coordinates are transformed from one
+system to another, for which pyproj and its database would be needed.
 """
 
 from __future__ import annotations
@@ -16,16 +17,38 @@ from dataclasses import dataclass
 from mapper.io.logs.names import printable
 
 USER = "LASF_Projection"
-GEO_KEYS, GEO_DOUBLES, WKT = 34735, 34736, 2112  #: numbers of records
+GEO_KEYS, GEO_DOUBLES, GEO_TEXT, WKT = 34735, 34736, 34737, 2112  #: numbers of records
 LINEAR = {
     9001: ("metre", 1.0), 9002: ("foot", 0.3048), 9003: ("US survey foot", 1200.0 / 3937.0),
     9004: ("modified American foot", 0.30481225298), 9005: ("Clarke's foot", 0.3047972654), 9036: ("kilometre", 1000.0),
     9093: ("statute mile", 1609.344), 9096: ("yard", 0.9144),
 }  # fmt: skip
-_MODEL, _ANGULAR, _LINEAR, _LINEAR_SIZE, _PROJECTED, _VERTICAL = 1024, 2054, 3076, 3077, 3072, 4099
+ANGULAR = {9101: ("radian", 1.0), 9102: ("degree", math.pi / 180.0), 9105: ("grad", math.pi / 200.0)}
+_MODEL, _TITLE, _GEOGRAPHIC, _ANGULAR, _PROJECTED, _NAME = 1024, 1026, 2048, 2054, 3072, 3073
+_LINEAR, _LINEAR_SIZE, _VERTICAL = 3076, 3077, 4099
 _MODELS = {1: "projected", 2: "geographic", 3: "geocentric"}
-#: EPSG's systems whose unit is the metre, as far as files leave it out: the UTM zones of WGS 84, NAD 83 and ETRS 89
-_IN_METRES = (range(32601, 32661), range(32701, 32761), range(26901, 26924), range(25828, 25839), range(3857, 3858))
+#: EPSG's systems by their unit, first and last number of each span, as far as files name them without their unit.
+_IN_METRES = (
+    (2046, 2056), (2100, 2100), (2154, 2154), (2180, 2180), (2193, 2193), (2326, 2326), (2443, 2461), (2955, 2962),
+    (3003, 3004), (3006, 3018), (3034, 3035), (3059, 3059), (3067, 3067), (3154, 3160), (3301, 3301), (3346, 3346),
+    (3395, 3395), (3763, 3763), (3826, 3829), (3857, 3857), (4491, 4554), (4647, 4647), (5070, 5070), (5105, 5130),
+    (5179, 5188), (5514, 5514), (5554, 5556), (5649, 5653), (6328, 6350), (6669, 6692), (7415, 7415), (7846, 7859),
+    (21781, 21781), (23028, 23038), (25828, 25838), (26901, 26923), (26929, 26998), (27700, 27700), (28348, 28358),
+    (28992, 28992), (29168, 29195), (31254, 31259), (31284, 31287), (31466, 31469), (31965, 31985), (32100, 32161),
+    (32201, 32260), (32301, 32360), (32601, 32661), (32701, 32761),
+)  # fmt: skip
+_IN_FEET = (
+    (2222, 2224), (2251, 2253), (2256, 2256), (2265, 2266), (2269, 2270), (2273, 2273), (2280, 2282),
+)  # fmt: skip
+_IN_US_FEET = ((2225, 2250), (2254, 2255), (2257, 2264), (2267, 2268), (2271, 2272), (2274, 2279), (2283, 2289),
+               (26729, 26799), (32001, 32058))  # fmt: skip
+_UNITS_OF_EPSG = ((_IN_METRES, 9001), (_IN_FEET, 9002), (_IN_US_FEET, 9003))
+#: Words for a unit in a system's title, as "NAD83 / Oregon North (ft)", the more special one first.
+_IN_TITLES = (
+    (re.compile(r"ftUS|us[- _]?ft\b|survey f(oo|ee)t", re.IGNORECASE), 9003),
+    (re.compile(r"\(ft\)|\bf(oo|ee)t\b|\bift\b", re.IGNORECASE), 9002),
+    (re.compile(r"\(m\)|\bmet(re|er)s?\b|\bUTM\b", re.IGNORECASE), 9001),
+)
 MOST_WKT = 1 << 16  #: characters
 MOST_LEVELS = 40
 
@@ -36,7 +59,7 @@ class Units:
 
     ``horizontal`` and ``vertical`` are a unit's name and its metres; of a geographic system the first is degrees, or an
     angle's radians. ``vertical`` is None where it is not stated. ``unstated`` is the EPSG number of a projection whose
-    record does not state its unit.
+    record does not state its unit, and of which it is not known.
     """
 
     model: str
@@ -54,25 +77,31 @@ def units_of(records: Mapping[int, bytes]) -> Units | None:
     if WKT in records:
         found = _of_wkt(records[WKT][:MOST_WKT].split(b"\0")[0].decode("utf-8", "replace"))
     if found is None and GEO_KEYS in records:
-        found = _of_keys(records[GEO_KEYS], records.get(GEO_DOUBLES, b""))
+        found = _of_keys(records[GEO_KEYS], records.get(GEO_DOUBLES, b""), records.get(GEO_TEXT, b""))
     return found
 
 
-def _of_keys(data: bytes, doubles: bytes) -> Units | None:
+def _of_keys(data: bytes, doubles: bytes, text: bytes) -> Units | None:
     numbers = struct.unpack(f"<{len(data) // 2}H", data[: len(data) // 2 * 2])
     keys: dict[int, float] = {}
+    titles: dict[int, str] = {}
     for k in range(4, len(numbers) - 3, 4):
-        key, place, _, value = numbers[k : k + 4]
+        key, place, count, value = numbers[k : k + 4]
         if place == 0:
             keys[key] = value
         elif place == GEO_DOUBLES and 8 * value + 8 <= len(doubles):
             keys[key] = struct.unpack_from("<d", doubles, 8 * value)[0]
-    if _MODEL not in keys and _LINEAR not in keys:
+        elif place == GEO_TEXT:
+            titles[key] = text[value : value + count].decode("latin-1")
+    if not keys.keys() & {_MODEL, _LINEAR, _PROJECTED, _GEOGRAPHIC}:
         return None
-    model = _MODELS.get(int(keys.get(_MODEL, 1)), "projected")
+    is_geographic = _GEOGRAPHIC in keys and not keys.keys() & {_LINEAR, _PROJECTED}
+    model = _MODELS.get(int(keys.get(_MODEL, 2 if is_geographic else 1)), "projected")
     vertical = LINEAR.get(int(keys.get(_VERTICAL, 0)))
     if model == "geographic":
-        return Units(model, ("degree", math.pi / 180.0), vertical)
+        return Units(model, ANGULAR.get(int(keys.get(_ANGULAR, 0)), ANGULAR[9102]), vertical)
+    if model == "geocentric":
+        return Units(model, LINEAR[9001], vertical)
     size = keys.get(_LINEAR_SIZE)
     code = int(keys.get(_LINEAR, 0))
     if code in LINEAR:
@@ -80,8 +109,13 @@ def _of_keys(data: bytes, doubles: bytes) -> Units | None:
     if size is not None and math.isfinite(size) and size > 0.0:
         return Units(model, (f"unit of {size:g} m", size), vertical)
     epsg = int(keys.get(_PROJECTED, 0))
-    unstated = epsg if 0 < epsg < 32767 and not any(epsg in one for one in _IN_METRES) else None
-    return Units(model, LINEAR[9001], vertical, unstated)
+    of_epsg = (unit for spans, unit in _UNITS_OF_EPSG if any(low <= epsg <= high for low, high in spans))
+    title = " ".join(titles.get(key, "") for key in (_NAME, _TITLE))
+    of_title = (unit for words, unit in _IN_TITLES if words.search(title))
+    known = next(of_epsg, None) or next(of_title, None)
+    if known is not None:
+        return Units(model, LINEAR[known], vertical)
+    return Units(model, LINEAR[9001], vertical, epsg if 0 < epsg < 32767 else None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,7 +71,7 @@ async def begin(
     room = joined_class(brake, classes, code, request, visitor)
     puzzle = room.puzzle
     if puzzle is None:
-        raise MapperError("class.no_puzzle", "The class solves no puzzle now.")
+        raise MapperError("class.no_puzzle", "The class has no puzzle now.")
     number = room.number_of(visitor, client_address(request))
     link = puzzle_link_of(room, len(room.puzzles))
     for one in sessions.all():

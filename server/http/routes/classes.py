@@ -194,7 +194,7 @@ def _shown(
     """Return the session that a class shows, to a visitor who has joined or may join."""
     classes.check(room, visitor, client_address(connection))
     if room.session is None:
-        raise MapperError("class.no_session", "The lecturer shows no map now.")
+        raise MapperError("class.no_session", "The lecturer is not showing a map.")
     return sessions.get(room.session)
 
 
@@ -236,14 +236,14 @@ async def fork(
     session = _shown(classes, room, sessions, request, visitor)
 
     if copies.wait_s(visitor) > 0.0:
-        raise SessionBudgetError("class.copies", "You copied this world many times just now: wait a few seconds.")
+        raise SessionBudgetError("class.copies", "You have made many copies in a short time: wait a few seconds.")
     copies.count(visitor)
     link = link_of(room)
 
     async def begun() -> SessionHost:
         earlier = [s for s in sessions.all() if s.link == link and s.owner == visitor]
         if len(earlier) >= MAX_COPIES:  # made by pages that asked at the same time
-            raise SessionBudgetError("class.copies", "You have as many copies of this world as you may: wait a moment.")
+            raise SessionBudgetError("class.copies", "You have too many copies of this world: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
         address, places = client_address(request), places_of(settings)
         made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)

@@ -11,9 +11,9 @@ from fastapi import Request
 from starlette.requests import HTTPConnection
 
 from mapper.core.errors import MapperError
+from server.http.services import services_of
 from server.network_address import network_of
-
-PLACE_HEADER = "X-Gridbloom-Place"
+from server.workers.places import PLACE_HEADER
 
 _PLACE = re.compile(r"[0-9a-z]{1,32}")
 
@@ -26,12 +26,16 @@ def client_address(request: HTTPConnection) -> str:
 
 
 def chosen_place(request: HTTPConnection) -> str:
-    """Return what a reverse proxy in front of several services has chosen this one by; empty without one.
+    """Return what leads to this one of several services or workers; empty where there is only one.
 
-    The ids of the sessions that a request begins start with it, so that the proxy finds them (``deploy/haproxy.cfg``).
+    The ids of the sessions that a request begins start with it. A reverse proxy in front of several services states it
+    (``deploy/haproxy.cfg``).
     """
     place = request.headers.get(PLACE_HEADER, "")
-    return place if _PLACE.fullmatch(place) else ""
+    if _PLACE.fullmatch(place):
+        return place
+    worker = services_of(request.app).worker
+    return "" if worker is None else str(worker.number)
 
 
 async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:

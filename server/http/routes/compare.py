@@ -51,7 +51,9 @@ async def begin(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
     log, title = None, ""
     if wanted.log is not None:
         if session.link is not None:
-            raise MapperError("link.read_only", "This link shares a view of one log; it is compared with no other.")
+            raise MapperError(
+                "link.read_only", "This link shares a view of one log; it cannot be compared with another."
+            )
         log = await library.load(visitor, wanted.log, wanted.topic)
         title = library.get(visitor, wanted.log).name
         await sessions.free_bytes(log, session.owner)

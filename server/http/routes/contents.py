@@ -66,7 +66,7 @@ def _origin_ns(log: ScanLog) -> int:
 def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
     recording = sessions.get(session_id).model.recording
     if recording is None:
-        raise MapperError("session.not_a_log", "Only the recording of a log can be looked into, not a live world.")
+        raise MapperError("session.not_a_log", "Only a recording has contents to list, not a live world.")
     return recording
 
 
@@ -81,7 +81,7 @@ async def _looked_into(
 async def _held(request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str) -> _Held:
     recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(contents, float):
-        message = "What the recording holds is still being found out; /contents says how far that is."
+        message = "The contents of the recording are still being read; /contents reports the progress."
         raise NotInspectedError("contents.not_yet", message)
     return _Held(recording, contents)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.http.guests import GuestRight, guests_may
-from server.http.metrics import CONTENT_TYPE
-from server.http.services import Logs, ServiceMetrics
+from server.http.metrics import CONTENT_TYPE, summed
+from server.http.services import Logs, ServiceMetrics, services_of
 
 router = APIRouter(tags=["health"])
 
@@ -31,6 +31,10 @@ async def readyz(library: Logs) -> dict[str, str]:
 
 
 @router.get("/metrics", response_class=Response)
-async def metrics(figures: ServiceMetrics) -> Response:
-    """Return the metrics of the service for Prometheus."""
-    return Response(figures.text(), media_type=CONTENT_TYPE)
+async def metrics(request: Request, figures: ServiceMetrics) -> Response:
+    """Return the metrics of the service for Prometheus: with several workers, their sums."""
+    worker = services_of(request.app).worker
+    text = figures.text()
+    if worker is not None:
+        text = summed([text, *await worker.handover.figures_of_others()])
+    return Response(text, media_type=CONTENT_TYPE)

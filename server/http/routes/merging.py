@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from typing import Any
 
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -31,6 +32,11 @@ class Other(BaseModel):
         max_length=20,
         description="How its scans are cut out of clouds and depth images, see /api/parameters; else as here.",
     )
+    mapping: dict[str, Any] | None = Field(
+        None,
+        max_length=50,
+        description="Parameters of its map, see /api/parameters: its mount and its time offset are used; else as here.",
+    )
 
 
 @router.post("/{session_id}/merge", status_code=202)
@@ -39,7 +45,8 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
 
     Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
     have a trajectory ``merged`` in one frame, and one more log has the scans of both along it, with a trajectory
-    ``SLAM`` that has their pose graph. Scans of clouds and depth images are cut as in the session.
+    ``SLAM`` that has their pose graph. Scans of clouds and depth images are cut as in the session, and the mount and
+    the time offset are those of its map.
     """
     of_log = writable_session(sessions, session_id)
     view = of_log.recording.view()
@@ -58,7 +65,8 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
         task.add_done_callback(_tasks.discard)
 
     cut = view.cut if wanted.cut is None else wanted.cut
-    request = MergeRequest(wanted.log, view.topic, wanted.topic, view.cut, cut)
+    mapping = view.values if wanted.mapping is None else wanted.mapping
+    request = MergeRequest(wanted.log, view.topic, wanted.topic, view.cut, cut, view.values, mapping)
     state = await library.merges.begin(owner, first, request)
     library.merges.listen(owner, first, notify)
     return state

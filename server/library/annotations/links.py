@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,15 +39,23 @@ class Link:
 
 
 class Links:
-    """All links, in memory and in the database. Used from the event loop only."""
+    """All links, in memory and in the database. Used from the event loop only.
+
+    ``ended`` gets the token of each that another service or worker has revoked: who has opened it here is still there.
+    """
 
     def __init__(self, database: Database) -> None:
         self._database = database
         self._links: dict[str, Link] = {}
+        self.ended: Callable[[str], Awaitable[None]] = _ignore
 
     async def follow(self, _: object = None) -> None:
         """Load the stored links. Raises ``StorageError``."""
-        self._links = {link.token: link for link in await self._database.run(_load)}
+        stored = {link.token: link for link in await self._database.run(_load)}
+        gone = self._links.keys() - stored.keys()
+        self._links = stored
+        for token in gone:
+            await self.ended(token)
 
     async def make(self, owner: str, record: Record, view: dict[str, Any]) -> Link:
         """Return a new link of ``owner`` to a view of a log that ``owner`` may open.
@@ -55,7 +63,7 @@ class Links:
         Raises :class:`LimitError` for one too many, and ``StorageError``.
         """
         if sum(link.owner == owner for link in self._links.values()) >= MAX_LINKS_PER_OWNER:
-            message = f"You have {MAX_LINKS_PER_OWNER} links, the most there can be: revoke one."
+            message = f"You have {MAX_LINKS_PER_OWNER} links, the maximum: revoke one."
             raise LimitError("link.too_many", message)
         link = Link(secrets.token_urlsafe(24), owner, record.id, time.time(), view)
 
@@ -93,6 +101,10 @@ class Links:
         for token in gone:
             del self._links[token]
         return gone
+
+
+async def _ignore(_: str) -> None:
+    """Do nothing with the token of a link that was revoked."""
 
 
 def _load(connection: Connection) -> Sequence[Link]:

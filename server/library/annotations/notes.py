@@ -138,7 +138,7 @@ class Notes:
 
 
 def _too_many(count: str) -> LimitError:
-    return LimitError("note.too_many", f"{count}, the most there can be: delete one.")
+    return LimitError("note.too_many", f"{count}, the maximum: delete one.")
 
 
 def _load(connection: Connection, log_id: str) -> Sequence[Note]:

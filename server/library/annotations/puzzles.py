@@ -60,7 +60,7 @@ class MadePuzzles:
         Raises :class:`LimitError` for one too many and for a story that is too long, and ``StorageError``.
         """
         if sum(one.owner == owner for one in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
-            message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the most there can be: remove one."
+            message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the maximum: remove one."
             raise LimitError("puzzle.too_many", message)
         text = json.dumps(spec)
         if len(text) > MAX_SPEC_BYTES:

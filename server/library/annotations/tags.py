@@ -53,7 +53,7 @@ class Tags:
         fresh = clean_tags(tags)
         others = sum(len(known) for (who, log), known in self._tags.items() if who == owner and log != record.id)
         if others + len(fresh) > MAX_TAGS_PER_OWNER:
-            raise LimitError("tag.too_many", f"You have {MAX_TAGS_PER_OWNER} tags, the most there can be.")
+            raise LimitError("tag.too_many", f"You have {MAX_TAGS_PER_OWNER} tags, the maximum.")
 
         def work(connection: Connection) -> None:
             ensure_log(connection, record)

@@ -139,10 +139,10 @@ class Trajectories:
         if any(one.name == name for one in known):
             return
         if len(known) >= MAX_OF_LOG:
-            message = f"You have added {MAX_OF_LOG} trajectories to this log, the most there can be: delete one."
+            message = f"You have added {MAX_OF_LOG} trajectories to this log, the maximum: delete one."
             raise LimitError("trajectory.too_many", message)
         if sum(one.owner == owner for one in self._added.values()) >= MAX_OF_OWNER:
-            message = f"You have added {MAX_OF_OWNER} trajectories to your logs, the most there can be: delete one."
+            message = f"You have added {MAX_OF_OWNER} trajectories to your logs, the maximum: delete one."
             raise LimitError("trajectory.too_many", message)
 
     async def put(self, owner: str, record: Record, log: ScanLog, new: NewTrajectory) -> tuple[Added, list[str]]:

@@ -25,9 +25,9 @@ from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
-VERSION = 5
+VERSION = 6
 
-_ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts")
+_ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts", "order_ns")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON
 
 Array = NDArray[Any]

@@ -13,13 +13,16 @@ from pathlib import Path
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, LimitError
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PlanarCut
+from mapper.sensors.scan import ScanLog
 from server.jobs import process
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.log import log_in
-from server.library.processing.log_jobs import Run
+from server.library.processing.log_jobs import Parameters, Run
 from server.library.processing.slam import NAME as SLAM
 
 DOING = "Merging these logs"  #: in errors
@@ -117,7 +120,9 @@ PIECE = 1 << 20  #: bytes of the merged log that are stored at once
 class MergeRequest:
     """A merge of a log with the log ``other``. ``topic`` and ``other_topic`` name their sensors.
 
-    ``cut`` and ``other_cut`` say how the scans of each are cut out of clouds and depth images (None: as by default).
+    ``cut`` and ``other_cut`` say how the scans of each are cut out of clouds and depth images (None: as by default),
+    ``mapping`` and ``other_mapping`` are parameters of the map of each, whose mount and time offset the merge uses
+    (None: as by default).
     """
 
     other: str = ""
@@ -125,6 +130,8 @@ class MergeRequest:
     other_topic: str | None = None
     cut: dict[str, float] | None = None
     other_cut: dict[str, float] | None = None
+    mapping: Parameters | None = None
+    other_mapping: Parameters | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,11 +166,13 @@ class MergeKind:
     jobs = JobKind("merge", "Merging", "merge", MergeRequest, MergeResult, most_of_owner=1, most=20, joins=False)
 
     def checked(self, log_id: str, request: MergeRequest) -> MergeRequest:
-        """Return a request with valid cuts. Raises :class:`ConfigError` for a log with itself."""
+        """Return a request with valid cuts and parameters. Raises :class:`ConfigError` for a log with itself."""
         if request.other == log_id:
             raise ConfigError("merge.same", "These are one log: choose another one to merge it with.")
         for cut in (request.cut, request.other_cut):
             PlanarCut.of(cut or {})
+        for mapping in (request.mapping, request.other_mapping):
+            MappingConfig().with_values(mapping or {})
         return request
 
     def others(self, request: MergeRequest) -> tuple[str, ...]:
@@ -186,7 +195,10 @@ class MergeKind:
         wanted, limits, ids = run.request, run.limits, (run.log_id, run.request.other)
         first = await run.load(run.log_id, wanted.topic, wanted.cut)
         second = await run.load(ids[1], wanted.other_topic, wanted.other_cut)
-        packs = await run.packed(first, "first.npz"), await run.packed(second, "second.npz")
+        packs = (
+            await run.packed(_as_mapped(first, wanted.mapping), "first.npz"),
+            await run.packed(_as_mapped(second, wanted.other_mapping), "second.npz"),
+        )
         job = MergeJob(*packs, str(run.out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
         found = await run.follow(job, lambda out: _report(out, run.worker.progress))
         texts = [await run.made(ending) for ending in ENDINGS]
@@ -200,6 +212,11 @@ class MergeKind:
         new = NewTrajectory(SLAM, await run.made(BOTH), "slam", said, await run.made(GRAPH))
         await run.add(both.id, log, new)
         return MergeResult(**asdict(found), trajectory=NAME, log=both.id, name=both.name)
+
+
+def _as_mapped(log: ScanLog, mapping: Parameters | None) -> ScanLog:
+    """Return a log with the mount and the time offset of its map."""
+    return as_mapped(log, MappingConfig().with_values(mapping or {}))
 
 
 def _name_of_both(names: list[str]) -> str:

@@ -1,17 +1,24 @@
-"""Changes by other services in a shared database, applied to what this one keeps in memory (LISTEN)."""
+"""Changes by other services, or by other workers of this one, in a shared database, applied to what is in memory.
+
+PostgreSQL announces them (LISTEN), in SQLite they are looked for (:mod:`server.library.store.recorded_changes`).
+"""
 
 from __future__ import annotations
 
 import asyncio
+import sqlite3
 from collections.abc import Awaitable, Callable
+from pathlib import Path
 
 import structlog
 
 from server.library.store.announcing import CHANNEL
 from server.library.store.database import Database
+from server.library.store.recorded_changes import RecordedChanges
 from server.storage import StorageError
 
 AGAIN_S = 1.0  #: pause before the database is tried again
+LOOK_EVERY_S = 0.1  #: between two looks into SQLite
 
 _log = structlog.get_logger(__name__)
 
@@ -35,7 +42,8 @@ class Changes:
     def begin(self) -> None:
         """Begin, where the database is shared."""
         if self._database.is_shared:
-            self._tasks = [asyncio.create_task(self._listen()), asyncio.create_task(self._follow())]
+            hear = self._listen() if self._database.file is None else self._look(self._database.file)
+            self._tasks = [asyncio.create_task(hear), asyncio.create_task(self._follow())]
 
     async def close(self) -> None:
         """End it."""
@@ -58,6 +66,25 @@ class Changes:
             except psycopg.Error as error:
                 _log.warning("changes of other services are not heard", error=str(error).partition("\n")[0])
             await asyncio.sleep(AGAIN_S)
+
+    async def _look(self, file: Path) -> None:
+        changes = RecordedChanges(file)
+        try:
+            while True:
+                try:
+                    new = await asyncio.to_thread(changes.new)
+                except sqlite3.Error as error:
+                    _log.warning("changes of other workers are not seen", error=str(error))
+                    await asyncio.sleep(AGAIN_S)
+                    continue
+                if new is None:
+                    self._changed = dict.fromkeys(self._followers)
+                    self._wake.set()
+                for table, key in new or ():
+                    self._note(table, key)
+                await asyncio.sleep(LOOK_EVERY_S)
+        finally:
+            changes.close()
 
     def _note(self, table: str, key: str) -> None:
         known = self._changed.setdefault(table, set())

@@ -17,6 +17,7 @@ import structlog
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
+from server.library.store.recorded_changes import record_changes
 from server.library.store.schema import bring_up_to_date
 from server.storage import StorageError, disk_full
 
@@ -30,25 +31,30 @@ _log = structlog.get_logger(__name__)
 class Database:
     """An open database. :meth:`open` blocks and may be called from any thread, the rest from one event loop."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, *, of_workers: bool = False) -> None:
         self._engine = engine
-        self.is_shared = engine.dialect.name == "postgresql"  #: whether other services may use it at the same time
-        self.pid = 0  #: of the server's process that serves the present connection, where it is shared
-        if self.is_shared:
+        is_server = engine.dialect.name == "postgresql"
+        self.is_shared = is_server or of_workers  #: whether other processes may use it at the same time
+        self.file = None if is_server else Path(str(engine.url.database))  #: of SQLite
+        self.pid = 0  #: of PostgreSQL's process that serves the present connection
+        if is_server:
             event.listen(engine, "connect", self._connected)
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="records")
 
     @classmethod
-    def open(cls, url: str | None, folder: Path) -> Database:
+    def open(cls, url: str | None, folder: Path, *, of_workers: bool = False) -> Database:
         """Open the database at ``url``, None for a file of SQLite in ``folder``, and bring its tables up to date.
 
+        ``of_workers``: several processes of one service use a file of SQLite, and each is told of the others' changes.
         Raises :class:`StorageError`, also for one that a newer program has written.
         """
         engine = _engine(url, folder)
-        opened = cls(engine)
+        opened = cls(engine, of_workers=of_workers)
         try:
             _attempt(engine, _check)
             _attempt(engine, bring_up_to_date)
+            if of_workers and opened.file is not None:
+                _attempt(engine, record_changes)
         except BaseException:
             opened.close()
             raise

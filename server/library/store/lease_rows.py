@@ -90,4 +90,6 @@ class LeaseRows:
 
 def _now(connection: Connection) -> float:
     """Return the time of the database's clock, seconds since 1970: the clocks of several machines differ."""
-    return float(connection.execute(text("SELECT extract(epoch FROM clock_timestamp())")).scalar_one())
+    is_server = connection.dialect.name == "postgresql"
+    now = "extract(epoch FROM clock_timestamp())" if is_server else "(julianday('now') - 2440587.5) * 86400.0"
+    return float(connection.execute(text(f"SELECT {now}")).scalar_one())

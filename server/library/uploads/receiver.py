@@ -115,7 +115,7 @@ class UploadReceiver:
             await self._take(upload, chunks)
             finished = part is None or upload.size == part.total
             if finished and upload.size == 0:
-                raise ReadError("log.empty", "The upload holds no bytes.")
+                raise ReadError("log.empty", "The upload is empty.")
             yield upload if finished else None
         except LimitError as error:
             finished = finished or error.code not in RESUMED  # nothing else gets better by going on
@@ -137,7 +137,7 @@ class UploadReceiver:
         name = (owner, part.key)
         known = self._partial.get(name)
         if known is not None and known.busy:
-            raise UploadOffsetError("upload.busy", "This upload is coming in already, over another connection.")
+            raise UploadOffsetError("upload.busy", "This upload is already being received over another connection.")
         if known is not None and (part.start == 0 or known.total != part.total):
             self._forget(name)  # the sender begins again
             known = None

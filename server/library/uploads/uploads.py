@@ -80,7 +80,7 @@ class Uploads:
         if len(own) >= limits.max_logs_per_owner:
             raise LimitError(
                 "library.too_many",
-                f"You have {limits.max_logs_per_owner} logs here, the most there can be: delete one.",
+                f"You have {limits.max_logs_per_owner} logs here, the maximum: delete one.",
             )
         if self._places.room() - self._receiver.reserved < size - (part.start if part else 0):
             raise full()

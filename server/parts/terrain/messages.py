@@ -36,7 +36,7 @@ class TerrainPatch(Part):
     half: Annotated[float, Meta(description="half of its side, m")]
     base: Annotated[float, Meta(description="the height above which its heights are, m")]
     moments: Annotated[
-        list[float], Meta(description="P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre")
+        list[float], Meta(description="P, 4 × 4 row by row: the sum of v vᵀ with v = [1 x y z]ᵀ about its centre")
     ]
     n: Annotated[int, Meta(description="its ground points, with those that RANSAC leaves out")]
     points: Annotated[

@@ -65,7 +65,7 @@ describe("drawing particles", () => {
     });
   });
 
-  it("wants as many particles for k bins as table 8.4, and finds z from them", () => {
+  it("wants as many particles for k bins as table 8.4, and finds the quantile from them", () => {
     for (const { k, error, z, n } of vectors.numbers) {
       expect(kldNumber(k, error, z)).toBeCloseTo(n, 9);
       if (k > 1) expect(kldQuantile(k, error, n)).toBeCloseTo(z, 6);

@@ -51,14 +51,14 @@ export function augmentedShare(
   return [nowSlow, nowFast, Math.max(0, 1 - nowFast / nowSlow)];
 }
 
-/** How many particles k occupied bins need so that the KL distance is below `error` at the quantile z. Table 8.4. */
-export function kldNumber(k: number, error: number, z: number): number {
+/** How many particles k occupied bins need so that the KL distance is below `error` at a quantile of the normal distribution. Table 8.4. */
+export function kldNumber(k: number, error: number, quantile: number): number {
   if (k < 2) return 0;
   const a = 2 / (9 * (k - 1));
-  return ((k - 1) / (2 * error)) * (1 - a + Math.sqrt(a) * z) ** 3;
+  return ((k - 1) / (2 * error)) * (1 - a + Math.sqrt(a) * quantile) ** 3;
 }
 
-/** The z at which k bins need n particles: the inverse of {@link kldNumber} in z. */
+/** The quantile at which k bins need n particles: the inverse of {@link kldNumber}. */
 export function kldQuantile(k: number, error: number, n: number): number {
   const a = 2 / (9 * (k - 1));
   return (Math.cbrt((2 * error * n) / (k - 1)) - 1 + a) / Math.sqrt(a);

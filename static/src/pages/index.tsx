@@ -178,7 +178,7 @@ function Model() {
         />
         <Slider
           label="Hit"
-          sentence="What a cell that a beam hits gains: log-odds, or the probability of the step window."
+          sentence="What each hit adds to a cell, as log-odds; of the step window, its probability."
           value={hit.value}
           initial={INITIAL_PARAMETERS[hit.name]}
           {...hit.range}
@@ -187,7 +187,7 @@ function Model() {
         />
         <Slider
           label="Miss"
-          sentence="What a cell that a beam passes gains: log-odds, or the probability of the step window."
+          sentence="What each miss adds to a cell, as log-odds; of the step window, its probability."
           value={miss.value}
           initial={INITIAL_PARAMETERS[miss.name]}
           {...miss.range}

@@ -12,9 +12,9 @@ import { Toasts } from "../ui/Toast";
 const REFUSALS: Readonly<Record<string, string>> = {
   "class.unknown": "There is no class with this code. It may have ended.",
   "class.locked": "The lecturer has locked this class: no one else can join.",
-  "class.crowded": "As many people as may follow this class already do.",
+  "class.crowded": "This class is full.",
   "class.crowded_address":
-    "As many people of your network as may follow this class already do. Another network, such as mobile data, may have room.",
+    "This class has no more room for your network. Another network, such as mobile data, may have room.",
   "class.guesses": "Too many wrong codes came from this browser or its network. Wait a minute, then try again.",
 };
 const LENGTH = 6;
@@ -73,7 +73,9 @@ function Waiting() {
   return (
     <main class="class-join" id="main">
       <h1>You are in the class</h1>
-      <p>The lecturer shows no page that can be followed at the moment. This page changes by itself.</p>
+      <p>
+        The lecturer’s present page cannot be followed. This page changes by itself when the lecturer opens another.
+      </p>
     </main>
   );
 }

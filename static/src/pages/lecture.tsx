@@ -33,6 +33,7 @@ import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
+import { fetchAnswers } from "./lecture/present/shownAnswers";
 import {
   isPreview,
   presenting,
@@ -220,6 +221,7 @@ function Page() {
 
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
+void fetchAnswers();
 if (speaker === null && !isPreview) attendLecture(ENTRIES);
 await fontsLoaded(FONTS_MS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -141,3 +141,18 @@ test("the lecturer's page has the answers before the reveal only if they are loo
   socket().state({ ...asked, id: 2, is_revealed: true });
   expect(room.question.value).toEqual({ ...asked, id: 2, is_revealed: true });
 });
+
+test.each([
+  ["/lecture.html?present", 1],
+  ["/lecture.html?speaker=1", 0], // connected, it would be the lecturer's page once that of the slides is closed
+])("the lecturer's window %s connects to the open class %d times", async (address, times) => {
+  const ask = vi.fn(() => Promise.resolve(new Response(null, { status: 503 })));
+  vi.stubGlobal("fetch", ask);
+  localStorage.setItem("gridbloom.class", "ABCDEF");
+  history.replaceState(null, "", address);
+  vi.resetModules();
+  await import("./classroom");
+  expect(ask).toHaveBeenCalledTimes(times);
+  history.replaceState(null, "", "/");
+  localStorage.clear();
+});

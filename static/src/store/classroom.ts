@@ -201,7 +201,9 @@ function storage(): Storage | null {
 /** The class that this page belongs to; null for none. */
 export const classroom = signal<Classroom | null>(null);
 
-const remembered = followedCode === null && parent === window ? storage()?.getItem(KEY) : null;
+/** Whether this window is one that a lecturer shows: neither a picture of a slide nor the speaker's window. */
+const isShown = parent === window && !new URLSearchParams(location.search).has("speaker");
+const remembered = followedCode === null && isShown ? storage()?.getItem(KEY) : null;
 if (followedCode !== null) classroom.value = new Classroom(followedCode, true);
 else if (remembered) void reopen();
 

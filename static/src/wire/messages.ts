@@ -215,7 +215,7 @@ export interface TerrainPatch {
   readonly half: number;
   /** the height above which its heights are, m */
   readonly base: number;
-  /** P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre */
+  /** P, 4 × 4 row by row: the sum of v vᵀ with v = [1 x y z]ᵀ about its centre */
   readonly moments: readonly number[];
   /** its ground points, with those that RANSAC leaves out */
   readonly n: number;
@@ -401,7 +401,7 @@ export interface ClassSlide {
   readonly section?: string | null;
   /** title; null for a section */
   readonly title?: string | null;
-  /** the paragraphs of a text that are shown so far; null for other kinds */
+  /** the paragraphs of a text that are shown so far; of a section, its answer once it is shown */
   readonly text?: string | null;
   /** address of a shared view in the slide; null for pages that only the lecturer may open */
   readonly address?: string | null;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -10,7 +11,10 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from server.library.library import Library
+from server.library.packs.log import log_in
 from server.library.processing.merging import MergeJob, MergeOutcome
+from server.sessions.view import LogView
+from server.sources.log_recording import LogRecording
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
@@ -78,6 +82,34 @@ def test_both_logs_have_the_merged_poses_and_their_maps_are_compared(service: Se
         assert ys(http, other) == [2.0] * 6
     beside = {"log": logs[1], "trajectory": "merged"}
     assert http.put(f"/api/sessions/{session}/compare", json=beside).status_code == 200
+
+
+def test_a_merge_has_the_mount_of_the_map(
+    service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mounts: list[tuple[float, float, float]] = []
+
+    def look(job: MergeJob) -> MergeOutcome:
+        mounts.extend(log_in(pack).mount for pack in (job.first, job.second))
+        return stand_ins.quick_merge(job)
+
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", look)
+    seen = LogRecording.view
+
+    def with_mount(recording: LogRecording) -> LogView:
+        view = seen(recording)
+        return replace(view, values={**(view.values or {}), "mount_x": 0.25, "mount_yaw": 0.5})
+
+    monkeypatch.setattr(LogRecording, "view", with_mount)
+    session = service.begin(kind="log", log=logs[0], playing=False)
+    address = f"/api/sessions/{session}/merge"
+    for more, second in (({}, (0.25, 0.0, 0.5)), ({"mapping": {"mount_x": -0.5}}, (-0.5, 0.0, 0.0))):
+        mounts.clear()
+        assert service.http.post(address, json={"log": logs[1], **more}).status_code == 202
+        assert ended(service.http, session)["state"] == "done"
+        assert mounts == [(0.25, 0.0, 0.5), second]
+    wrong = service.http.post(address, json={"log": logs[1], "mapping": {"mount_x": "far"}})
+    assert (wrong.status_code, wrong.json()["code"]) == (422, "parameter.mount_x")
 
 
 def test_what_cannot_be_merged_is_said(

@@ -82,8 +82,13 @@ class _Grouping:
         else:
             ranges = self._without_codes(ranges, largest)
         keys = np.column_stack([angles, limits, steps])
-        if len(np.unique(keys, axis=0)) > MOST_GROUPS:
+        if len(np.unique(keys, axis=0)) > MOST_GROUPS and np.ptp(steps):
             keys[:, 2] = 0
+            self.notes.append(
+                f"time_increment on {self.sensor.topic} changes with the messages, and their beams or limits do so in "
+                f"more ways than {MOST_GROUPS}: the median of all, {median_seconds(self.sensor.time_increments):.3g} "
+                "s, is used."
+            )
         if len(np.unique(keys, axis=0)) > MOST_GROUPS and np.ptp(limits):
             ranges = self._within_own_limits(ranges, largest)
             keys[:, 1] = 0
@@ -171,10 +176,14 @@ class _Grouping:
             out = np.where(ranges > largest[:, np.newaxis], np.float32(np.inf), out)
             nearer = (largest < largest.max())[:, np.newaxis] & (out == np.inf)
         lost = int(np.count_nonzero(nearer))
-        said = f", and {lost} without a return are left out" if lost else ""
+        said = (
+            f" Of {lost} readings without a return in messages with a smaller range_max than {largest.max():.2f} m, "
+            "no_return free clears nothing."
+        )
         self.notes.append(
-            f"range_min or range_max on {self.sensor.topic} change with the messages (range_max {largest.min():.2f} to "
-            f"{largest.max():.2f} m): each message's readings count within its own limits{said}."
+            f"range_min or range_max on {self.sensor.topic} change with the messages in more than {MOST_GROUPS} ways "
+            f"(range_max {largest.min():.2f} to {largest.max():.2f} m): each message's readings count within its own "
+            f"limits.{said if lost else ''}"
         )
         return np.where(nearer, np.float32(np.nan), out)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 class Clock:
@@ -22,6 +23,10 @@ class Clock:
     def ahead_ns(self) -> int | None:
         """By how much its stamps are ahead, usually; None where that is not known."""
         return int(np.median(np.frombuffer(self._ahead, dtype=np.int64))) if self._ahead else None
+
+    def recorded(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
+        """Return when the messages with these stamps (n,), which are all, were recorded; None if it is not known."""
+        return None if len(self._ahead) != len(stamps_ns) else stamps_ns - np.frombuffer(self._ahead, dtype=np.int64)
 
     def ahead_of(self, other: Clock) -> int:
         """Return by how many nanoseconds this clock is ahead of another; 0 where that is not known."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.limits import Limits
-from mapper.core.se2 import wrap_angle
+from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.timeline import Moments
 from mapper.sensors.georeference import Offset, note_on_offset, offset_of
@@ -21,6 +21,7 @@ Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
 SAME = 1e-3  #: metres and radians
 STILL = "standing still"
+FAR_NS = 1_000_000_000  #: from the nearest scan with a pose of a trajectory: what is carried on farther is noted
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,48 +57,158 @@ class PoseSource:
     repeats: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class PosesAtScans:
+    """The trajectories of n scans by name, which of the scans are to be ``kept`` (n,), and notes.
+
+    Scans of whose time no source has a pose are not kept: as in tf2, nothing is extrapolated, and theirs mean nothing.
+    """
+
+    trajectories: dict[str, Trajectory]
+    kept: NDArray[np.bool_]
+    notes: list[str]
+
+
 def trajectories_at(
     when: Moments, sources: Iterable[PoseSource], base_frame: str, limits: Limits, refused: str = ""
-) -> tuple[dict[str, Trajectory], list[str]]:
-    """Return what each source says of the scans' times, in its order, and what is to be noted; at least one trajectory.
+) -> PosesAtScans:
+    """Return what each source says of the scans' times, in its order; at least one trajectory.
 
     Without a usable source, that is a placeholder: ``base_frame`` at the origin of itself. ``refused`` says which poses
     could not be read, and why.
 
     A source whose poses are from another time than the scans is left out, unless their clocks alone differ: then both
-    are put together by when they were recorded. Poses that are far from the origin of their frame, as projected
-    coordinates are, lose an offset: one for all in the same frame.
+    are put together by when they were recorded. Where another source has poses of more scans, it continues a trajectory
+    before its first pose and after its last (:func:`_continued`). Poses that are far from the origin of their frame, as
+    projected coordinates are, lose an offset: one for all in the same frame.
     """
     found: dict[str, Trajectory] = {}
+    known: dict[str, NDArray[np.bool_]] = {}
     notes: list[str] = []
     offsets: dict[str, Offset] = {}
     is_any = False
     for source in sources:
         is_any = True
-        trajectory, more = _at(when, source, limits, offsets)
-        is_known = trajectory is not None and any(_are_alike(trajectory, one) for one in found.values())
+        trajectory, covered, more = _at(when, source, limits, offsets)
+        is_known = trajectory is not None and any(
+            _are_alike(trajectory, one, covered & known[name]) for name, one in found.items()
+        )
         if source.repeats and is_known:
             continue
         notes += more
         if trajectory is not None:
-            found[source.name] = trajectory
-    if not found:
-        notes.append(_without_poses(is_any=is_any, refused=refused))
-        found[STILL] = Trajectory(
-            np.zeros((len(when), 3)),
-            "no poses in the file: one place for all scans",
-            frame_id=base_frame,
-            child_frame_id=base_frame,
-            is_placeholder=True,
-        )
-    return found, notes
+            found[source.name], known[source.name] = trajectory, covered
+    if found:
+        found = _moving_first(found, notes)
+        kept = _known_to_any(found, known)
+        notes += _notes_on_left_out(when, found, known, kept)
+        trajectories, more = _continued(when, found, known, kept)
+        return PosesAtScans(trajectories, kept, [*notes, *more])
+    notes.append(_without_poses(is_any=is_any, refused=refused))
+    still = Trajectory(
+        np.zeros((len(when), 3)),
+        "no poses in the file: one place for all scans",
+        frame_id=base_frame,
+        child_frame_id=base_frame,
+        is_placeholder=True,
+    )
+    return PosesAtScans({STILL: still}, np.ones(len(when), dtype=np.bool_), notes)
 
 
-def _are_alike(one: Trajectory, other: Trajectory) -> bool:
-    """Return whether two trajectories are the same poses in the same frame, to a millimetre and a milliradian."""
-    if (one.frame_id, one.offset) != (other.frame_id, other.offset):
+def _moving_first(found: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
+    """Return trajectories with those that never move behind the others, with a note where the first one is such."""
+    still = [name for name, one in found.items() if not np.ptp(one.poses, axis=0).any()]
+    first = next(iter(found))
+    if first not in still or len(still) == len(found):
+        return found
+    ordered = sorted(found, key=lambda name: name in still)
+    notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log's first.")
+    return {name: found[name] for name in ordered}
+
+
+def _known_to_any(found: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Return of which scans (n,) any trajectory has a pose; one that never moves says nothing where others move."""
+    moving = [name for name, one in found.items() if np.ptp(one.poses, axis=0).any()]
+    return np.asarray(np.any([known[name] for name in moving or known], axis=0))
+
+
+def _notes_on_left_out(
+    when: Moments, found: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]], kept: NDArray[np.bool_]
+) -> list[str]:
+    """Return a note on the scans of which there is no pose, by the reason."""
+    if kept.all():
+        return []
+    first = next(iter(found))
+    reasons = _before_and_after(when, ~kept, known[first])
+    n = int(np.count_nonzero(~kept))
+    others = "" if len(found) == 1 else ", and no other source of poses has them"
+    left = "1 scan is left out" if n == 1 else f"{n} scans are left out"
+    return [f"{left}: {reasons} pose of {first}{others}. As in tf2, poses are not extrapolated."]
+
+
+def _before_and_after(when: Moments, scans: NDArray[np.bool_], known: NDArray[np.bool_]) -> str:
+    """Return how many of ``scans`` (n,) are before the first, between, and after the last of those ``known`` (n,)."""
+    stamps = when.stamps_ns
+    before = int(np.count_nonzero(scans & (stamps < stamps[known].min())))
+    after = int(np.count_nonzero(scans & (stamps > stamps[known].max())))
+    between = int(np.count_nonzero(scans)) - before - after
+    parts = [f"{before} before the first" if before else "", f"{after} after the last" if after else ""]
+    parts.insert(1, f"{between} between the runs of the clock, which have no" if between else "")
+    return " and ".join(part for part in parts if part)
+
+
+def _continued(
+    when: Moments,
+    found: Mapping[str, Trajectory],
+    known: Mapping[str, NDArray[np.bool_]],
+    kept: NDArray[np.bool_],
+) -> tuple[dict[str, Trajectory], list[str]]:
+    """Return the trajectories of the scans, of which those are ``kept`` (n,), and notes.
+
+    Where a trajectory has no pose of a scan and another one has, it moves as the other there: the transform between
+    their frames (map → odom of REP 105) is that at the nearest scan of which both have a pose.
+    """
+    whole: dict[str, Trajectory] = {}
+    notes: list[str] = []
+    moving = [name for name, one in found.items() if np.ptp(one.poses, axis=0).any()] or list(found)
+    for name, one in found.items():
+        poses, rest = one.poses.copy(), kept & ~known[name]
+        for other in moving:
+            both = np.flatnonzero(known[name] & known[other])
+            scans = np.flatnonzero(rest & known[other])
+            if other == name or not len(both) or not len(scans):
+                continue
+            nearest = both[_nearest(when.stamps_ns[both], when.stamps_ns[scans])]
+            there = found[other].poses
+            poses[scans] = compose(compose(poses[nearest], inverse(there[nearest])), there[scans])
+            rest[scans] = False
+            far = int(np.count_nonzero(np.abs(when.stamps_ns[scans] - when.stamps_ns[nearest]) > FAR_NS))
+            if not far:
+                continue
+            are = "1 scan is" if far == 1 else f"{far} scans are"
+            notes.append(f"{are} before the first or after the last pose of {name}, which moves as {other} there.")
+        whole[name] = replace(one, poses=poses)
+    return whole, notes
+
+
+def _nearest(of_ns: Int64Array, stamps_ns: Int64Array) -> Int64Array:
+    """Return which of the times ``of_ns`` (m,) is nearest to each of ``stamps_ns`` (n,)."""
+    order = np.argsort(of_ns, kind="stable")
+    ascending = of_ns[order]
+    after = np.searchsorted(ascending, stamps_ns)
+    low, high = np.maximum(after - 1, 0), np.minimum(after, len(of_ns) - 1)
+    is_low = np.abs(stamps_ns - ascending[low]) <= np.abs(ascending[high] - stamps_ns)
+    return np.asarray(order[np.where(is_low, low, high)])
+
+
+def _are_alike(one: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> bool:
+    """Return whether two trajectories are the same poses in the same frame, to a millimetre and a milliradian.
+
+    They are compared ``at`` the scans (n,) of which both have one.
+    """
+    if (one.frame_id, one.offset) != (other.frame_id, other.offset) or not at.any():
         return False
-    apart = one.poses - other.poses
+    apart = one.poses[at] - other.poses[at]
     apart[:, 2] = wrap_angle(apart[:, 2])
     return bool(np.abs(apart).max(initial=0.0) < SAME)
 
@@ -115,7 +226,8 @@ def _without_poses(*, is_any: bool, refused: str) -> str:
 
 def _at(
     when: Moments, source: PoseSource, limits: Limits, offsets: dict[str, Offset]
-) -> tuple[Trajectory | None, list[str]]:
+) -> tuple[Trajectory | None, NDArray[np.bool_], list[str]]:
+    """Return the poses of a source at the scans, of which scans (n,) it has one, and notes."""
     name, ahead = source.name, source.ahead_ns
     notes = []
     shift = 0
@@ -127,10 +239,9 @@ def _at(
         notes.append(
             f"The clock of {name} is {apart} that of the scans; each scan gets the pose of when it was recorded."
         )
-    outside = int(np.count_nonzero(~covered))
-    if outside == len(covered):
+    if not covered.any():
         why = "are from another time than the scans, and are left out: let all that is recorded have one clock"
-        return None, [f"The poses of {name} {why}."]
+        return None, covered, [f"The poses of {name} {why}."]
     planar = np.array(np.broadcast_to(source.at(when + shift).planar, (len(covered), 3)))
     stated = source.stated()
     offset = offsets.get(source.frame_id) or offset_of(planar if stated is None else stated.poses)
@@ -139,14 +250,10 @@ def _at(
         notes.append(note_on_offset(f"The poses of {name}", offset))
     planar[:, :2] -= offset
     if np.abs(planar[:, :2]).max() > limits.max_pose:
-        return None, [f"The poses of {name} are more than {limits.max_pose:g} m away, and are left out."]
-    if outside == 1:
-        notes.append(f"1 scan is before the first or after the last pose of {name}; it gets the nearest.")
-    elif outside:
-        notes.append(f"{outside} scans are before the first or after the last pose of {name}; they get the nearest.")
+        return None, covered, [f"The poses of {name} are more than {limits.max_pose:g} m away, and are left out."]
     timed = None if stated is None else _timed(stated, shift, offset, limits)
     names = (source.frame_id, source.child_frame_id)
-    return Trajectory(planar, source.sentence, *names, timed=timed, offset=offset), notes
+    return Trajectory(planar, source.sentence, *names, timed=timed, offset=offset), covered, notes
 
 
 def _timed(stated: StatedPoses, shift_ns: int, offset: Offset, limits: Limits) -> TimedPoses | None:

@@ -6,6 +6,7 @@ Each sensor gets a trajectory from each source of poses: tf, odometry, a localis
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -19,14 +20,15 @@ from mapper.io.logs.recording.pose_sources import StatedPoses, odometry_among, t
 from mapper.io.logs.recording.robot_poses import RobotPoses
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, Taken
+from mapper.io.logs.recording.tf_topics import in_tf
 from mapper.io.logs.recording.transforms import FrameTree
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS
 from mapper.io.logs.ros.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.text.packing import notes_on_time
-from mapper.sensors.joint_log import JointLog, with_notes
+from mapper.sensors.joint_log import JointLog, ascending_times, with_notes
 from mapper.sensors.planar.cloud import first_beam
-from mapper.sensors.planar.options import PlanarCut
+from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.planar.tilted import cut_tilted
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
@@ -53,6 +55,8 @@ class RecordedLog:
         ]
         #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
         self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
+        #: The same sensors with their frames looked up in other topics of transforms: to choose, none of them more.
+        self._in_other_tf = [other for sensor in self._sensors for other in self._looked_up_otherwise(sensor)]
         #: Poses with stamps of their own, by the topic of transforms and the source.
         self._stated: dict[str, dict[tuple[str, ...], StatedPoses | None]] = {}
 
@@ -87,10 +91,10 @@ class RecordedLog:
         if not self._sensors:
             raise self._without_scans(selection)
         if selection.topics is None:
-            return self._sensors
+            return [*self._sensors, *self._in_other_tf]
         if not selection.topics:
             return self._sensors if self._sensors[0].kind == SONAR else self._sensors[:1]
-        known = {sensor.topic: sensor for sensor in self._sensors}
+        known = {sensor.topic: sensor for sensor in (*self._sensors, *self._in_other_tf)}
         found = []
         for topic in selection.topics:
             name = next((name for name in known if name.lstrip("/") == topic.lstrip("/")), None)
@@ -98,6 +102,19 @@ class RecordedLog:
                 raise self._without_topic(topic)
             if known[name] not in found:
                 found.append(known[name])
+        return found
+
+    def _looked_up_otherwise(self, sensor: SensorScans) -> list[SensorScans]:
+        """Return a sensor once for each other topic of transforms that may be its own, named in its topic's name.
+
+        Scans that are cut out of clouds are not among them: they are cut with the transforms of one topic.
+        """
+        if is_cut(sensor.kind) or self._taken.tf.is_chosen:
+            return []
+        found = []
+        for topic in self._taken.tf.choice(sensor.topic, sensor.frame).others:
+            found.append(copy(sensor))
+            found[-1].topic = in_tf(sensor.topic, topic)
         return found
 
     def _without_topic(self, topic: str) -> ReadError:
@@ -167,10 +184,8 @@ class RecordedLog:
         others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
         stated = self._stated.setdefault(choice.moving, {})
         sources = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated).sources()
-        trajectories, more = trajectories_at(
-            sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses()
-        )
-        notes += more
+        poses = trajectories_at(sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses())
+        notes += poses.notes
         whole = ScanLog(
             ranges=np.empty((len(stamps), 0), dtype=np.float32),
             angle_min=0.0,
@@ -178,7 +193,8 @@ class RecordedLog:
             range_min=0.0,
             range_max=np.inf,
             stamps_ns=stamps,
-            trajectories=trajectories,
+            order_ns=ascending_times(stamps, sensor.moments.stamps_ns),
+            trajectories=poses.trajectories,
             mount=mounting.mount,
             mounts=mounting.mounts,
             upside_down=mounting.upside_down,
@@ -190,12 +206,15 @@ class RecordedLog:
             format=f"{self._form}, {sensor.topic}",
             topics=self._topics(sensor),
             notes=tuple(notes),
-            odometry=odometry_among(sources, trajectories, sensor.moments),
+            odometry=odometry_among(sources, poses.trajectories, sensor.moments),
             limits=self._limits,
         )
         if _has_runs(sensor):  # a time within a scan would be that of poses of several runs
             groups = [replace(group, time_increment=0.0) for group in groups]
         parts = [self._with_beams(whole, group, mounting, sensor.beam_width) for group in groups]
+        if not poses.kept.all():
+            own = [poses.kept[group.scans] for group in groups]
+            parts = [part.take(kept) for part, kept in zip(parts, own, strict=True) if kept.any()]
         return parts[0] if len(parts) == 1 else JointLog.of(parts)
 
     def _with_beams(self, whole: ScanLog, group: ScanGroup, mounting: Mounting, beam_width: float) -> ScanLog:
@@ -277,14 +296,17 @@ class RecordedLog:
         if not choice.others:
             return []
         others = listed(list(choice.others))
-        said = (
-            f"Frames are looked up in {choice.moving}. The log has other transforms, {others}: what the robot does in "
-            "them is among the trajectories, and on the command line --tf looks all frames up in them."
-        )
-        return [said]
+        said = f"Frames are looked up in {choice.moving}. The log has other transforms, {others}"
+        if is_cut(sensor.kind):
+            return [f"{said}: on the command line --tf looks all frames up in them."]
+        if sensor in self._in_other_tf or self._taken.tf.is_chosen:
+            return [f"{said}."]
+        named = listed([in_tf(sensor.topic, topic) for topic in choice.others])
+        return [f"{said}: to look all frames up in them, choose the sensor {named} (or --tf on the command line)."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
-        sensors = [self._described(sensor, sensor is chosen) for sensor in self._taken.sensors.values()]
+        listed_sensors = [*self._taken.sensors.values(), *self._in_other_tf]
+        sensors = [self._described(sensor, sensor is chosen) for sensor in listed_sensors]
         rest: dict[tuple[str, str], Topic] = {}
         for stream in self._taken.streams:
             if stream.topic not in self._taken.sensors:

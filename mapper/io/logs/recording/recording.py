@@ -264,11 +264,19 @@ class Recording:
         lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
         lines = [(topic, line) for topic, line in lines if len(line)]
         sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
+        for sensor in sensors:
+            if sensor.take_recorded_times():
+                self.notes.append(
+                    f"All {sensor.n_scans} scans on {sensor.topic} have the same stamp: each gets the time at which it "
+                    "was recorded."
+                )
         tracks = [Track(topic, *line.track) for topic, line in lines]
         stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
         tracks += [Track(sensor.topic, *both) for sensor, both in zip(sensors, stamps, strict=True)]
         offsets = offsets_of_runs(tracks)
         if offsets is None:
+            for _, line in lines:
+                line.put_together()
             return
         taken.run_offsets = tuple(int(one) for one in np.unique(np.concatenate(offsets)))
         for (_, line), own in zip(lines, offsets, strict=False):

@@ -14,6 +14,8 @@ from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
+LEAST_ALIKE = 3  #: scans of one stamp that are a fault of their driver
+
 
 class SensorScans:
     """The scans of the sensor ``topic``, of messages of one ``stream``, in ``frame``."""
@@ -46,6 +48,17 @@ class SensorScans:
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
         self._mounts.extend(beams.mount or ())
+
+    def take_recorded_times(self) -> bool:
+        """Give scans that all have one stamp the times at which they were recorded; return whether that was done."""
+        stamps = np.array(self.stamps)
+        recorded = self.clock.recorded(stamps)
+        if self.n_scans < LEAST_ALIKE or np.ptp(stamps) or recorded is None or not np.ptp(recorded):
+            return False
+        self.stamps, self.clock = array("q", recorded.tolist()), Clock()
+        for stamp in self.stamps:
+            self.clock.add(stamp, stamp)
+        return True
 
     @property
     def kind(self) -> str:

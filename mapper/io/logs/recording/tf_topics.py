@@ -30,6 +30,11 @@ def namespaces(topic: str) -> list[str]:
     return ["".join(f"/{part}" for part in parts[:n]) for n in range(len(parts), -1, -1)]
 
 
+def in_tf(sensor: str, topic: str) -> str:
+    """Return the name of a sensor whose frames are looked up in the transforms on a topic, where there are several."""
+    return f"{sensor}#{topic}"
+
+
 @dataclass(frozen=True, slots=True)
 class Choice:
     """The topics whose transforms are a sensor's, empty where there is none; ``others`` might be as well."""
@@ -88,11 +93,13 @@ class TfTopics:
         """Return the topics of transforms for the ``frame`` of the messages on a topic."""
         key = (sensor, frame)
         if key not in self._chosen:
-            self._chosen[key] = self._choose(sensor.split("#", maxsplit=1)[0], frame)
+            name, *parts = sensor.split("#")
+            named = parts[-1] if parts and parts[-1] in self.moving else None
+            self._chosen[key] = self._choose(name, frame, named)
         return self._chosen[key]
 
-    def _choose(self, sensor: str, frame: str) -> Choice:
-        moving = self._moving_of(sensor, frame)
+    def _choose(self, sensor: str, frame: str, named: str | None) -> Choice:
+        moving = named or self._moving_of(sensor, frame)
         static = self._static_of(sensor, moving, frame)
         own = set(self._frames(moving))
         others = [
@@ -143,6 +150,11 @@ class TfTopics:
             pair = near[:1]
         candidates = dict.fromkeys([*pair, *near, *(statics if len(statics) == 1 else [])])
         return next((topic for topic in candidates if self._stated[topic].knows(frame)), next(iter(candidates), ""))
+
+    @property
+    def is_chosen(self) -> bool:
+        """Whether one topic was named to be taken for all sensors."""
+        return self._wanted is not None
 
     def has(self, topic: str) -> bool:
         """Return whether there are transforms that may change on a topic."""

@@ -18,7 +18,8 @@ from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
-SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest is taken
+SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest may be taken
+_SLACK_M, _SLACK_RAD = 0.05, 0.02  #: as far as the robot moves by no more meanwhile, by its speed there
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mount, not a motion
 
 
@@ -101,6 +102,12 @@ class Timeline:
     def count_on(self, offsets: Int64Array) -> None:
         """Add to each stamp (n,) what makes those of a later run follow those of the one before."""
         self._offsets, self._in_order, self._run_from, self._is_ascending = offsets, None, 0, False
+        self._moves = None
+
+    def put_together(self) -> None:
+        """Put all poses in order, also where their stamps stepped back: the clock of the recording did not."""
+        if self._run_from:
+            self._in_order, self._run_from, self._is_ascending, self._moves = None, 0, False, None
 
     def _sorted(self) -> tuple[Int64Array, Poses3, Int64Array]:
         if self._in_order is None:
@@ -130,14 +137,33 @@ class Timeline:
         return np.array(self._stamps[first:last], dtype=np.int64), poses_of(values)
 
     def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
-        """Return which of the times (n,) are between the first and the last of these, to within :data:`SLACK_NS`."""
-        stamps, *_ = self._sorted()
-        inside = (stamps_ns >= stamps[0] - SLACK_NS) & (stamps_ns <= stamps[-1] + SLACK_NS)
+        """Return which of the times (n,) are between the first and the last of these.
+
+        Up to :data:`SLACK_NS` before and after, the nearest pose counts as well where it hardly changes meanwhile.
+        """
+        stamps, poses, _ = self._sorted()
+        before, after = self._slack_ns(stamps, poses)
+        inside = (stamps_ns >= stamps[0] - before) & (stamps_ns <= stamps[-1] + after)
         if self._offsets is not None and len(stamps) > 1:
             high = np.clip(np.searchsorted(stamps, stamps_ns, side="right"), 1, len(stamps) - 1)
             to_nearest = np.minimum(np.abs(stamps_ns - stamps[high - 1]), np.abs(stamps[high] - stamps_ns))
             inside &= (to_nearest <= SLACK_NS) | ~self._are_apart(high - 1, high)
         return np.asarray(inside)
+
+    def _slack_ns(self, stamps: Int64Array, poses: Poses3) -> tuple[int, int]:
+        """Return how long before the first and after the last pose these are near enough, by the speeds there."""
+        last = len(stamps) - 1
+        found = []
+        for end, other in (
+            (0, min(int(np.searchsorted(stamps, stamps[0] + SLACK_NS)), last)),
+            (last, max(int(np.searchsorted(stamps, stamps[-1] - SLACK_NS, side="right")) - 1, 0)),
+        ):
+            passed = abs(int(stamps[other]) - int(stamps[end]))
+            moved = float(np.linalg.norm(poses.positions[other] - poses.positions[end]))
+            dot = min(abs(float(poses.rotations[other] @ poses.rotations[end])), 1.0)
+            share = max(moved / _SLACK_M, 2.0 * float(np.arccos(dot)) / _SLACK_RAD)
+            found.append(min(SLACK_NS, int(passed / share)) if share > 0.0 else SLACK_NS)
+        return found[0], found[1]
 
     def _are_apart(self, low: Int64Array, high: Int64Array) -> NDArray[np.bool_]:
         """Return whether poses of these places in the order (n,) are of two runs."""

@@ -49,7 +49,9 @@ DENSER = 1.5  #: times as many poses: then one parent tells the motion between t
 MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
-_WORLD_WORDS = frozenset(("map", "odom", "odometry", "world", "earth"))  #: one of the words of a fixed frame's name
+_WORLD_WORDS = frozenset(
+    ("map", "odom", "odometry", "vision", "world", "earth")
+)  #: one of the words of a fixed frame's name
 
 Path = tuple[str, ...]  #: frames, each the parent or a child of the next
 
@@ -452,7 +454,13 @@ class FrameTree:
         fixed = self._fixed_base(sensor)
         if fixed is not None:
             return fixed
-        return next((one for one, other in pairwise(chain) if self._moves(one, other)), sensor)
+        lowest = next((one for one, other in pairwise(chain) if self._moves(one, other)), None)
+        # Of a robot that is the root itself, a fixed frame moves in it.
+        return lowest or next((one for one in chain[1:] if self._has_fixed_child(one)), sensor)
+
+    def _has_fixed_child(self, frame: str) -> bool:
+        """Return whether a frame that is named as a fixed one moves in another."""
+        return any(_is_fixed_name(child) and self._moves(frame, child) for child in self._children_of(frame))
 
     def _fixed_base(self, sensor: str) -> str | None:
         """Return the base that is connected to a sensor by nothing that moves, in its namespace; None without one."""
@@ -503,8 +511,7 @@ class FrameTree:
         down: list[tuple[Path, bool]] = []
         for path, moves in [((base,), False), *up]:
             for child in self._children_of(path[-1]):
-                is_fixed_frame = _WORLD_WORDS & set(re.split(r"[^a-z]+", _last(child).lower()))
-                if child not in path and is_fixed_frame and self._moves(path[-1], child):
+                if child not in path and _is_fixed_name(child) and self._moves(path[-1], child):
                     down.append(((*path, child), True))
                     down += self._paths_up((*path, child), moves=True)
             if moves:
@@ -560,6 +567,11 @@ def why_ignored(parent: str, child: str, pose: Pose7) -> str:
     if parent == child:
         return "it is of a frame in itself"
     return why_no_pose(pose)
+
+
+def _is_fixed_name(frame: str) -> bool:
+    """Return whether a frame is named as fixed ones are, one of whose words is map, odom, world or the like."""
+    return bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", _last(frame).lower())))
 
 
 def _last(frame: str) -> str:

@@ -44,7 +44,7 @@ from mapper.io.logs.text.carmen_beams import Beams, front_laser_beams, robot_las
 from mapper.io.logs.text.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.io.logs.text.lines import TextLines, take_lines
 from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import JointLog, ascending_times
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
@@ -258,6 +258,7 @@ class CarmenReader:
             range_min=0.0,
             range_max=greatest[usual],
             stamps_ns=sensor.stamps_ns,
+            order_ns=ascending_times(sensor.stamps_ns),
             trajectories=trajectories,
             mount=mount,
             name=name,

@@ -70,7 +70,7 @@ export const particlesScene = (): Scene =>
     },
     drawing: ScanningRobot,
     caption: () =>
-      `On the floor: ${weighed.value.poses.length.toLocaleString("en")} poses anywhere, weighed by one scan of ${weighed.value.points.length} beams; the size shows the weight, N_eff = ${written(effectiveNumber(weighed.value.weights), 0)}. Several places fit so few beams. Drag the robot.`,
+      `On the floor: ${weighed.value.poses.length.toLocaleString("en")} poses anywhere, weighed by one scan of ${weighed.value.points.length} beams; the size shows the weight; they amount to ${written(effectiveNumber(weighed.value.weights), 0)} particles of equal weight. Several places fit so few beams. Drag the robot.`,
   });
 
 function SupposedRobot({ transform }: MarkProps) {

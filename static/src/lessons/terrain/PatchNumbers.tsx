@@ -24,7 +24,7 @@ interface MatrixProps {
 /** P as a table; entries that the newest move has changed are marked. */
 export function Matrix({ moments, before }: MatrixProps) {
   return (
-    <table class="patch-matrix" aria-label="P, the sum of p pᵀ">
+    <table class="patch-matrix" aria-label="P, the sum of v vᵀ">
       <thead>
         <tr>
           <th scope="col">P</th>

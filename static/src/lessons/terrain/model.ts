@@ -1,7 +1,7 @@
 /** The plane of a patch of terrain from its moments, as `mapper/terrain/textbook.py` computes it. */
 
 export type Place = readonly [x: number, y: number, z: number];
-/** P, 4 × 4, row by row: the sum of p pᵀ with p = [1 x y z]ᵀ. */
+/** P, 4 × 4, row by row: the sum of v vᵀ with v = [1 x y z]ᵀ. */
 export type Moments = readonly number[];
 
 export interface Plane {
@@ -24,10 +24,10 @@ const FLATNESS = 1e-6;
 export function momentsOf(points: readonly Place[]): Moments {
   const sums = new Array<number>(16).fill(0);
   for (const [x, y, z] of points) {
-    const p = [1, x, y, z] as const;
+    const v = [1, x, y, z] as const;
     for (let row = 0; row < 4; row++)
       for (let col = 0; col < 4; col++)
-        sums[4 * row + col] = (sums[4 * row + col] as number) + (p[row] as number) * (p[col] as number);
+        sums[4 * row + col] = (sums[4 * row + col] as number) + (v[row] as number) * (v[col] as number);
   }
   return sums;
 }

@@ -60,7 +60,7 @@ function About({ facts }: { facts: Facts }) {
   );
 }
 
-const STATES = { none: "Not mapped yet", queued: "Waits", running: "Being mapped", done: "", failed: "" } as const;
+const STATES = { none: "Not mapped yet", queued: "Waiting", running: "Being mapped", done: "", failed: "" } as const;
 
 function State({ log }: { log: FleetLog }) {
   if (log.error) {

@@ -56,3 +56,78 @@ export function MapProduct() {
     </math>
   );
 }
+
+/** p(m | z) by Bayes' rule. */
+export function BayesRule() {
+  const z = <mi class="noun-beam">z</mi>;
+  const m = <mi>m</mi>;
+  return (
+    <math display="block" class="lesson-formula">
+      <mrow>
+        <P given={z}>{m}</P>
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <P given={m}>{z}</P>
+            <mspace width="0.2em" />
+            <mrow class="noun-prior">
+              <P>{m}</P>
+            </mrow>
+          </mrow>
+          <P>{z}</P>
+        </mfrac>
+      </mrow>
+    </math>
+  );
+}
+
+/** 2 / (9 (k − 1)), a part of the number of particles. */
+const KLD_PART = (
+  <mfrac>
+    <mn>2</mn>
+    <mrow>
+      <mn>9</mn>
+      <mo>(</mo>
+      <mi>k</mi>
+      <mo>−</mo>
+      <mn>1</mn>
+      <mo>)</mo>
+    </mrow>
+  </mfrac>
+);
+
+/** The number of particles of KLD sampling: Probabilistic Robotics, table 8.4. */
+export function KldNumber() {
+  return (
+    <math display="block" class="lesson-formula">
+      <mrow>
+        <mi>n</mi>
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <mi>k</mi>
+            <mo>−</mo>
+            <mn>1</mn>
+          </mrow>
+          <mrow>
+            <mn>2</mn>
+            <mi>ε</mi>
+          </mrow>
+        </mfrac>
+        <msup>
+          <mrow>
+            <mo>(</mo>
+            <mn>1</mn>
+            <mo>−</mo>
+            {KLD_PART}
+            <mo>+</mo>
+            <msqrt>{KLD_PART}</msqrt>
+            <mi>q</mi>
+            <mo>)</mo>
+          </mrow>
+          <mn>3</mn>
+        </msup>
+      </mrow>
+    </math>
+  );
+}

@@ -73,7 +73,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
         <h2>Your puzzles</h2>
         {(all.value?.mine.length ?? 0) === 0 ? (
           <p class="quiet">
-            None yet. In the lab, or on the page of a log, the group <b>Share</b> makes a puzzle of what you see.
+            None yet. In the lab, or on the page of a log, the group <b>Share</b> makes a puzzle from what you see.
           </p>
         ) : (
           <ul class="puzzles-mine">

@@ -166,12 +166,12 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
       <div class="class-line">
         <p role="status">
           {question.answered} of {Math.max(present, question.answered)} answered
-          {joinedOnly && <span class="quiet"> · of who had joined before</span>}
+          {joinedOnly && <span class="quiet"> · only those who had joined before</span>}
         </p>
         <div class="actions">
           <Button
             pressed={joinedOnly}
-            label="Joined before: count only who had joined before the question, one answer of each number"
+            label="Joined before: count only followers who had joined before the question, one answer for each number"
             onClick={() => room.send({ type: "count", joined_only: !joinedOnly })}
           >
             Joined before

@@ -154,7 +154,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
         )}
         <p class="quiet">
           {isAxis ? "The right number is" : "A right option, marked with ✓, is"} shown to the class with the result. One
-          answer of each browser that has joined is counted.
+          answer is counted for each browser that has joined.
         </p>
         {!room.isConnected.value && <p role="status">The class cannot be reached now. Connecting …</p>}
         <div class="dialog-actions">

@@ -21,7 +21,7 @@ export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readon
   const isOpen = useSignal(false);
   const close = async (): Promise<void> => {
     const answer = await fetch(`/api/classes/${room.code}/puzzle`, { method: "DELETE" }).catch(() => null);
-    if (!answer?.ok) toast("The puzzle was not taken away: the server does not answer.", "error");
+    if (!answer?.ok) toast("The puzzle could not be ended: the server does not answer.", "error");
   };
   return (
     <section class="class-card" aria-label="Puzzle of the class">

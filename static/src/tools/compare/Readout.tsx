@@ -129,7 +129,7 @@ export function CompareReadout({ store, summedOver }: CompareReadoutProps) {
           <dd>{states}</dd>
         </div>
       </dl>
-      <span class="readout-why" title="Click a cell, then ask why it is so in A or in B">
+      <span class="readout-why" title="Click a cell, then ask why it has its value in A or in B">
         <Button disabled={!place} onClick={() => store.explain(place)}>
           Why?
         </Button>

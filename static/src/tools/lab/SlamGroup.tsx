@@ -46,9 +46,7 @@ export function SlamGroup({ store }: { readonly store: Store }) {
       />
       <Toggle
         label="SLAM while driving"
-        sentence={
-          isSonar ? "A sonar's readings are too wide to be matched." : "Correct these poses as the robot drives."
-        }
+        sentence={isSonar ? "Sonar readings are too wide to be matched." : "Correct these poses as the robot drives."}
         checked={heals}
         disabled={isSonar}
         onChange={(wanted) => turn(wanted || drifts, wanted)}

@@ -27,14 +27,14 @@ export const SETTINGS: readonly Setting[] = [
     label: "Two equal rooms",
     values: {},
     world: "twins",
-    look: "two clouds, one in each room: both explain every scan. Resampling drops one of them by chance, the right one or the wrong one; an end of the corridor tells.",
+    look: "two clouds, one in each room: both explain every scan. Resampling drops one of them by chance, the right one or the wrong one; only an end of the corridor tells them apart.",
   },
   {
     name: "moved",
     label: "The furniture was moved",
     values: {},
     map: "moved",
-    look: "the walls still say where the robot is, but scans fit less well: the likelihood field shows the old places.",
+    look: "the walls still determine the pose, but scans fit less well: the likelihood field shows the furniture at its old places.",
   },
   {
     name: "other",

@@ -30,10 +30,10 @@ export function Sensor3d({ store }: { readonly store: Store }) {
   const isOn = map3d.message.value?.is_on === true;
   return (
     <>
-      <h3>A 3D sensor besides it</h3>
+      <h3>An additional 3D sensor</h3>
       <Choice
         label="3D sensor"
-        sentence="What it measures is put into the 3D map, in the group of that name."
+        sentence="Its readings go into the 3D map, in the group of that name."
         options={KINDS}
         value={isOn ? String(map3d.values.values.value.sensor) : NONE}
         onChange={(value) => {

@@ -27,7 +27,7 @@ export function EditMap({ session, name }: { readonly session: string; readonly 
   };
   return (
     <Button icon="pen" disabled={isBusy.value} onClick={() => void begin()}>
-      {isBusy.value ? "Keeping the map …" : "Edit this map"}
+      {isBusy.value ? "Saving the map …" : "Edit this map"}
     </Button>
   );
 }

@@ -95,14 +95,14 @@ export const SCENES: readonly Scene[] = [
       },
       {
         label: "Take the table away",
-        look: "The path goes around nothing: each cell has to be seen free until the misses outweigh all the hits. Where no beam looks, the robot never drives again.",
+        look: "The path goes around nothing: each cell has to be seen free until the misses outweigh all the hits. Where no beam passes, the robot never drives again.",
         run: takeAway,
       },
     ],
   },
   {
     name: "unknown",
-    label: "Unknown taken for free",
+    label: "Unknown treated as free",
     steps: [
       {
         label: "Send it into unseen space",
@@ -117,7 +117,7 @@ export const SCENES: readonly Scene[] = [
     steps: [
       {
         label: "Make the robot 1 m wide",
-        look: "The door is 0.95 m wide. Within the inscribed radius of 0.51 m of its posts every cell is inscribed (magenta): the door is shut.",
+        look: "The door is 0.95 m wide. Within the inscribed radius of 0.51 m of its posts every cell is inscribed (magenta): the door is closed.",
         run: (store) => {
           const footprint = [[0.5, 0.5] as const, [-0.5, 0.5] as const, [-0.5, -0.5] as const, [0.5, -0.5] as const];
           set(store, { values: { map: "plan", inflation_radius: 1.2 }, goal: KITCHEN, footprint });
@@ -125,7 +125,7 @@ export const SCENES: readonly Scene[] = [
       },
       {
         label: "Make it narrow again",
-        look: "The inflation is as wide as before, but only dear and not inscribed: the path leads through the middle of the door.",
+        look: "The inflation is as wide as before, but its cells only cost more and are not inscribed: the path leads through the middle of the door.",
         run: (store) => store.setFootprint(OUTLINES[0]?.corners ?? []),
       },
     ],

@@ -5,7 +5,7 @@ const WHAT: Readonly<Record<string, string>> = {
   costmap: "Computing the costmap and the path",
   localization: "Computing where the robot is",
   map_3d: "Computing the 3D map",
-  voxel: "Computing why the voxel is so",
+  voxel: "Computing which beams updated the voxel",
   terrain: "Assessing the terrain",
 };
 

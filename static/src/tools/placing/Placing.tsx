@@ -39,6 +39,6 @@ export function PlacingHint({ store }: { readonly store: Store }) {
 export function RobotAnnouncement({ store }: { readonly store: Store }) {
   const sent = store.teleported.value;
   return (
-    <LiveRegion text={sent ? `Robot sent to x ${sent.point[0].toFixed(1)} m, y ${sent.point[1].toFixed(1)} m` : ""} />
+    <LiveRegion text={sent ? `Robot moved to x ${sent.point[0].toFixed(1)} m, y ${sent.point[1].toFixed(1)} m` : ""} />
   );
 }

@@ -130,7 +130,7 @@ function Standing({ store, since, guess, onGuess, onRemove }: StandingProps) {
   return (
     <div class="table-figure">
       <p>
-        The map has seen the table in{" "}
+        The table was seen in{" "}
         <output aria-live="off" class="number">
           {seen}
         </output>{" "}

@@ -15,7 +15,7 @@ export function VoxelWhy({ store }: { readonly store: Store }) {
   const ofSurface = store.part("surface_voxel").message.value;
   const isComputing = store.working.value?.what === "voxel";
   return (
-    <Panel title="Why is this voxel so?">
+    <Panel title="Why does this voxel have its value?">
       <p class="quiet">Click a voxel in the picture, or enter a place:</p>
       <Place store={store} />
       <p aria-live="polite" class="quiet">
@@ -63,7 +63,7 @@ function Answer({ now, centre, hasScans }: AnswerProps) {
             : `${total} of ${index} scans updated it: in ${hits} a beam ended in it, in ${total - hits} beams only passed it.`}
         </p>
       ) : (
-        <p class="quiet">An octree does not have the scans that it was made of.</p>
+        <p class="quiet">An octree does not contain the scans from which it was made.</p>
       )}
       {updates.length > 0 && (
         <div class="volume-updates">

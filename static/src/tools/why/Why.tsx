@@ -57,7 +57,7 @@ function Panel({ store }: WhyProps) {
   const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
-    <section ref={panel} class="why" aria-label="Why this cell is what it is">
+    <section ref={panel} class="why" aria-label="Why this cell has its value">
       <header class="why-head">
         <h2>Why?</h2>
         {cell && (

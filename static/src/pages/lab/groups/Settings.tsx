@@ -49,7 +49,7 @@ export function SensorSettings({ store }: SettingsProps) {
       <h3>The sensor in the world</h3>
       <ParameterRows rows={table} values={store.sensor.values} set={(name, value) => store.setSensor(name, value)} />
       <Sensor3d store={store} />
-      <h3>Its mount, as the map takes it to be</h3>
+      <h3>Its mount, as the map assumes it</h3>
       <Rows store={store} groups={["mount"]} />
       <Defaults store={store} />
     </div>

@@ -294,12 +294,12 @@ export function CellSection({ id, number, title }: SectionHead) {
     >
       <p>
         Consider one cell and many readings of it. Its state is constant (assumption 2): either <i>m</i> (occupied) or ¬
-        <i>m</i> (free). The map stores its log-odds <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is
-        more likely occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
-        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        <i>m</i> (free). Its odds are p/(1 − p), occupied to free. The map stores their logarithm, the log-odds{" "}
+        <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is more likely occupied, below 0 more likely free;
+        p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
-        A <b class="noun-hit">hit</b> adds{" "}
+        A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}
         <DragNumber
           label="evidence of a hit"
           sentence="By how much a hit raises the log-odds of the cell."
@@ -312,7 +312,7 @@ export function CellSection({ id, number, title }: SectionHead) {
           onInput={(value) => setParameter("log_odds_hit", value)}
           after=","
         />{" "}
-        a <b class="noun-miss">miss</b> adds{" "}
+        a <b class="noun-miss">miss</b>, a beam that passed through it, adds{" "}
         <DragNumber
           label="evidence of a miss"
           sentence="By how much a miss lowers the log-odds of the cell."

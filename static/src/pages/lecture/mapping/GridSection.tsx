@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import { Independence } from "../../../lessons/independence/Independence";
 import type { SensorParameters } from "../../../lessons/independence/model";
 import { DragNumber } from "../../../ui/DragNumber";
-import { MapProduct } from "../formulas";
+import { BayesRule, MapProduct } from "../formulas";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
 
@@ -96,8 +96,14 @@ export function GridSection({ id, number, title }: SectionHead) {
           step={1}
           onInput={set("beamError")}
         />{" "}
-        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. The figure stores this evidence in two ways:
-        one number for each cell, and one for each of the 32 possible maps (the joint distribution).
+        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. Bayes’ rule says what a reading z does to the
+        probability of a map m:
+      </p>
+      <BayesRule />
+      <p>
+        In words: the <b class="noun-prior">prior</b>, times how likely the reading is with that map, divided by how
+        likely it is at all. The figure applies it in two ways: to each of the 32 possible maps as a whole (the{" "}
+        <b>joint distribution</b>), and to each cell by itself (the grid).
       </p>
     </Section>
   );

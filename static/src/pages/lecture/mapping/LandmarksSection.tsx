@@ -40,7 +40,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               </tr>
               <tr>
                 <th scope="row">stores</th>
-                <td>position and covariance of each landmark: little</td>
+                <td>position of each landmark and its uncertainty, a covariance: little</td>
                 <td>one number per cell: grows with the area, whatever is in it</td>
               </tr>
               <tr>

@@ -71,7 +71,7 @@ export function ModelSection({ id, number, title }: SectionHead) {
         <b class="noun-miss">
           p<sub>free</sub>
         </b>{" "}
-        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w ={" "}
+        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w (α in table 9.2) ={" "}
         <DragNumber
           label="hit window w"
           sentence="Width of the zone around the reading that counts as hit."

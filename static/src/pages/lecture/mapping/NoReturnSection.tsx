@@ -56,7 +56,7 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
             glass, a polished wall or black material, and wrong free space is the more dangerous error. <b>A hit</b> is
             always wrong: it happens when a driver writes the max range where there was no echo.
           </p>
-          <p>REP 117 therefore defines +∞ for no return.</p>
+          <p>REP 117, a convention of ROS, therefore defines +∞ for no return.</p>
         </>
       }
     >

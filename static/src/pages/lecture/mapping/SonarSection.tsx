@@ -28,8 +28,9 @@ export function SonarSection({ id, number, title }: SectionHead) {
             shows a wall.
           </p>
           <p>
-            <b>Moravec and Elfes</b> stored two numbers per cell. The certainty that the arc is occupied is cancelled
-            where the cell is known to be <b class="noun-miss">empty</b>, scaled so that the whole arc holds one
+            <b>Moravec and Elfes</b> stored two numbers per cell, how certainly it is <b class="noun-hit">occupied</b>{" "}
+            (Occ) and <b class="noun-miss">empty</b> (Emp). One echo makes each cell of the arc occupied with the
+            certainty O. It is reduced where the cell is known to be empty, scaled so that the whole arc holds one
             obstacle, and only then added:
           </p>
           <math display="block" class="lesson-formula">

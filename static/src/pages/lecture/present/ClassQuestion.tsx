@@ -1,5 +1,6 @@
 import { askedAs, lecturersClass } from "../../../store/classroom";
 import { Button } from "../../../ui/Button";
+import { answerOf } from "./shownAnswers";
 import { questionOf, slide, stage } from "./state";
 
 /** In a class the question of a slide can be asked of everybody. */
@@ -7,7 +8,8 @@ export function ClassQuestion() {
   const room = lecturersClass.value;
   const question = questionOf(slide.value);
   if (!room || !question?.options || stage.value !== "predict" || askedAs(question.question)) return null;
-  const { question: text, options, right } = question;
+  const { question: text, options } = question;
+  const right = answerOf(slide.value)?.right;
   return (
     <p class="slide-ask no-print">
       <Button

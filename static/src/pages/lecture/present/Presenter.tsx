@@ -9,6 +9,7 @@ import { DeckEditor } from "./deck/DeckEditor";
 import { titleOf } from "./deck/deck";
 import { arrowsGoTo, listenToKeys } from "./keys";
 import { keepScale } from "./scale";
+import { answerOf } from "./shownAnswers";
 import { blank, count, isPreview, place, predicted, presenting, questionOf, slide, stage, stepsOf } from "./state";
 import { openSpeaker } from "./sync";
 
@@ -41,7 +42,7 @@ function Heading() {
   }, [heading]);
   if (!now) return null;
   const chosen = now.kind === "section" ? predicted.value[now.section] : undefined;
-  const isRight = chosen !== undefined && chosen === question?.right;
+  const isRight = chosen !== undefined && chosen === answerOf(now)?.right;
   return (
     <div class="presenter-heading">
       <h1>{heading ?? titleOf(now)}</h1>
@@ -54,7 +55,7 @@ function Heading() {
                   {isRight ? "✓" : "×"} {String.fromCharCode(65 + chosen)} was {isRight ? "right" : "not right"}.{" "}
                 </b>
               )}
-              {question.answer}
+              {answerOf(now)?.answer}
             </>
           )}
         </p>

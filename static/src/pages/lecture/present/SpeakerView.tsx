@@ -33,7 +33,7 @@ function Watch() {
       </p>
       <Button
         icon="restart"
-        label="Start the watch again"
+        label="Restart the clock"
         onClick={() => {
           since.value = Date.now();
           now.value = Date.now();
@@ -63,7 +63,9 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
     return (
       <main class="speaker">
         <h1>Waiting for the slides</h1>
-        <p>This window follows the window of the slides that opened it. If that one was closed, close this one too.</p>
+        <p>
+          This window follows the window of the slides that opened it. If that window was closed, close this one too.
+        </p>
       </main>
     );
   return (

@@ -6,6 +6,7 @@ import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
 import type { ClassView } from "../../../wire/protocol";
 import { showSection } from "../awaitedFigures";
+import { answerOf, answers } from "./shownAnswers";
 import { shownSlide, slideOfMessage } from "./shownSlide";
 import {
   blank,
@@ -62,7 +63,9 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
     send({
       page: "lecture",
       hash: now ? PRESENT + placeHashOf(place.value) : `#${sections[section.value]?.id ?? ""}`,
-      slide: now ? shownSlide(now, place.value.step) : null,
+      slide: now
+        ? shownSlide(now, place.value.step, stage.value === "answer" ? answerOf(now)?.answer : undefined)
+        : null,
       blank: blank.value,
       on_slide: now ? pointerAt.value : null,
     });
@@ -101,6 +104,7 @@ function goTo({ hash = "", slide: shown }: ClassView): void {
   if (presenting.peek() !== isSlide) setPresenting(isSlide);
   history.replaceState(null, "", location.pathname + hash);
   const only = shown ? slideOfMessage(shown) : null;
+  if (only?.kind === "section") answers.value = shown?.text ? { [only.section]: { answer: shown.text } } : {};
   if (only) showOnly(only, Math.max(0, Number.parseInt(hash.split("/")[1] ?? "1", 10) - 1));
   if (!isSlide) showSection(hash.slice(1));
 }

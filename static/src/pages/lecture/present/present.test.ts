@@ -1,9 +1,10 @@
 // @vitest-environment happy-dom
 import { afterEach, describe, expect, it } from "vitest";
-import { LESSONS } from "../lessons";
+import { LESSONS, type LessonId } from "../lessons";
+import { ANSWERS } from "./answers";
 import { type Slide, WHOLE_LECTURE } from "./deck/deck";
 import { type Act, actOf, type Focused } from "./keys";
-import { QUESTIONS } from "./questions";
+import { type Answer, QUESTIONS } from "./questions";
 import { deck, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";
 
 const nothing: Focused = { isText: false, usesArrows: false, usesSpace: false, by: null };
@@ -112,7 +113,9 @@ it("every section has a question", () => {
 });
 
 it("every question has an answer, and every right option is one of the options", () => {
-  for (const [id, { question, options, right, answer, notes }] of Object.entries(QUESTIONS)) {
+  expect(Object.keys(ANSWERS)).toEqual(Object.keys(QUESTIONS));
+  for (const [id, { question, options }] of Object.entries(QUESTIONS)) {
+    const { right, answer, notes = "" } = ANSWERS[id as LessonId] as Answer;
     expect(question, id).toMatch(/\?$/);
     expect(options?.[right ?? -1] !== undefined, id).toBe(options !== undefined);
     // a line of the bar each

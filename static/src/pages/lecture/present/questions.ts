@@ -5,12 +5,16 @@ export interface Question {
   readonly question: string;
   /** What the audience may predict; without them there is nothing to choose. */
   readonly options?: readonly string[];
-  /** Index of the right option. */
+}
+
+/** What a slide says after its figure. */
+export interface Answer {
+  /** Index of the right option; the class shows it with the result. */
   readonly right?: number;
   /** What the figure has shown. */
   readonly answer: string;
   /** What the lecturer may say and do; only the speaker's window shows it. */
-  readonly notes: string;
+  readonly notes?: string;
 }
 
 /** The question of each section; a section without one shows its figure at once. */
@@ -22,195 +26,92 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "They stay as the echo left them",
       "It depends on the map’s algorithm",
     ],
-    // Computed by the figure (lessons/independence/model.ts); Probabilistic Robotics, section 9.4, on what independence loses.
-    right: 2,
-    answer: "In the joint distribution the other two become more probable; independent cells stay as they were.",
-    notes:
-      "Compare the two columns of cells 3 and 5. Then let the narrow beam pass one of them: the joint distribution concludes that it is the last cell. Name the three assumptions before: a cell is occupied or free, the world is static, the cells are independent.",
   },
   cell: {
-    question: "A cell was hit four times. What does it take to be back where it began?",
+    question: "A cell was hit four times. What brings it back to its prior value?",
     options: ["One miss", "As many misses as hits", "Misses that sum to what the hits added"],
-    // Probabilistic Robotics, table 4.2: the filter adds log-odds.
-    right: 2,
-    answer: "The log-odds add up: hits and misses cancel by their sum, in any order, while no clamp is reached.",
-    notes:
-      "Press hit four times, then miss until the line is at the prior again. Let the audience count. The order does not matter: show it with alternating presses.",
   },
   "log-odds": {
     question: "Stored in 32 bits, which breaks first: p, the odds, or the log-odds?",
     options: ["The probability p", "The odds", "The log-odds ℓ"],
-    // Computed by the figure in binary32 (lessons/digits/model.ts); IEEE 754.
-    right: 0,
-    answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds goes on working.",
-    notes:
-      "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With a clamp none of the three fails: cost and simplicity remain as reasons.",
   },
   model: {
     question: "A beam measures one number, z. Which cells does it say something about?",
     options: ["The cell at z", "All cells of the beam", "The cells before z and around it, not those behind"],
-    // Probabilistic Robotics, table 9.2: l_free before the window, l_occ in it, l_0 behind it.
-    right: 2,
-    answer:
-      "Passed: evidence for free. Around the end: evidence for occupied. Behind: none, the cells keep their value.",
-    notes:
-      "Drag the height of the curve before and around z, then the width of the window: the map beside it follows. Then drag z itself.",
   },
   rays: {
     question: "A beam ends 18 columns to the right and 7 rows up. Which cells lie on its way?",
     options: ["Every cell that it touches", "One in each column", "It depends on the algorithm"],
-    // Bresenham 1965; Amanatides and Woo 1987.
-    right: 2,
-    answer: "Bresenham takes one cell per step of the longer axis; exact traversal takes every cell the beam crosses.",
-    notes:
-      "Drag the end of the beam once around the sensor. Switch one of the two fixes off and repeat: only some octants remain right.",
   },
   algorithm: {
     question: "Table 9.1 visits every cell for each scan. Which of them does it change?",
     options: ["All of them", "Those in the perceptual field", "Those that were hit"],
-    // Probabilistic Robotics, table 9.1, lines 3 to 6.
-    right: 1,
-    answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
-    notes:
-      "Step through the lines of the table. Then choose “beam by beam”: the same evidence with the loops exchanged. Then “one reading”: follow it to the character at the end.",
   },
   sonar: {
     question: "Sonars see an open door from both sides. What does the map show in it?",
     options: ["An opening", "A wall", "It depends on the method"],
-    // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.3, on conflicting cones.
-    right: 2,
-    answer: "Bayes’ filter, cell by cell, marks whole arcs and closes the door; Moravec and Elfes keep it open.",
-    notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
     question: "A beam has no return. What should the map do with it?",
     options: ["Mark its cells as free", "Ignore it", "It depends on why there was no return"],
-    // Probabilistic Robotics, table 9.2 marks all cells up to z_max as free, which is right in open space and wrong at
-    // glass; REP 117 keeps the two apart from a reading at the max range.
-    right: 2,
-    answer: "Open space: free, as in table 9.2. Glass or a polished wall: free would erase it, so it is ignored.",
-    notes:
-      "Drag the robot in front of the glass and compare the three maps, which are made from the same scans. Ask what a driver that writes the max range would do.",
   },
   mount: {
     question: "The map assumes a mount that is 8° off. What looks wrong?",
     options: ["The whole map is turned", "Walls are seen in two places", "Nothing: the error cancels"],
-    // REP 105: T_map_laser = T_map_base T_base_laser; computed by the figure (lessons/mount/model.ts).
-    right: 1,
-    answer: "Each scan turns about the sensor, so one wall lands in a different place from each pose that saw it.",
-    notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
   },
   forgetting: {
     question: "ℓ is clamped. A table is taken away after an hour. When is it forgotten?",
     options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
-    // Computed by the figure (lessons/forgetting/model.ts); OctoMap 2013, section 5.1, on the clamp.
-    right: 2,
-    answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
-    notes: "Let the audience guess a number of scans first, then remove the table. Repeat with a wider clamp.",
   },
   counting: {
     question: "Are all beams of one scan independent readings of a cell beside the robot?",
     options: ["Yes", "No: they share the error of that pose"],
-    // Probabilistic Robotics, tables 9.1 and 9.2: one update of a cell for each scan.
-    right: 1,
-    answer: "Near the sensor many beams cross one cell: adding all of them counts the same evidence many times.",
-    notes: "Drag the cross towards the robot and read how often each cell was updated, per beam and per scan.",
   },
   matching: {
     question: "The odometry is wrong. How can two scans tell where the robot is?",
-    answer:
-      "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
-    notes:
-      "Let a student align the scans by hand first, then take one iteration at a time. Then the corridor: it slides.",
   },
   file: {
     question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
     options: ["Unknown", "Free", "Occupied"],
-    // map_server reads (255 - grey) / 255 and compares it with free_thresh: 50 / 255 = 0.196.
-    right: 1,
-    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that were never seen.",
-    notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
   },
   landmarks: {
     question: "A robot must not hit the walls of a new building. What should its map store?",
     options: ["Corners and poles that it recognises", "For each patch of floor: is something there?"],
-    // Probabilistic Robotics, chapters 7 and 9.
-    right: 1,
-    answer: "Landmarks say where the robot is; only a grid says where it can drive, and what it has not seen yet.",
-    notes:
-      "Switch between the two maps of the same drive. Ask where the robot could drive by the map of landmarks alone.",
   },
   window: {
     question: "A range has a noise of a few centimetres. How wide should a hit be?",
     options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
-    // Probabilistic Robotics, section 6.3.1 and table 9.2; computed by the stage (lessons/stage/wall.ts).
-    right: 1,
-    answer: "Too narrow: the hits fall into different cells and the wall is broken. Too wide: the wall is thick.",
-    notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall breaks up.",
   },
   endpoint: {
     question: "A scan holds distances only. How does one become a row and a column?",
-    answer: "Angle and range give a point, the pose moves it into the map, origin and resolution make it a cell.",
-    notes:
-      "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",
   },
   resolution: {
     question: "Cells of 1 cm instead of 10 cm: how much more memory is needed?",
     options: ["10 times as much", "100 times as much", "1000 times as much"],
-    // Arithmetic: (10 / 1) squared.
-    right: 1,
-    answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
-    notes:
-      "Compare the door and the pillar in the three maps, then memory and time, which is measured on this computer.",
   },
   polished: {
     question: "A wall is polished like a mirror. What does a laser see of it?",
     options: ["The wall", "Nothing, unless it looks at it straight", "A wall twice as far away, always"],
-    // Probabilistic Robotics, section 6.3.1, on failures of a range finder.
-    right: 1,
-    answer: "It reflects the beam away: no return, so the wall is missing where the robot never faced it.",
-    notes: "Switch the polish on and off. Name glass, metal and stone; more readings do not help.",
   },
   people: {
     question: "Somebody walks through the robot’s view. What remains of it in the map?",
     options: ["Nothing", "A trail that stays where no later beam passes", "A trail that always stays"],
-    // Haehnel and others 2003; computed by the stage.
-    right: 1,
-    answer: "Beams that pass later clear the trail; where none do, people who left long ago stay in the map.",
-    notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
   },
   "low-table": {
     question: "The map is right about all that the laser saw. Can the robot hit a table?",
     options: ["No", "Yes, if the table is lower than the laser’s plane"],
-    // Geometry: a planar scan has one height.
-    right: 1,
-    answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
-    notes: "Drag the laser up and down past the height of the table, and watch the map.",
   },
   odometry: {
     question: "A map shows the same wall twice, a little apart. What has happened?",
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
-    // Probabilistic Robotics, chapter 5; computed by the figure (lessons/odometry/model.ts).
-    right: 1,
-    answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
-    notes: "Drag the error of the heading first, then that of the distance. Compare the two maps.",
   },
   probable: {
     question: "Scan and odometry disagree about the pose. Which of them is right?",
     options: ["The scan", "The odometry", "The pose that makes both probable"],
-    // Probabilistic Robotics, chapters 5 and 6: the product of both densities; computed by the figure.
-    right: 2,
-    answer:
-      "The most probable pose has the greatest product of both; with doors at equal distances the odometry decides.",
-    notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
   },
   graph: {
     question: "The robot is back where it began, its map is not. Which pose is wrong?",
     options: ["The last one", "The first one", "All of them, a little each"],
-    // Grisetti and others 2010: the error of a loop is spread over its poses.
-    right: 2,
-    answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
-    notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
   particles: {
     question: "A robot sees a door, and the corridor has three. Where is the robot?",
@@ -219,104 +120,47 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "At each of the three, with equal probability",
       "Nowhere: it needs a second reading",
     ],
-    // Probabilistic Robotics, section 1.4 (the corridor with doors) and table 8.2.
-    right: 1,
-    answer: "A belief can have three peaks. Particles keep all of them, and the next readings decide.",
-    notes:
-      "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
   },
   "sensor-models": {
     question: "Why can’t we get the inverse model from p(z | m) alone?",
     options: ["It lacks a scale factor", "It is too noisy", "It is a distribution over readings, not over the cell"],
-    // Probabilistic Robotics, section 9.3: the inverse model takes a prior over maps and a sum over all of them.
-    right: 2,
-    answer: "The probability of a cell also takes a prior, and a sum over all maps that agree with the reading.",
-    notes:
-      "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
   },
   kidnapping: {
     question: "All particles are here, and the robot is carried there. Do they find it?",
     options: ["Yes, they follow the scans", "Never", "Only with random particles among them"],
-    // Probabilistic Robotics, table 8.3.
-    right: 2,
-    answer: "Without random particles none is ever near the robot. Two averages of the weights say when to add them.",
-    notes:
-      "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
   },
   terrain: {
     question: "9 points of a patch leave a residual of 0.4 m². And 18 of the same ground?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
-    // Arithmetic: the residual is a sum over the points.
-    right: 2,
-    answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
-    notes:
-      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without the root is a common slip.",
   },
   layers: {
     question: "A crate in the way is not in the saved map. Which layer has it?",
     options: ["The static layer", "The obstacle layer", "The inflation layer"],
-    // Nav2, obstacle layer: marks and clears by the current scan.
-    right: 1,
-    answer: "Each layer has its own source; the greater cost counts. The scan’s layer marks the crate and clears it.",
-    notes:
-      "Drag the crate out of the robot’s view, and back. Switch the layers off one by one, and read the costs under the cross. What can the obstacle layer not clear?",
   },
   inflation: {
     question: "cost_scaling_factor is doubled. Do paths come nearer to the walls?",
     options: ["Yes", "No, they keep away"],
-    // Nav2, inflation_layer.hpp: cost = 252 exp(-cost_scaling_factor (distance - inscribed radius)).
-    right: 0,
-    answer: "Yes: the cost falls faster, so places near the wall are cheap. Many expect the opposite from the name.",
-    notes:
-      "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is closed.",
   },
   path: {
     question: "How does a robot find the cheapest way without trying all of them?",
     options: ["It goes straight and avoids", "A wave of costs from cell to cell", "It learns the way"],
-    // Dijkstra 1959; Hart and others 1968; Nav2, navfn.cpp.
-    right: 1,
-    answer:
-      "Each cell gets the least cost of reaching it; the path is traced back from the goal. A* expands fewer cells.",
-    notes:
-      "Drag the goal from room to room. Then play the search with Dijkstra and with A*, and compare the two numbers of cells.",
   },
   lifetime: {
     question: "The table is gone, and the robot still drives around it. Why?",
     options: ["The planner is slow", "No beam has passed there since", "The laser is too low"],
-    // Nav2, obstacle layer: a cell is cleared only by a ray through it.
-    right: 1,
-    answer:
-      "Only a beam clears an obstacle layer, and the path leads away. With a lifetime it is removed after a set time.",
-    notes:
-      "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
   },
   stack: {
     question: "What does a robot do with the finished map?",
-    answer: "The robot saves it, finds itself on it, and plans on it; new obstacles go in a separate layer.",
-    notes:
-      "Play it once from the start. Then stop in the last part and drag the goal. Point at the crate: it is in the costmap, and not in the map.",
   },
   octree: {
     question: "A building in cells of 5 cm instead of 10 cm, in 3D: how much more memory?",
     options: ["2 times as much", "4 times as much", "8 times, or 4 with an octree"],
-    // Arithmetic: volume by 8, surface by 4; OctoMap 2013, section 3.
-    right: 2,
-    answer: "A dense grid grows with the volume, an octree with the surfaces: large empty regions are one node.",
-    notes:
-      "Move the cut from the floor to the ceiling: low table, open doors, lintels. Then the cells from 40 cm to 5 cm: watch the two bars change places.",
   },
   tsdf: {
     question: "Voxels of 10 cm, noise of 2 cm: how exactly can a wall’s place be known?",
     options: ["To 10 cm: a voxel is the limit", "To 2 cm: the noise is the limit", "Better than both"],
-    // Curless and Levoy 1996, section 3; computed by the figure.
-    right: 2,
-    answer: "Signed distances have their zero at the mean of the readings, between voxels; occupancy has whole cells.",
-    notes:
-      "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },
   next: {
     question: "What would you map next?",
-    answer: "A log of your own robot: drop a bag, an MCAP or a CARMEN log on the logs page.",
-    notes: "Open the logs page with a log of the audience, or with one of its sample logs.",
   },
 };

@@ -10,6 +10,7 @@ test("followers get the paragraphs so far, and neither notes nor what the deck s
   expect(shownSlide(TEXT, 1)).toEqual({ kind: "text", title: "Mine", text: "One\n\nTwo" });
   const section: Slide = { kind: "section", section: "cell", notes: "private" };
   expect(shownSlide(section, 2)).toEqual({ kind: "section", section: "cell" });
+  expect(shownSlide(section, 3, "They add up.")).toEqual({ kind: "section", section: "cell", text: "They add up." });
 });
 
 test("followers get the address of a shared view, and none of the lab or of a log", () => {

@@ -8,10 +8,11 @@ import { paragraphsOf } from "./state";
 /** Pages that who has the link may open, unlike the lab and the logs of the lecturer. */
 const SHARED = /^\/shared\//;
 
-/** What followers get of a slide at a step: of a text, the paragraphs so far. */
-export function shownSlide(slide: Slide, step: number): ClassSlide {
+/** What followers get of a slide at a step: of a text, the paragraphs so far; of a section, its answer once shown. */
+export function shownSlide(slide: Slide, step: number, answer?: string): ClassSlide {
   const { kind } = slide;
-  if (kind === "section" || kind === "derivation") return { kind, section: slide.section };
+  if (kind === "section") return { kind, section: slide.section, ...(answer === undefined ? {} : { text: answer }) };
+  if (kind === "derivation") return { kind, section: slide.section };
   const { title } = slide;
   if (kind === "title") return { kind, title };
   if (kind === "text") {

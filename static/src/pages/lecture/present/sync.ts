@@ -4,7 +4,8 @@ import { effect } from "@preact/signals";
 import { act } from "./acts";
 import { type Slide, titleOf } from "./deck/deck";
 import type { Act } from "./keys";
-import { blank, deck, hashOf, type Place, place, questionOf, slides, stepped } from "./state";
+import { answerOf } from "./shownAnswers";
+import { blank, deck, hashOf, type Place, place, slides, stepped } from "./state";
 
 /** What the speaker's window shows. */
 export interface Told {
@@ -22,7 +23,7 @@ type Message = { readonly told: Told } | { readonly act: Act } | { readonly hell
 
 const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-slides-${id}`);
 
-export const notesOf = (of: Slide | undefined): string => of?.notes ?? questionOf(of)?.notes ?? "";
+export const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? "";
 
 function told(at: Place): Told {
   const list = slides.peek();

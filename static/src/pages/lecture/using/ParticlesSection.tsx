@@ -1,3 +1,4 @@
+import { KldNumber } from "../formulas";
 import { LaterFigure, LaterMore } from "../LaterFigure";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
@@ -28,8 +29,12 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           <p>
             How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
             particles for k bins the Kullback-Leibler distance to the belief is below ε, with the probability that
-            belongs to the quantile q: q = 2.33 for 99 %. AMCL’s parameter pf_z is this quantile itself, so its default
-            of 0.99 means 84 %. Go on with the steps above and watch k; drag ε and q on the curve.
+            belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
+          </p>
+          <KldNumber />
+          <p>
+            AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %. Go on with the steps above
+            and watch k; drag ε and q on the curve.
           </p>
           <LaterMore id="particles" />
         </>

@@ -9,7 +9,7 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<LaterFigure id="sensor-models" />}
-      sources={[["probabilistic-robotics", "tables 6.1 and 6.3, section 9.3"], "amcl"]}
+      sources={[["probabilistic-robotics", "tables 6.1 and 6.3, sections 9.3 and 9.4"], "amcl"]}
       after={
         <>
           <p>
@@ -24,7 +24,8 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
             ¬m): how likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor
             with equal error rates both are the same; otherwise the heuristic works because its sign is right and the
             clamp limits its size. The sum over all maps is exact here, for one beam; on a plane it is too costly, and
-            the model of <SectionLink to="model" /> is chosen by hand to have its shape.
+            the model of <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps
+            the forward model and searches for the one most probable map, without independent cells.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest

@@ -12,8 +12,8 @@ export function TerrainSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            P = Σ p pᵀ with p = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀb is in
-            its last column, bᵀb in the corner. A new point adds one term, and the points need not be kept. Patches add
+            P = Σ v vᵀ with v = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀz is in
+            its last column, zᵀz in the corner. A new point adds one term, and the points need not be kept. Patches add
             up: one of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
@@ -28,9 +28,10 @@ export function TerrainSection({ id, number, title }: SectionHead) {
     >
       <p>
         Outdoors the question is whether a robot can drive safely on the ground. The points of each <b>patch</b> of a
-        grid get a plane z = a + b x + c y by least squares, (AᵀA)⁻¹Aᵀb: its slope, its height, the roughness of the
-        points around it, and their number. Drag the points, and see which entries of P change and when the patch
-        becomes unsafe.
+        grid get a plane z = a + b x + c y by least squares, (AᵀA)⁻¹Aᵀz, where A has a row [1 x y] and z the height of
+        each point: its slope, its height, the roughness of the points around it, and their number. All sums that the
+        fit needs are entries of one matrix P: drag the points, and see which of them change and when the patch becomes
+        unsafe.
       </p>
     </Section>
   );

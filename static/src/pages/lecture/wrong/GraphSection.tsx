@@ -12,10 +12,11 @@ export function GraphSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The solution has the least sum of squared residuals, each in standard deviations, eᵀ Ω e. Least squares
-            follow the <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A{" "}
-            <b>robust kernel</b> reduces the weight of loops with large residuals. A kernel cannot tell a wrong loop
-            that nothing contradicts from a right one.
+            The solution has the least sum of eᵀ Ω e over the springs: e is the residual of a spring, Ω the inverse of
+            its covariance, so that residuals count in standard deviations. Least squares follow the{" "}
+            <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A <b>robust kernel</b>{" "}
+            reduces the weight of loops with large residuals. A kernel cannot tell a wrong loop that nothing contradicts
+            from a right one.
           </p>
           <p>“Heal” on a log’s page does this with every scan.</p>
         </>

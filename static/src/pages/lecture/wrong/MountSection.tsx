@@ -59,10 +59,10 @@ export function MountSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        A reading is measured in the frame of the sensor. To reach the map it takes the pose of the robot in the map
-        (from SLAM, AMCL or odometry) and that of the sensor on the robot, its <b class="noun-beam">mount</b> (in ROS
-        from the URDF, through TF). If either is wrong, or the grid’s origin or resolution, the map is smeared, rotated
-        or mirrored.
+        A reading is measured in the frame of the sensor. To place it in the map, two poses are needed: that of the
+        robot in the map (from SLAM, from localization such as AMCL, or from odometry) and that of the sensor on the
+        robot, its <b class="noun-beam">mount</b> (in ROS from the description of the robot, the URDF, through TF). If
+        either is wrong, or the grid’s origin or resolution, the map is smeared, rotated or mirrored.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>

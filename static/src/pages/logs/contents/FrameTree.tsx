@@ -88,7 +88,7 @@ function Tree({ store, session }: FrameTreeProps) {
       <Picture frames={frames} />
       <p class="quiet">
         Beside each frame: how often its transform comes and how old it is at this moment of the log. Dashed: static,
-        valid at all times. Orange: older than two of its usual pauses, or not there yet.
+        valid at all times. Orange: older than twice its usual interval, or not received yet.
       </p>
     </div>
   );

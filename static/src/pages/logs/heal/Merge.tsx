@@ -77,7 +77,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
       <div class="heal">
         <p class="quiet">
           Another log of the same place: SLAM corrects both, one map is laid on the other, and all scans are joined in
-          one graph.
+          one graph. The corrections of mount and clock in this map's parameters are used for both logs.
         </p>
         {!isUnderWay(now) && (
           <>

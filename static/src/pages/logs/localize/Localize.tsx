@@ -48,7 +48,7 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
       {map && (
         <Toggle
           label="Show the given map"
-          sentence="The map to localize in, in place of the map that this log's scans make."
+          sentence="The map to localize in, instead of the map made from this log's scans."
           checked={store.underlay.value === GIVEN_MAP}
           disabled={false}
           onChange={(isOn) => {
@@ -337,7 +337,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
     <>
       <p role="status">
         {result.first_converged === null
-          ? "The particles never agreed on one place: where the robot was is not known."
+          ? "The particles never agreed on one place: the position of the robot is not known."
           : result.is_converged
             ? "Found: the poses in the map are the trajectory “localized” of this log."
             : "Found and lost again: at the end the particles do not agree."}

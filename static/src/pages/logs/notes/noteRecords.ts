@@ -26,7 +26,7 @@ async function asked<T>(address: string, method = "GET", body?: unknown): Promis
     ...(body === undefined ? {} : { body: JSON.stringify(body), headers: { "Content-Type": "application/json" } }),
   });
   const found: unknown = answer.status === 204 ? null : await answer.json();
-  if (!answer.ok) throw new Error((found as { message?: string }).message ?? "The note could not be kept.");
+  if (!answer.ok) throw new Error((found as { message?: string }).message ?? "The note could not be saved.");
   return found as T;
 }
 

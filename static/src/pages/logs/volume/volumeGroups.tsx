@@ -62,14 +62,14 @@ const GROUPS: readonly Group[] = [
   {
     id: "why",
     title: "Why",
-    purpose: "Click a voxel to see which beams made it what it is.",
+    purpose: "Click a voxel to see which beams gave it its value.",
     content: ({ store }) => <VoxelWhy store={store} />,
   },
   {
     id: "above",
     title: "From above",
     section: "Ground",
-    purpose: "The map of a robot that drives: a cell is occupied where a voxel of its column is, in a band of heights.",
+    purpose: "The map for a driving robot: a cell is occupied if a voxel of its column is, within a band of heights.",
     content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
   },
   {

@@ -1,0 +1,162 @@
+"""The process that forks the workers of a service, and replaces those that end.
+
+It has loaded the code and the kernels before, so that the workers share that memory. It has no threads and no event
+loop: forked processes would not have the one, and share the other. Signals: SIGTERM and SIGINT end the service, SIGHUP
+replaces the workers one after the other.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import NoReturn
+
+import structlog
+
+from server.workers.handover import Channel
+from server.workers.use import SharedUse
+from server.workers.worker import Worker
+
+SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGCHLD})
+END_S = 8.0  #: seconds that workers have to end before they are killed
+SHORT_LIFE_S = 2.0  #: a worker that ended sooner is replaced after this time: it may end again and again
+
+_log = structlog.get_logger(__name__)
+
+
+def load_for_workers() -> None:
+    """Load what workers need and would otherwise load each for itself: the simulator, and the kernels of the lab.
+
+    Kernels that were never compiled on this machine are left to the workers, which do it when they are first used.
+    """
+    import server.sources.simulation  # noqa: PLC0415, F401
+    from mapper.core.compile_cache import cache_folder  # noqa: PLC0415 - numba, for workers only
+    from mapper.core.parallel import single_threaded  # noqa: PLC0415
+
+    if any(cache_folder("mapping").glob("*.nbi")):
+        from mapper.tools.precompile import precompile_lab  # noqa: PLC0415
+
+        with single_threaded():  # threads would not be there in the workers
+            precompile_lab()
+
+
+def in_child(work: Callable[[], None]) -> None:
+    """Run ``work`` in a forked process, which may have threads, and wait for it. Exits as it does, unless with 0."""
+    child = os.fork()
+    if not child:
+        _end_after(work)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if status:
+        raise SystemExit(status if status > 0 else 1)
+
+
+def supervise(workers: int, serve: Callable[[Worker], None]) -> None:
+    """Fork so many processes, each of which calls ``serve`` once; return when the service was ended by a signal."""
+    channels = [Channel.make() for _ in range(workers)]
+    use = SharedUse(workers)
+    alive, held = os.pipe()  # the workers see its end when this process ends, however that is
+
+    def run(number: int) -> None:
+        os.close(held)
+        serve(Worker.of(number, channels, use, alive))
+
+    gc.collect()
+    gc.freeze()  # the collector would write into memory that the workers share
+    with _blocked():
+        _Supervisor(workers, run, use).watch()
+
+
+class _Supervisor:
+    """The running workers by their process, and when each number is due to be started again."""
+
+    def __init__(self, workers: int, run: Callable[[int], None], use: SharedUse) -> None:
+        self._run, self._use = run, use
+        self._numbers: dict[int, int] = {}
+        self._began: dict[int, float] = {}
+        self._due: dict[int, float] = {}
+        self._to_replace: list[int] = []
+        for number in range(workers):
+            self._start(number)
+
+    def _start(self, number: int) -> None:
+        child = os.fork()
+        if not child:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a terminal that is closed: the supervisor decides
+            _end_after(partial(self._run, number))
+        self._numbers[child] = number
+        self._began[number] = time.monotonic()
+
+    def watch(self) -> None:
+        """Replace workers that end until a signal ends the service; then end the workers."""
+        while True:
+            wait_s = max(0.0, min(self._due.values(), default=time.monotonic() + 3600.0) - time.monotonic())
+            found = signal.sigtimedwait(SIGNALS, wait_s)
+            number = None if found is None else found.si_signo
+            if number in (signal.SIGTERM, signal.SIGINT):
+                break
+            if number == signal.SIGHUP:
+                self._to_replace = sorted(self._numbers.values())
+                self._replace_next()
+            self._reap()
+            for due in [one for one, at in self._due.items() if at <= time.monotonic()]:
+                del self._due[due]
+                self._start(due)
+                self._replace_next()
+        self._end()
+
+    def _replace_next(self) -> None:
+        """End the next worker that is to be replaced; the one before it has been started."""
+        if self._to_replace and not self._due:
+            number = self._to_replace.pop(0)
+            for process, other in self._numbers.items():
+                if other == number:
+                    os.kill(process, signal.SIGTERM)
+
+    def _reap(self) -> None:
+        """Take note of the workers that have ended."""
+        for process in list(self._numbers):
+            ended, status = os.waitpid(process, os.WNOHANG)
+            if not ended:
+                continue
+            number = self._numbers.pop(process)
+            self._use.clear(number)
+            now = time.monotonic()
+            is_short = now - self._began[number] < SHORT_LIFE_S
+            self._due[number] = now + (SHORT_LIFE_S if is_short else 0.0)
+            _log.warning("a worker has ended", worker=number, status=os.waitstatus_to_exitcode(status))
+
+    def _end(self) -> None:
+        for process in self._numbers:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGTERM)
+        deadline = time.monotonic() + END_S
+        while self._numbers and time.monotonic() < deadline:
+            signal.sigtimedwait({signal.SIGCHLD}, 0.2)
+            for process in list(self._numbers):
+                if os.waitpid(process, os.WNOHANG)[0]:
+                    del self._numbers[process]
+        for process in self._numbers:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+
+
+@contextmanager
+def _blocked() -> Iterator[None]:
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_after(work: Callable[[], None]) -> NoReturn:
+    """Do the work of a forked process and end it as any program ends: what waits for the exit is called."""
+    work()
+    raise SystemExit(0)

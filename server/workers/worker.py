@@ -1,0 +1,43 @@
+"""One of several worker processes of a service."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from server.workers.handover import Channel, Handover
+from server.workers.places import worker_of_class
+from server.workers.use import SharedUse, WorkersUse
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """Worker ``number`` of the service, counted from 0.
+
+    ``alive`` is the reading end of a pipe whose other end only the supervisor has.
+    """
+
+    number: int
+    handover: Handover
+    use: WorkersUse
+    alive: int
+
+    @classmethod
+    def of(cls, number: int, channels: Sequence[Channel], use: SharedUse, alive: int) -> Worker:
+        """Return a worker with what was made for all of them."""
+        return cls(number, Handover(number, channels), use.of(number), alive)
+
+    def has_class(self, code: str) -> bool:
+        """Return whether requests with this code of a class reach this worker."""
+        return worker_of_class(code, self.handover.workers) == self.number
+
+    def end_with_supervisor(self) -> None:
+        """Have this process end as by SIGTERM once the supervisor has ended, however that was."""
+        asyncio.get_running_loop().add_reader(self.alive, self._end)
+
+    def _end(self) -> None:
+        asyncio.get_running_loop().remove_reader(self.alive)
+        os.kill(os.getpid(), signal.SIGTERM)

@@ -1,0 +1,24 @@
+/** The answers that this page has: the lecturer's and a reader's all, a follower's the one that the lecturer shows. */
+
+import { signal } from "@preact/signals";
+import { followedCode } from "../../../store/classroom";
+import type { LessonId } from "../lessons";
+import type { Slide } from "./deck/deck";
+import type { Answer } from "./questions";
+
+const RETRY_MS = 3000;
+
+export const answers = signal<Partial<Record<LessonId, Answer>>>({});
+
+export const answerOf = (of: Slide | undefined): Answer | undefined =>
+  of?.kind === "section" ? answers.value[of.section] : undefined;
+
+/** Fetch the answers, again and again while the server does not answer; not for a follower of a class. */
+export async function fetchAnswers(): Promise<void> {
+  if (followedCode !== null) return;
+  try {
+    answers.value = (await import("./answers")).ANSWERS;
+  } catch {
+    setTimeout(() => void fetchAnswers(), RETRY_MS);
+  }
+}

@@ -1,0 +1,141 @@
+"""Recordings whose poses begin late or end early: a scan gets no pose of another time.
+
+tf2 refuses a look-up before the first and after the last transform ("extrapolation into the past", tf2/src/cache.cpp),
+so that nodes drop such scans. Where another source has the robot's motion there, it carries the trajectory on
+(REP 105).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.io.logs import open_log, open_robot_log
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.robot_log import RobotLog
+from server.library.packs.log import read_pack, write_pack
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import Said, odometry, transform, written
+from tests.reports.test_transforms import (
+    LASER,
+    MOUNT,
+    STEP,
+    T0,
+    N,
+    Pose,
+    assert_places,
+    drive,
+    of,
+    sensor_at,
+    static,
+    true,
+)
+
+EARLY, LATE = 6, 16  #: the steps of the first and of the last pose
+
+SOURCES: dict[str, Callable[[int, Pose], list[Said]]] = {
+    "tf": lambda at, pose: [transform(at, "odom", "base_link", *pose)],
+    "tf of the inverse": lambda at, pose: [transform(at, "odom", "base_link", *pose), transform(at, "map", "odom")],
+    "odometry": lambda at, pose: [odometry(at, *pose)],
+    "odometry of a camera": lambda at, pose: [odometry(at, *of(pose, (0.4, 0.0, 3.1)), child="camera_pose_frame")],
+    "poses": lambda at, pose: [recorded.pose_stamped(at, *pose)],
+    "estimates": lambda at, pose: [recorded.estimate(at, *pose)],
+    "a motion capture": lambda at, pose: [recorded.transform_stamped(at, *pose, child="base_link")],
+}
+CAMERA = static("base_link", "camera_pose_frame", (0.4, 0.0, 3.1))
+
+
+def step(at: int) -> int:
+    return (at - T0) // STEP
+
+
+def within(source: Callable[[int, Pose], list[Said]], first: int, last: int) -> Callable[[int, Pose], list[Said]]:
+    """The poses of a source at some of the steps."""
+    return lambda at, pose: source(at, pose) if first <= step(at) <= last else []
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_scans_without_a_pose_are_left_out_and_counted(tmp_path: Path, name: str) -> None:
+    said = [LASER, CAMERA, *drive(within(SOURCES[name], EARLY, LATE))]
+    log = open_log(written(tmp_path, said, "mcap"))
+    # Each scan is 20 ms after its step; the robot drives 15 cm in a step, so that the one at the end is near enough.
+    assert_places(log, sensor_at()[EARLY : LATE + 1], tolerance=0.03)
+    (note,) = (note for note in log.notes if "left out" in note and "extrapolated" in note)
+    assert f"{N - (LATE + 1 - EARLY)} scans are left out: {EARLY} before the first and {N - LATE - 1} after" in note
+
+
+def test_another_source_carries_the_trajectory_on(tmp_path: Path) -> None:
+    """A localiser that is started later: before its first transform the wheels say how the robot moved (REP 105)."""
+
+    def localized(at: int, pose: Pose) -> list[Said]:
+        place = of((1.0, 2.0, 0.3), pose)
+        return [odometry(at, *pose), *([recorded.estimate(at, *place)] if EARLY <= step(at) <= LATE else [])]
+
+    log = open_log(written(tmp_path, [LASER, *drive(localized)], "db3"))
+    for name in ("odom", "amcl_pose"):
+        assert_places(log, sensor_at(), name, tolerance=0.03)
+    wanted = [of((1.0, 2.0, 0.3), true(i + 0.1)) for i in range(N)]
+    np.testing.assert_allclose(log.trajectory("amcl_pose").poses[:, :2], np.array(wanted)[:, :2], atol=0.03)
+    assert any("last pose of amcl_pose, which moves as odom there" in note for note in log.notes)
+    assert not any("left out" in note for note in log.notes)
+
+
+def test_a_robot_that_stands_still_at_the_ends_has_its_pose_there(tmp_path: Path) -> None:
+    """Scans 100 ms before the first transform of a robot that does not move yet are at that place."""
+    said = [LASER, *(recorded.scan(T0 + i * STEP - STEP // 2, [1.0, 2.0, 3.0]) for i in range(5))]
+    poses = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.6, 0.0, 0.0), (0.6, 0.0, 0.0)]
+    said += [transform(T0 + i * STEP, "odom", "base_link", *pose) for i, pose in enumerate(poses)]
+    log = open_log(written(tmp_path, sorted(said, key=lambda one: one.stamp_ns), "mcap"))
+    np.testing.assert_allclose(log.trajectory().poses[:, 0], [0.0, 0.0, 0.15, 0.45, 0.6], atol=1e-6)
+    assert not any("left out" in note for note in log.notes)
+
+
+def test_a_sensor_is_offered_with_each_topic_of_transforms(tmp_path: Path) -> None:
+    """A simulator's true transforms beside the robot's own: the sensor can be chosen with either (navigation2#5449)."""
+
+    def both(at: int, pose: Pose) -> list[Said]:
+        slipped = (1.2 * pose[0], pose[1], pose[2])
+        return [
+            transform(at, "odom", "base_link", *slipped),
+            transform(at, "world", "base_link", *pose, topic="/tf_gt"),
+        ]
+
+    said = [LASER, static("base_link", "laser", (0.5, 0.0, 0.0), topic="/tf_gt_static"), *drive(both)]
+    path = written(tmp_path, said, "bag")
+    robot = open_robot_log(path)
+    assert list(robot.sensors) == ["/scan", "/scan#/tf_gt"]
+    assert robot.sensors["/scan"].mount == pytest.approx(MOUNT)
+    assert [topic.name for topic in robot.first.topics if topic.beams] == ["/scan", "/scan#/tf_gt"]
+    assert any("choose the sensor /scan#/tf_gt (or --tf" in note for note in robot.first.notes)
+    assert not any("Only /scan is mapped" in note for note in robot.first.notes)
+    true_one = open_log(path, topic="/scan#/tf_gt")
+    assert true_one.default_trajectory == "tf/world"
+    assert_places(true_one, sensor_at((0.5, 0.0, 0.0)))
+
+
+def test_scans_of_a_lidar_that_is_switched_stay_in_order_where_its_clock_steps_back(tmp_path: Path) -> None:
+    """Groups of scans with other beams follow one another as they were recorded, also once they are stored."""
+    for resets in (True, False):
+        said = [LASER]
+        for number in range(2):
+            for i in range(N):
+                at = T0 + i * STEP if resets else T0 + (number * N + i) * STEP
+                said.append(transform(at, "odom", "base_link", *true(i, number)))
+                stamp = at if resets or number == 0 else at - 3 * STEP // 2  # else the lidar's clock alone is set back
+                angles, readings = ((-1.5, 0.1), [2.0] * 3) if i // 3 % 2 == 0 else ((-1.5, 0.05), [2.0] * 6)
+                one = recorded.scan(at, readings, angles=angles)
+                said.append(replace(one, fields=one.fields | {"header": recorded.header(stamp, "laser")}))
+        said = [replace(one, stamp_ns=T0 + k * STEP // 2) for k, one in enumerate(said)]  # recorded on and on
+        log = open_log(written(tmp_path, said, "mcap"))
+        assert isinstance(log, JointLog)
+        write_pack(RobotLog.of_one(log), tmp_path / "pack")
+        wanted = [one.fields["header"]["stamp"] for one in said if one.topic == "/scan"]
+        stamps = [stamp["sec"] * recorded.SECOND + stamp["nanosec"] for stamp in wanted]
+        for kept in (log, log.take(np.arange(2 * N)), read_pack(tmp_path / "pack")):
+            assert kept.stamps_ns.tolist() == stamps
+        if resets:
+            assert_places(log, [of(true(i, way), MOUNT) for way in (0, 1) for i in range(N)])

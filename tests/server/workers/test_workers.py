@@ -1,0 +1,221 @@
+"""A service of several worker processes behind one port, as the command runs it."""
+
+from __future__ import annotations
+
+import asyncio
+import binascii
+import contextlib
+import http.client
+import json
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+
+from server.classes.codes import normalised
+from server.workers.places import worker_of_class
+from tests.server.library.small_logs import carmen
+from tests.server.service import PATIENCE_S, once_read, stream_at, until
+
+SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--workers", "2"]
+WORLD = {"kind": "simulation", "world": "room", "seed": 3}
+
+
+class Workers:
+    """A running service: its supervisor and its port."""
+
+    def __init__(self, process: subprocess.Popen[str], port: int) -> None:
+        self.process, self.port = process, port
+        self.address = f"http://127.0.0.1:{port}"
+        self._taken: set[str] = set()
+
+    def workers(self) -> set[int]:
+        """The processes of the workers."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        return set(map(int, children))
+
+    def visitor_of(self, worker: int) -> httpx.Client:
+        """A browser that this worker serves, by its cookie."""
+        names = (f"{n:024}" for n in count(1))
+        name = next(one for one in names if binascii.crc32(one.encode()) % 2 == worker and one not in self._taken)
+        self._taken.add(name)
+        return httpx.Client(base_url=self.address, timeout=PATIENCE_S, cookies={"gridbloom_visitor": name})
+
+
+@contextlib.contextmanager
+def serving(folder: Path, **environment: str) -> Iterator[Workers]:
+    command = [*SERVE, "--data-dir", str(folder)]
+    given = {"GRIDBLOOM_COMPILE_AHEAD": "false"} | environment
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ | given)
+    assert process.stdout is not None
+    try:
+        port = int(process.stdout.readline().rsplit(":", 1)[1].strip("/\n"))
+        yield Workers(process, port)
+    finally:
+        process.terminate()
+        try:
+            status = process.wait(PATIENCE_S)
+        finally:
+            process.kill()
+            process.stdout.close()
+    assert status in (0, -signal.SIGKILL)  # unless the test has killed it
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workers]:
+    with serving(tmp_path_factory.mktemp("workers"), GRIDBLOOM_MAX_SESSIONS="6") as running:
+        yield running
+
+
+@pytest.fixture
+def pair(service: Workers) -> Iterator[tuple[httpx.Client, httpx.Client]]:
+    """A visitor of each worker, with a session of its own, which ends with the test."""
+    with service.visitor_of(0) as first, service.visitor_of(1) as second:
+        for visitor in (first, second):
+            visitor.post("/api/sessions", json=WORLD).raise_for_status()
+        yield first, second
+        for visitor in (first, second):
+            for session in sessions_of(visitor):
+                visitor.delete(f"/api/sessions/{session}")
+
+
+def sessions_of(visitor: httpx.Client) -> list[str]:
+    return [one["id"] for one in visitor.get("/api/sessions").raise_for_status().json()["sessions"]]
+
+
+def counted(service: Workers, name: str) -> float:
+    text = httpx.get(f"{service.address}/metrics", timeout=PATIENCE_S).raise_for_status().text
+    return sum(
+        sample.value
+        for family in text_string_to_metric_families(text)
+        for sample in family.samples
+        if sample.name == name
+    )
+
+
+async def shows_a_frame(address: str) -> bool:
+    async with asyncio.timeout(PATIENCE_S), stream_at(address) as socket:
+        async for message in socket:
+            if isinstance(message, str) and json.loads(message)["type"] == "frame":
+                return True
+    return False
+
+
+def test_one_connection_reaches_the_sessions_of_both_in_turn(service: Workers, pair: Any) -> None:
+    ids = [sessions_of(visitor)[0] for visitor in pair]
+    assert [session[:2] for session in ids] == ["0.", "1."]
+    connection = http.client.HTTPConnection("127.0.0.1", service.port, timeout=PATIENCE_S)
+    local = None
+    for session in [*ids, *ids, ids[0]]:
+        connection.request("GET", f"/api/sessions/{session}")
+        answer = connection.getresponse()
+        assert (answer.status, json.loads(answer.read())["id"]) == (200, session)
+        local = local or connection.sock.getsockname()
+        assert connection.sock.getsockname() == local  # it was never opened anew
+    connection.close()
+
+
+def test_a_request_in_pieces_with_a_body_arrives_whole(service: Workers, pair: Any) -> None:
+    session = sessions_of(pair[1])[0]
+    body = json.dumps({"text": "a door", "at_s": 1.0}).encode()
+    for target in (f"/api/sessions/{session}/nothing", "/api/sessions/0.unknown/nothing"):
+        request = f"POST {target} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body
+        with socket.create_connection(("127.0.0.1", service.port), PATIENCE_S) as raw:
+            raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            for at in range(0, len(request), 7):
+                raw.sendall(request[at : at + 7])
+            assert raw.recv(4096).startswith(b"HTTP/1.1 404"), target
+
+
+def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Workers, pair: Any) -> None:
+    first, second = pair
+    for visitor in pair:
+        (session,) = sessions_of(visitor)
+        address = f"ws://127.0.0.1:{service.port}/api/sessions/{session}/stream"
+        assert asyncio.run(shows_a_frame(address))
+    log = first.put("/api/logs", params={"name": "a.log"}, content=carmen(5)).raise_for_status().json()
+    assert once_read(first, log["id"])["state"] == "ready"
+    view = first.post("/api/sessions", json={"kind": "log", "log": log["id"]}).raise_for_status().json()["id"]
+    token = first.post("/api/links", json={"session": view}).raise_for_status().json()["token"]
+    # The other worker learns of the link from the records.
+    answer = until(lambda: (got := second.get(f"/api/shared/{token}")).status_code == 200 and got)
+    assert "a.log" in answer.text
+    guest = second.post(f"/api/shared/{token}/sessions", json={}).raise_for_status().json()["id"]
+    assert guest.startswith("1.")
+    # Who has opened it is sent away wherever that was.
+    first.delete(f"/api/links/{token}").raise_for_status()
+    assert until(lambda: second.get(f"/api/sessions/{guest}").status_code == 404)
+
+
+def test_a_class_is_followed_from_the_other_worker(service: Workers, pair: Any) -> None:
+    lecturer, follower = pair
+    code = lecturer.post("/api/classes").raise_for_status().json()["code"]
+    assert worker_of_class(normalised(code), 2) == 0
+    assert follower.get(f"/class/{code}").headers["location"].startswith(f"/class/{code}/")
+    assert follower.get(f"/class/{code}/lecture.html").status_code == 200
+    assert lecturer.delete(f"/api/classes/{code}").status_code == 204
+
+
+def test_the_figures_and_the_budget_are_those_of_all_workers(service: Workers, pair: Any) -> None:
+    assert counted(service, "gridbloom_sessions") == 2
+    for visitor in pair * 2:
+        visitor.post("/api/sessions", json=WORLD).raise_for_status()
+    assert counted(service, "gridbloom_sessions") == 6
+    assert counted(service, "gridbloom_remake_seconds_count") >= 0
+    assert {len(sessions_of(visitor)) for visitor in pair} == {3}
+
+    def is_full() -> bool:  # the others' use is stated now and then; the oldest own session makes room then
+        before = len(sessions_of(pair[0])) + len(sessions_of(pair[1]))
+        pair[1].post("/api/sessions", json=WORLD).raise_for_status()
+        return before == len(sessions_of(pair[0])) + len(sessions_of(pair[1]))
+
+    assert until(is_full)
+
+
+def test_a_worker_that_is_killed_takes_only_its_sessions(service: Workers, pair: Any) -> None:
+    before = [sessions_of(visitor) for visitor in pair]
+    killed = min(service.workers())
+    os.kill(killed, signal.SIGKILL)
+    until(lambda: killed not in service.workers() and len(service.workers()) == 2)
+    # Requests for it wait for the worker that replaces it.
+    after = [sessions_of(visitor) for visitor in pair]
+    assert sorted(map(len, after)) == [0, 1]
+    assert [one for one in after if one] == [one for one, now in zip(before, after, strict=True) if now]
+    for number, visitor in enumerate(pair):
+        assert visitor.post("/api/sessions", json=WORLD).raise_for_status().json()["id"].startswith(f"{number}.")
+
+
+def test_workers_are_replaced_at_sighup_and_end_with_their_supervisor(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        before = service.workers()
+        with service.visitor_of(1) as visitor:
+            log = visitor.put("/api/logs", params={"name": "a.log"}, content=carmen(5)).raise_for_status().json()["id"]
+            assert once_read(visitor, log)["state"] == "ready"
+            service.process.send_signal(signal.SIGHUP)
+            until(lambda: len(after := service.workers()) == 2 and not after & before)
+            assert once_read(visitor, log)["state"] == "ready"
+        left = service.workers()
+        service.process.kill()
+        assert service.process.wait(PATIENCE_S) == -signal.SIGKILL
+        until(lambda: not any(is_running(pid) for pid in left))
+    # What is kept is where one process keeps it.
+    with contextlib.closing(sqlite3.connect(tmp_path / "library" / "library.db")) as records:
+        assert records.execute("SELECT name FROM logs").fetchall() == [("a.log",)]
+    assert any(one.name.startswith(log) for one in (tmp_path / "library" / "packs").iterdir())
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
