@@ -105,6 +105,7 @@ class LiveMap:
         self.newest_pose: PoseTuple = self.simulation.pose
         self.believed_pose: PoseTuple = self.simulation.pose  #: the base's pose in the map at the newest scan
         self.scans = 0
+        self.n_newest = 0  #: how often there was another newest scan
         self.hidden = 0  #: newest scans that are taken out of the map again, to be looked at one by one
         if not altered.is_free(world.start[:2], self.simulation.radius):
             self.simulation.teleport(*world.start)
@@ -250,6 +251,7 @@ class LiveMap:
         at = len(recording) - 1 - self.hidden
         log = recording.as_log(specular=self.faults.specular, corrected=self.pose_correction.poses_of(recording))
         self.newest = log.scan(at)
+        self.n_newest += 1
         self.newest_pose = pose_tuple(log.trajectory("true").poses[at])
         self.believed_pose = pose_tuple(log.trajectory(self.faults.trajectory).poses[at])
         return recording.as_log().scan(at)
@@ -277,6 +279,7 @@ class LiveMap:
         longer = self._lengthened(pose)
         recording.append(scan, pose, odometry, longer)
         self.newest, self.newest_pose = scan, pose
+        self.n_newest += 1
         if self.faults.specular:
             self.newest = replace(scan, ranges=with_lengthened(scan.ranges, longer, scan.range_max))
         self.believed_pose = odometry if self.faults.drift else pose

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 PoseTuple = tuple[float, float, float]
 
+#: A hexagon around the robot of a simulation, whose radius is 0.2 m: corners in its frame, metres.
+HEXAGON = ((0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2))
+
 
 @dataclass(slots=True)
 class Robot:

@@ -17,6 +17,7 @@ from server.library.processing.log_jobs import AnyLogJobs, LogJobs
 from server.library.processing.slam import NAME as SLAM
 from server.sessions import SessionRegistry
 from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar
+from server.sessions.parts import Recording
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def join_jobs(library: Library, sessions: SessionRegistry, session: SessionHost)
 
     That one may have been lost with its service.
     """
-    recording = session.model.recording
+    recording = session.model.find(Recording)
     if recording is None or session.link is not None:
         return
     owner, log_id = session.owner, recording.log_id
@@ -109,7 +110,7 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, o
 
     def end(trajectory: str | None) -> None:
         for session in sessions.all():
-            recording = session.model.recording
+            recording = session.model.find(Recording)
             if recording is not None and recording.log_id == log_id and session.owner == owner:
                 session.enqueue(PosesEnded(trajectory))
 

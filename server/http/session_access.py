@@ -37,7 +37,7 @@ class SessionOfLog:
 def session_of_log(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
     """Return a session of a log. Raises :class:`MapperError` for a session of another kind."""
     session = sessions.get(session_id)
-    recording = session.model.recording
+    recording = session.model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
     return SessionOfLog(session, recording)
@@ -49,10 +49,11 @@ def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[Sessi
     Raises :class:`MapperError` for a session of another kind, and for one that was begun with a link.
     """
     session = sessions.get(session_id)
-    if session.model.viewed is None:
+    viewed = session.model.find(Viewed)
+    if viewed is None:
         raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
     _refuse_guests(session)
-    return session, session.model.viewed
+    return session, viewed
 
 
 def _refuse_guests(session: SessionHost) -> None:

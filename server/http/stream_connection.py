@@ -137,7 +137,10 @@ async def exchange(
         for task in tasks:
             task.cancel()
         done = await asyncio.gather(*tasks, return_exceptions=True)
+        is_closed = websocket.application_state is WebSocketState.DISCONNECTED
         for result in done:
+            if isinstance(result, RuntimeError) and is_closed:  # one task sent what came after the other had closed it
+                continue
             if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
                 _log.error("a stream failed", exc_info=result)
                 await _close(websocket, INTERNAL, "internal")

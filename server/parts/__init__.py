@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 
 def parts_of(offers: Offers) -> list[Part]:
     """Return the parts that have what they need, in the order in which they follow the source."""
-    from server.parts.terrain.part import TerrainPart  # noqa: PLC0415 - imported with the first session
+    from server.parts.costmap.part import CostmapPart  # noqa: PLC0415 - imported with the first session
+    from server.parts.path.part import PathPart  # noqa: PLC0415
+    from server.parts.terrain.part import TerrainPart  # noqa: PLC0415
 
-    return [TerrainPart(offers, offers.cloud)] if offers.cloud is not None else []
+    made = (made_by(offers) for made_by in (TerrainPart.of, CostmapPart.of, PathPart.of))
+    return [part for part in made if part is not None]

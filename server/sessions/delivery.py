@@ -41,7 +41,7 @@ def send_answers(result: TickResult, hub: Hub) -> None:
     for client, message in result.answers:
         if client is not None:
             client.send(message)
-        elif message["type"] == "error":
+        elif isinstance(message, dict) and message["type"] == "error":
             _log.info("command refused", code=message.get("code"))
     for client, kind in result.resent:
         if client is not None:

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from msgspec import Struct
 
@@ -19,28 +19,19 @@ from mapper.grid import OccupancyGrid
 from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
+from server.sessions.parts import Volumetric
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.commands import VoxelRayCommand
 from server.stream.layers import Layer
-from server.stream.protocol import ProtocolError, type_of
+from server.stream.protocol import Message, ProtocolError, type_of
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
     from server.sessions.part import Part
-    from server.sessions.parts import (
-        Comparable,
-        Costed,
-        EditedFiles,
-        Graphed,
-        Localized,
-        Recording,
-        Story,
-        Viewed,
-        Volumetric,
-    )
 
+T = TypeVar("T")
 NO_SCAN: dict[str, Any] = {}
 
 
@@ -61,14 +52,7 @@ class SessionModel(ABC):
     resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {}
     """Command → type of the message that its sender gets again if the command is refused."""
 
-    recording: Recording | None = None  #: the log, for a session of a log
-    comparison: Comparable | None = None  #: the comparison of the map with another one
-    graph: Graphed | None = None  #: the pose graph of a log's trajectory
-    localization: Localized | None = None  #: how a log's trajectory was found in a map
-    volume: Volumetric | None = None  #: the map in 3D, for a session that shows one
-    costed: Costed | None = None  #: costs over the map
-    editing: EditedFiles | None = None  #: the map that is edited
-    story: Story | None = None  #: recorded history from which the session can be reproduced
+    source: object = None  #: what its parts work on, where that is an object of its own
     parts: Sequence[Part] = ()  #: its capabilities, in the order in which they follow what changed
 
     def __init__(self, playback: Playback | None = None) -> None:
@@ -89,6 +73,10 @@ class SessionModel(ABC):
         Raises :class:`mapper.core.errors.WorkCancelledError` if a newer command cancelled it, and
         :class:`mapper.core.errors.MapperError` if it cannot continue: the session is paused then.
         """
+
+    def find(self, kind: type[T]) -> T | None:
+        """Return what implements an interface: the model itself, its source or one of its parts; None: nothing does."""
+        return next((one for one in (self, self.source, *self.parts) if isinstance(one, kind)), None)
 
     # -- description -----------------------------------------------------------------------------------------------
 
@@ -127,11 +115,6 @@ class SessionModel(ABC):
         """``(index, count)``: scans in the map, scans in total."""
         return (0, 0)
 
-    @property
-    def viewed(self) -> Viewed | None:
-        """View that a link opens in another session; None if there is no link."""
-        return self.recording
-
     def particulars(self) -> dict[str, Any]:
         """Return the fields of ``hello`` that the kind adds or sets."""
         return {}
@@ -144,9 +127,13 @@ class SessionModel(ABC):
                 found.setdefault(field, []).extend(rows)
         return found
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return the messages for a new client, the newest of each type: by default those of the parts."""
         return [message for part in self.parts for message in part.messages()]
+
+    def history(self) -> list[dict[str, Any]]:
+        """Return the commands from which the parts of another session get the same, as JSON has them."""
+        return [command for part in self.parts for command in part.history()]
 
     def frame(self) -> dict[str, Any]:
         """Return the fields of the ``frame`` message that the kind adds or sets."""
@@ -179,7 +166,8 @@ class SessionModel(ABC):
         By default that for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on
         the floor where it comes down (or up) to it. As :meth:`on_scene_click`.
         """
-        if self.volume is not None and self.volume.is_on and self.volume.is_asked:
+        volume = self.find(Volumetric)
+        if volume is not None and volume.is_on and volume.is_asked:
             return VoxelRayCommand(origin, direction)
         (ox, oy, oz), (dx, dy, dz) = origin, direction
         if dz * oz >= 0.0:
@@ -257,11 +245,13 @@ class SessionModel(ABC):
 
     @property
     def has_deferred_work(self) -> bool:
-        """Whether there is work that the layers do not depend on (event loop)."""
-        return False
+        """Whether there is work that the layers do not depend on (event loop); by default of a part."""
+        return any(part.has_deferred_work for part in self.parts)
 
-    def run_deferred_work(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
+    def run_deferred_work(self, result: TickResult) -> None:
         """Do the deferred work."""
+        for part in self.parts:
+            part.run_deferred_work(result)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of checkpoints, None if no checkpoint is missing (event loop)."""

@@ -1,4 +1,4 @@
-"""A part of a session: one capability, as the model and its host see it."""
+"""A part of a session: one capability, as its source and the host see it, and what a source offers its parts."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any, ClassVar, Protocol
 
 from msgspec import Struct
 
-from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.array_types import BoolArray, Float64Array, Int8Array
 from mapper.grid import OccupancyGrid
+from mapper.sensors.scan import RangeScan, ScanLog
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
-from server.sessions.parts import LayerCosts
+from server.sessions.parts import Costs, LayerCosts
 from server.sessions.tick import TickResult
+from server.sessions.view import Pose
 from server.stream.layers import Layer
-
-#: A hexagon around the lab's robot, whose radius is 0.2 m: corners in its frame, metres.
-HEXAGON = ((0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2))
+from server.stream.protocol import Message
 
 
 class Cloud(Protocol):
@@ -38,10 +38,87 @@ class Cloud(Protocol):
         """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
 
 
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """The robot of a source now, in its map.
+
+    ``pose`` is T_map_base as it takes itself to be, ``time_s`` the time on the clock of its scans. ``scan`` is its
+    newest scan, None while that is not in the map, and ``scan_pose`` T_map_laser there. ``number`` grows with each
+    newest scan; it is less than before where the map was brought back to an earlier one.
+    """
+
+    pose: Pose
+    time_s: float
+    scan: RangeScan | None
+    scan_pose: Pose | Float64Array
+    number: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticMap:
+    """A map that does not change by itself.
+
+    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 … 100.
+    """
+
+    grid: OccupancyGrid
+    keepout: Int8Array | None = None
+    speed: Int8Array | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A static map beside the source's own.
+
+    ``title`` completes "Which map: …". ``read`` returns it, and raises :class:`mapper.core.errors.ConfigError` where
+    there is none; ``version`` returns another object when there is another map. ``is_first`` says whether the poses
+    are in this map now, so that it is the one to begin with.
+    """
+
+    title: str
+    read: Callable[[], StaticMap]
+    version: Callable[[], object] = lambda: None
+    is_first: Callable[[], bool] = lambda: False
+
+
+@dataclass(frozen=True, slots=True)
+class OtherMap:
+    """A map beside the source's own that changes.
+
+    ``read`` returns another object when it has changed, None while there is none; ``title`` is as that of a plan.
+    """
+
+    title: str
+    read: Callable[[], OccupancyGrid | None]
+
+
+@dataclass(slots=True)
+class Offers:
+    """What a source offers its parts, and what earlier parts offer later ones; what there is not is None or left out.
+
+    ``grid`` returns the source's map, which ``map_title`` describes as the title of a plan does, and ``robot`` the
+    robot in it; ``drive`` drives the robot with velocities in m/s and rad/s. ``plans`` and ``maps`` are other maps by
+    name, ``costs`` costs of a layer of a costmap by the layer's name: another object when they have changed, None while
+    there are none. ``costmap`` returns the costs that a path is planned on, None while there is no costmap.
+    """
+
+    host: ModelHost
+    cloud: Cloud | None = None
+    grid: Callable[[], OccupancyGrid] | None = None
+    map_title: str = ""
+    robot: Callable[[], Robot] | None = None
+    drive: Callable[[float, float, TickResult], None] | None = None
+    plans: dict[str, Plan] = field(default_factory=dict)
+    maps: dict[str, OtherMap] = field(default_factory=dict)
+    costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)
+    costmap: Callable[[], Costs | None] | None = None
+
+
 class Part:
     """A capability of a session. Each method has a default, and runs on a worker thread unless stated otherwise."""
 
     commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
+    recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
     subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
     tables: Mapping[str, list[dict[str, Any]]] = {}  #: rows of its parameters, by the field of ``hello`` that has them
 
@@ -65,8 +142,25 @@ class Part:
         """Whether it has not done yet what commands requested: the next tick goes on (event loop)."""
         return False
 
-    def messages(self) -> list[dict[str, Any]]:
+    @property
+    def logs(self) -> Sequence[ScanLog]:
+        """Logs that it holds beside the source's (any thread)."""
+        return ()
+
+    @property
+    def has_deferred_work(self) -> bool:
+        """Whether there is work that its layers do not depend on (event loop)."""
+        return False
+
+    def run_deferred_work(self, result: TickResult) -> None:
+        """Do the deferred work, if there is some."""
+
+    def messages(self) -> Sequence[Message]:
         """Return the messages for a new client: the newest of each type."""
+        return ()
+
+    def history(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same, as JSON has them; none while it is off."""
         return []
 
     def handle(self, command: Any, result: TickResult) -> None:  # noqa: ANN401 - one of the part's own commands
@@ -75,23 +169,13 @@ class Part:
     def note(self, command: Struct, result: TickResult) -> None:
         """Take note of a command that the source has carried out, such as another world."""
 
+    def advance(self, seconds: float, result: TickResult) -> float:  # noqa: ARG002 - most parts do not drive
+        """Act before the time of a simulation passes; return after how many of the ``seconds`` to be called again."""
+        return seconds
+
     def changed(self, result: TickResult) -> None:
         """Follow what changed in the source in this tick: ``result`` has the cells of its map. Update the layers."""
 
     def drawings(self) -> list[Drawing]:
         """Return what it shows in 3D (event loop, between two ticks)."""
         return []
-
-
-@dataclass(slots=True)
-class Offers:
-    """What a source offers its parts, and what earlier parts offer later ones; what there is not is None or left out.
-
-    ``maps`` are maps beside the source's own by name: another object when one has changed, None while it is off;
-    ``costs`` are costs of a layer of a costmap by the layer's name, in the same way.
-    """
-
-    host: ModelHost
-    cloud: Cloud | None = None
-    maps: dict[str, Callable[[], OccupancyGrid | None]] = field(default_factory=dict)
-    costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)

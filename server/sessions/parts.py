@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -9,44 +10,53 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions.view import GraphChange, LogView, Wanted
+from server.sessions.view import GraphChange, LogView, Pose, Wanted
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array, UInt8Array
+    from mapper.costmap import SpeedFilter, SpeedLimit
     from mapper.diagnosis import Diagnosis
     from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
+    from mapper.planning.parameters import PlannerConfig, PursuitConfig
 
 
 GraphSource: TypeAlias = Callable[[str], Awaitable[bytes | None]]  #: reads the file of a trajectory's pose graph
 
 
-class Recording(Protocol):
+class Recording(ABC):
     """The log of a session."""
 
     log_id: str
 
     @property
+    @abstractmethod
     def log(self) -> ScanLog:
         """The log."""
 
     @property
+    @abstractmethod
     def trajectory(self) -> str:
         """The name of the trajectory in use."""
 
+    @abstractmethod
     def first_config(self) -> MappingConfig:
         """Return the initial parameters for the log."""
 
+    @abstractmethod
     def view(self) -> LogView:
         """Return the present view: sensor, trajectory, parameters, scans in the map."""
 
+    @abstractmethod
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
 
     @property
+    @abstractmethod
     def examined_share(self) -> float | None:
         """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
 
+    @abstractmethod
     async def examined(self) -> Diagnosis:
         """Return the diagnosis of the log with the present trajectory.
 
@@ -54,77 +64,94 @@ class Recording(Protocol):
         """
 
 
-class Viewed(Protocol):
+class Viewed(ABC):
     """View of an upload in a session, for a link that opens the same."""
 
     log_id: str
 
+    @abstractmethod
     def view(self) -> LogView:
         """Return the present view. ``trajectory`` is the topic for recorded costmaps, ``index`` the number of one."""
 
 
-class Comparable(Protocol):
+class Comparable(ABC):
     """The comparison of a session's map, B, with another one, A."""
 
+    @abstractmethod
     async def compare(self, wanted: Wanted | None) -> None:
         """Compare with another map; None ends the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
+    @abstractmethod
     async def compared(self) -> tuple[dict[str, Any], Comparison]:
         """Return the description of A and the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
+    @abstractmethod
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
         """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
 
+    @abstractmethod
     def description(self) -> dict[str, Any] | None:
         """Return the description of A, None if there is no comparison."""
 
 
-class Graphed(Protocol):
+class Graphed(ABC):
     """The pose graph of a session's trajectory. All of it raises :class:`mapper.core.errors.MapperError`."""
 
+    @abstractmethod
     async def public(self, source: GraphSource) -> dict[str, Any]:
         """Return the loops of the graph, and show its layer."""
 
+    @abstractmethod
     async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
         """Return an edge with both of its scans."""
 
+    @abstractmethod
     async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
         """Return the score of the poses around an edge."""
 
+    @abstractmethod
     async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
         """Return the loops that were tried near a place, map metres."""
 
+    @abstractmethod
     async def candidate(self, candidate: int, source: GraphSource) -> dict[str, Any]:
         """Return a loop that was tried with both of its scans."""
 
+    @abstractmethod
     async def change(self, change: GraphChange, source: GraphSource) -> dict[str, Any]:
         """Change the graph and map along its poses; return as :meth:`public`."""
 
+    @abstractmethod
     async def files(self, source: GraphSource) -> tuple[str, bytes, bytes]:
         """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
 
 
-class Localized(Protocol):
+class Localized(ABC):
     """The localization of a session's trajectory in a map."""
 
+    @abstractmethod
     async def public(self, source: GraphSource) -> dict[str, Any] | None:
         """Return how certain the poses are along the log, None where they come from no localization."""
 
 
-class Volumetric(Protocol):
+class Volumetric(ABC):
     """The map in 3D of a session."""
 
     @property
+    @abstractmethod
     def is_on(self) -> bool:
         """Whether there is one now."""
 
     @property
+    @abstractmethod
     def is_asked(self) -> bool:
         """Whether a click in the 3D view asks about a voxel."""
 
+    @abstractmethod
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
 
+    @abstractmethod
     def mesh_bytes(self, kind: str) -> bytes:
         """Return the present surface, or the outside of the voxels, as a file ``.ply`` or ``.glb``.
 
@@ -132,32 +159,34 @@ class Volumetric(Protocol):
         """
 
     @property
+    @abstractmethod
     def above(self) -> OccupancyGrid | None:
         """The map from above, of a band of heights; None where nothing is known there."""
 
 
-class EditedFiles(Protocol):
+class EditedFiles(ABC):
     """A map that is edited."""
 
+    @abstractmethod
     async def files(self, stem: str) -> list[tuple[str, bytes]]:
         """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""
 
 
-class Costed(Protocol):
+class Costed(ABC):
     """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
 
-    def history(self) -> list[dict[str, Any]]:
-        """Return the commands from which another session gets the same costmap and goal; none without a costmap."""
-
+    @abstractmethod
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""
 
+    @abstractmethod
     def present_footprint(self) -> dict[str, Any] | None:
         """Return the robot's footprint: ``footprint``, corners in its frame, metres, and both radii with the padding.
 
         None where there is none.
         """
 
+    @abstractmethod
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the painted masks (rows, cols) on the costs' cells.
 
@@ -165,9 +194,10 @@ class Costed(Protocol):
         """
 
 
-class Story(Protocol):
+class Story(ABC):
     """The recorded history of a session, from which it can be reproduced."""
 
+    @abstractmethod
     async def current(self) -> dict[str, Any]:
         """Return the story, between two ticks, of all that was asked of the session before."""
 
@@ -184,6 +214,39 @@ class LayerCosts(Protocol):
 
     def why(self, row: int, col: int) -> str:
         """Say in one sentence why a cell has its cost."""
+
+
+class Costs(Protocol):
+    """The costs of a costmap, on which a path is planned and followed."""
+
+    revision: int  #: another number when costs or parameters have changed
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Geometry of the costs."""
+
+    @property
+    def costs(self) -> UInt8Array:
+        """The costs (rows, cols), an array that the costmap goes on writing."""
+
+    @property
+    def planner(self) -> PlannerConfig:
+        """Parameters of the planner."""
+
+    @property
+    def pursuit(self) -> PursuitConfig:
+        """Parameters of the follower of the path."""
+
+    @property
+    def radius(self) -> float:
+        """Circumscribed radius of the robot with its padding, metres."""
+
+    @property
+    def speed_filters(self) -> tuple[SpeedFilter, ...]:
+        """The speed limits."""
+
+    def speed_limit(self, pose: Pose) -> SpeedLimit | None:
+        """Return the speed limit of a robot at ``pose``; None where speed limits are off."""
 
 
 class UploadedCosts(LayerCosts, Protocol):

@@ -11,7 +11,7 @@ from msgspec import Struct
 from mapper.core.errors import MapperError
 from mapper.grid import CellBox
 from server.stream.hub import Client
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import Message, ProtocolError, type_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,9 +43,9 @@ class TickResult:
     cells: list[NDArray[np.uint32]] | None = field(default_factory=list)
     cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
     remade_ms: float | None = None  #: duration of recomputing the whole map
-    slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, to all clients
+    slots: dict[str, Message] = field(default_factory=dict)  #: newest message of each type, to all clients
     notices: list[dict[str, Any]] = field(default_factory=list)  #: each sent to all clients
-    answers: list[tuple[Client | None, dict[str, Any]]] = field(default_factory=list)
+    answers: list[tuple[Client | None, Message]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
 
@@ -60,15 +60,16 @@ class TickResult:
             elif self.cells is not None:
                 self.cells.append(change.cells)
 
-    def slot(self, message: dict[str, Any]) -> None:
-        """Send ``message`` to all clients, unless a newer one of its type replaces it first."""
-        self.slots[message["type"]] = message
+    def slot(self, *messages: Message) -> None:
+        """Send messages to all clients, unless a newer one of its type replaces it first."""
+        for message in messages:
+            self.slots[type_of(message)] = message
 
     def notice(self, code: str, message: str) -> None:
         """Send a notice to all clients."""
         self.notices.append({"type": "notice", "code": code, "message": message})
 
-    def answer(self, message: dict[str, Any]) -> None:
+    def answer(self, message: Message) -> None:
         """Send ``message`` to the sender of the present command."""
         self.answers.append((self.client, message))
 

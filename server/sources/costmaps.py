@@ -12,12 +12,13 @@ from mapper.costmap import NO_INFORMATION
 from mapper.io.logs.summary import start_s
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
+from server.sessions.parts import Costed, Viewed
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost has a byte of its own
 
 
-class CostmapsModel(SessionModel):
+class CostmapsModel(SessionModel, Costed, Viewed):
     """The costmaps of a recording: those of one topic, one after the other."""
 
     kind: ClassVar[str] = "costmaps"
@@ -38,7 +39,6 @@ class CostmapsModel(SessionModel):
         """Show the costmaps of ``topic``, else of the topic with most of them, from number ``index`` on."""
         self._streams = dict(streams)
         self.log_id, self._title = log_id, title
-        self.costed = self
         self._layer = GridLayer("map", "Costmap", "recorded_costs")
         most = max(self._streams, key=lambda name: len(self._streams[name]))
         super().__init__(Playback(speed=1.0, speeds=(0.1, 100.0)))
@@ -84,11 +84,6 @@ class CostmapsModel(SessionModel):
         kept = [one for stream in self._streams.values() for one in stream.kept]
         return Footprint(max(one.geometry.rows * one.geometry.cols for one in kept) + sum(len(k.packed) for k in kept))
 
-    @property
-    def viewed(self) -> CostmapsModel:
-        """The costmap that is shown."""
-        return self
-
     def view(self) -> LogView:
         """Return the topic and the number of the costmap that is shown."""
         return LogView(trajectory=self._topic, index=self._index)
@@ -119,7 +114,7 @@ class CostmapsModel(SessionModel):
             }
         }
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return when each costmap was recorded, with the middle of its window."""
         middles = [
             geometry.cell_to_world(((geometry.rows - 1) / 2, (geometry.cols - 1) / 2)).round(3).tolist()
@@ -143,10 +138,6 @@ class CostmapsModel(SessionModel):
     def scan(self) -> dict[str, Any]:
         """Return a scan without readings."""
         return NO_READINGS
-
-    def history(self) -> list[dict[str, Any]]:
-        """Return none: what is shown is recorded."""
-        return []
 
     def present_costs(self) -> RecordedCostmap:
         """Return the present costmap."""

@@ -18,6 +18,7 @@ from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
+from server.parts import parts_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -25,6 +26,7 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
+from server.sessions.part import Offers, Robot
 from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
@@ -34,7 +36,6 @@ from server.sources.log_comparison import LogComparison
 from server.sources.log_graph import LogGraph
 from server.sources.log_healing import LogHealing
 from server.sources.log_localization import LogLocalization
-from server.sources.log_navigation import LogNavigation
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import LogUpdates
 from server.stream.commands import (
@@ -52,7 +53,7 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, type_of
+from server.stream.protocol import Message, ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
 MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
@@ -112,7 +113,6 @@ class LogModel(SessionModel):
     comparison: LogComparison
     graph: LogGraph
     localization: LogLocalization
-    navigation: LogNavigation
 
     def __init__(
         self,
@@ -134,21 +134,23 @@ class LogModel(SessionModel):
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
         self._left_at = 0  #: the index at which the map was before it was requested
-        self.recording = LogRecording(host, replay, log_id, view, first)
+        self.recording = self.source = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
-        self.navigation = self.costed = LogNavigation(self.recording, lambda: self.localization.given)
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
-        self.parts = (
-            self.parameters,
-            CellQuestions(self._explained),
-            self._updates,
-            self.localization,
-            self.navigation,
+        offers = Offers(
+            host,
+            grid=lambda: self.grid,
+            map_title="the log's own",
+            robot=self._robot,
+            plans={"given": self.localization.plan},
         )
+        shown = (self.comparison, self.graph, self._updates, self.localization)
+        own = (self.parameters, CellQuestions(self._explained), *shown)
+        self.parts = (*own, *parts_of(offers))
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
@@ -162,7 +164,7 @@ class LogModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map of a comparison, the pose graph, and what it is localized in."""
         of_parts = (layer for part in self.parts for layer in part.layers)
-        return (self._map, *self.comparison.layers, *self.graph.layers, *of_parts)
+        return (self._map, *of_parts)
 
     @property
     def title(self) -> str:
@@ -192,10 +194,9 @@ class LogModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of both maps, and their logs."""
-        other = self.comparison.footprint
         return Footprint(
-            int(self.grid.log_odds.size) + other.cells + sum(part.cells for part in self.parts),
-            (self.recording.log, *other.logs),
+            int(self.grid.log_odds.size) + sum(part.cells for part in self.parts),
+            (self.recording.log, *(log for part in self.parts for log in part.logs)),
         )
 
     @property
@@ -210,6 +211,11 @@ class LogModel(SessionModel):
     def progress(self) -> tuple[int, int]:
         """Scans in the map, scans of the log."""
         return (self.recording.replay.index, self.recording.log.n_scans)
+
+    def _robot(self) -> Robot:
+        """Return the robot at the newest scan in the map."""
+        state = self.recording.robot_state()
+        return Robot(state.pose, state.scan.stamp_ns * 1e-9, state.scan, state.scan_pose, self.recording.replay.index)
 
     def _explained(self) -> list[ExplainedMap]:
         own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])
@@ -271,7 +277,7 @@ class LogModel(SessionModel):
             },
         }
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
@@ -339,22 +345,12 @@ class LogModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
-        self.comparison.draw(result)
         super().draw(result)
 
     @property
     def is_catching_up(self) -> bool:
         """Whether the map is not yet that of the requested scan."""
         return self._target != self.recording.replay.index
-
-    @property
-    def has_deferred_work(self) -> bool:
-        """Whether the numbers of the comparison are out of date."""
-        return self.comparison.is_outdated
-
-    def run_deferred_work(self, result: TickResult) -> None:
-        """Compare the two maps."""
-        self.comparison.update_numbers(result)
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""

@@ -15,7 +15,8 @@ from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import ExplainedMap
 from server.sessions.comparison_numbers import comparison_message
 from server.sessions.hosting import ModelHost
-from server.sessions.model import Footprint
+from server.sessions.part import Part
+from server.sessions.parts import Comparable
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
 from server.sources.log_recording import LogRecording
@@ -24,7 +25,7 @@ from server.stream.layers import GridLayer
 from server.work.scheduler import checkpoint
 
 
-class LogComparison:
+class LogComparison(Part, Comparable):
     """The second map of a log session, if there is one. ``message`` returns the ``parameters`` message."""
 
     def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
@@ -83,13 +84,17 @@ class LogComparison:
         return () if self._layer is None else (self._layer,)
 
     @property
-    def footprint(self) -> Footprint:
-        """The cells of A, and its log."""
-        other = self._other
-        return Footprint() if other is None else Footprint(int(other.replay.grid.log_odds.size), (other.replay.log,))
+    def cells(self) -> int:
+        """The cells of A."""
+        return 0 if self._other is None else int(self._other.replay.grid.log_odds.size)
 
     @property
-    def is_outdated(self) -> bool:
+    def logs(self) -> tuple[ScanLog, ...]:
+        """The log of A."""
+        return () if self._other is None else (self._other.replay.log,)
+
+    @property
+    def has_deferred_work(self) -> bool:
         """Whether the numbers are out of date."""
         return self._other is not None and self._other.is_new
 
@@ -157,7 +162,7 @@ class LogComparison:
             self._other = self._layer = None
             result.slot(comparison_message(self._recording.replay.index))
 
-    def draw(self, result: TickResult) -> None:
+    def changed(self, result: TickResult) -> None:
         """Advance A to the session's scan, and update its layer."""
         other, layer = self._other, self._layer
         if other is None or layer is None:
@@ -168,10 +173,10 @@ class LogComparison:
         result.changed |= whole or box is not None
         result.changed |= layer.update(other.second.grid, other.second.config, box, whole=whole)
 
-    def update_numbers(self, result: TickResult) -> None:
-        """Compare the two maps, and send the numbers."""
+    def run_deferred_work(self, result: TickResult) -> None:
+        """Compare the two maps, and send the numbers, if they are out of date."""
         other, replay = self._other, self._recording.replay
-        if other is None:
+        if other is None or not other.is_new:
             return
         other.is_new = False
         try:

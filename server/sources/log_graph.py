@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
 from server.sessions.hosting import ModelHost
-from server.sessions.parts import GraphSource
+from server.sessions.part import Part
+from server.sessions.parts import Graphed, GraphSource
 from server.sessions.view import GraphChange
 from server.sources.log_recording import LogRecording
 from server.sources.solved_graph import ShowGraph
@@ -46,7 +47,7 @@ def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
     return text.encode(), graph_bytes(graph, solved.candidates)
 
 
-class LogGraph:
+class LogGraph(Part, Graphed):
     """The graph of a log session's present trajectory, if it has one, and its layer."""
 
     def __init__(self, host: ModelHost, recording: LogRecording) -> None:

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
 from server.sessions.commands import ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
-from server.sessions.part import Part
-from server.sessions.parts import GraphSource
+from server.sessions.part import Part, Plan, StaticMap
+from server.sessions.parts import GraphSource, Localized
 from server.sessions.tick import TickResult
 from server.sources.localization_message import COLUMNS, OFF
 from server.sources.log_recording import LogRecording
@@ -24,10 +25,11 @@ from server.stream.whole_layers import TableLayer
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress
 
+LOCALIZED = "localized"  #: the trajectory of poses that were found in the given map
 MOST_POINTS = 1000  #: of the series that pages plot
 
 
-class LogLocalization(Part):
+class LogLocalization(Part, Localized):
     """View of a running localization job, and of a trajectory from one."""
 
     commands = (ShowGivenMap, ShowCourse)
@@ -64,9 +66,22 @@ class LogLocalization(Part):
         return shown[1] if shown is not None and shown[0] == self._recording.trajectory else None
 
     @property
-    def given(self) -> GivenMap | None:
-        """The map that the log is localized in, None before one was shown."""
-        return self._given
+    def plan(self) -> Plan:
+        """The map that the log is localized in, as a plan for parts; the poses that were found there are in it."""
+        return Plan(
+            "the map of the group Localize, for poses in that map",
+            self._static_map,
+            lambda: self._given,
+            lambda: self._given is not None and self._recording.trajectory == LOCALIZED,
+        )
+
+    def _static_map(self) -> StaticMap:
+        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
+
+        given = self._given
+        if given is None:
+            raise ConfigError("costmap.no_given_map", "There is no given map: choose one in the group Localize.")
+        return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
     def handle(self, command: ShowGivenMap | ShowCourse, result: TickResult) -> None:
         """Show a map, or the course that a trajectory comes with."""

@@ -22,6 +22,7 @@ from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from mapper.sensors.planar.options import PlanarCut, applies
 from mapper.sensors.scan import ScanLog
 from server.sessions.hosting import ModelHost
+from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
 from server.sources.diagnosing import examination
@@ -72,7 +73,7 @@ class _Examination:
         return self.waiting > 0
 
 
-class LogRecording:
+class LogRecording(Recording, Viewed):
     """A log, and the replay that makes its map.
 
     ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut. ``first``

@@ -24,11 +24,12 @@ from server.library.packs.given_map import GivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
+from server.sessions.parts import EditedFiles
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import fields_of
+from server.stream.protocol import Message, fields_of
 from server.stream.tiles import TilePicture, picture_range
 
 MOST_CELLS = 1 << 24  #: of a map that is edited
@@ -60,7 +61,7 @@ def operation_of(command: MapEditCommand) -> Operation:
     return parse_operation({"op": command.op, **given})
 
 
-class MapModel(SessionModel):
+class MapModel(SessionModel, EditedFiles):
     """A map of the library with its edits."""
 
     kind: ClassVar[str] = "map"
@@ -76,7 +77,6 @@ class MapModel(SessionModel):
         self._speed = GridLayer("speed_filter", "Speed limits", "speed")
         self._is_stale = True
         self._has_limits = False  #: whether the layer of speed limits was ever drawn
-        self.editing = self
         self._draw()
 
     # -- what is shown --------------------------------------------------------------------------------------------
@@ -105,7 +105,7 @@ class MapModel(SessionModel):
         """Return the title."""
         return {"title": self.title}
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return the message ``map_edits``."""
         edited = self._edited
         return [

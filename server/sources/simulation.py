@@ -12,11 +12,12 @@ import numpy as np
 from msgspec import Struct
 
 from mapper.core.errors import ConfigError, WorkCancelledError
-from mapper.core.se2 import compose_one
+from mapper.core.se2 import compose, compose_one
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
 from mapper.simulation.live_map import LiveMap, world_named
+from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.parts import parts_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
@@ -26,15 +27,14 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.part import Offers
+from server.sessions.part import Offers, OtherMap, Plan, Robot, StaticMap
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
-from server.sources.lab_navigation import LabNavigation, believed_now
+from server.sources.believed_pose import believed_now
 from server.sources.localization_view import LocalizationView
-from server.sources.navigation_messages import checked_commands
 from server.sources.simulation_commands import Action, act
 from server.sources.simulation_messages import world_message
 from server.sources.slam_view import SlamView
@@ -56,7 +56,7 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import Message, ProtocolError, command_of, type_of
 
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
@@ -80,13 +80,20 @@ class SimulationModel(SessionModel):
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
-        self._volume = self.volume = VolumeView(host, mapper, self.playback)
-        offers = Offers(host, self._volume, {"map_3d": lambda: self._volume.projection})
-        offered = parts_of(offers)
-        self._navigation = self.costed = LabNavigation(mapper, offers)
-        self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.history)
-        following = (LocalizationView(mapper), self._volume, *offered, self._navigation, SlamView(mapper))
-        self.parts = (self.parameters, CellQuestions(self._explained), *following)
+        self._volume = VolumeView(host, mapper, self.playback)
+        offers = Offers(
+            host,
+            self._volume,
+            grid=lambda: mapper.grid,
+            map_title="the belief as it changes",
+            robot=self._robot,
+            drive=lambda linear, angular, result: act(mapper, DriveCommand(linear, angular), result),
+            plans={"plan": Plan("the plan of the world as it was when chosen", self._plan)},
+            maps={"map_3d": OtherMap("the 3D map from above, while there is one", lambda: self._volume.projection)},
+        )
+        story = SimulationStory(host, mapper, self.playback, max_story_s, self.history)
+        own = (self.parameters, CellQuestions(self._explained), story, LocalizationView(mapper), self._volume)
+        self.parts = (*own, *parts_of(offers), SlamView(mapper))
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
@@ -168,6 +175,16 @@ class SimulationModel(SessionModel):
         now, scan_pose = believed_now(mapper), compose_one(mapper.believed_pose, mount)
         return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
 
+    def _robot(self) -> Robot:
+        """Return the robot where it takes itself to be in the map."""
+        mapper, simulation = self._mapper, self._mapper.simulation
+        scan = None if mapper.hidden else mapper.newest
+        scan_pose = compose(mapper.believed_pose, simulation.mount)
+        return Robot(believed_now(mapper), simulation.time, scan, scan_pose, mapper.n_newest)
+
+    def _plan(self) -> StaticMap:
+        return StaticMap(plan_map(self.world))
+
     def sources(self) -> list[Source]:
         """Return the recordings, one for each kind of sensor."""
         trajectory = self._mapper.faults.trajectory
@@ -230,7 +247,7 @@ class SimulationModel(SessionModel):
             **self.tables(),
         }
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
         return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 
@@ -260,7 +277,10 @@ class SimulationModel(SessionModel):
         if not low <= speed <= high:
             raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
         self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
-        for command in checked_commands(story.get("navigation") or ()):
+        recorded = tuple(command for part in self.parts for command in part.recorded)
+        for command in map(command_of, story.get("navigation") or ()):
+            if not isinstance(command, recorded):
+                raise ProtocolError("story.navigation", f"A story cannot hold the command {type_of(command)!r:.80}.")
             self.handle(command, TickResult())
 
     def _remake(self, config: MappingConfig, result: TickResult) -> None:
@@ -275,8 +295,12 @@ class SimulationModel(SessionModel):
         """Advance the simulation, and map its scans."""
         if dt > 0.0:
             result.changed = True
-            for change in self._navigation.advance(dt * self.playback.speed, result):
-                result.add(change)
+            left = dt * self.playback.speed
+            while left > 0.0:
+                step = min(part.advance(left, result) for part in self.parts)
+                left -= step
+                for change in self._mapper.advance(step):
+                    result.add(change)
 
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""

@@ -17,6 +17,8 @@ from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.pose_correction import Corrector
 from mapper.simulation.robot import PoseTuple
 from server.sessions.hosting import ModelHost
+from server.sessions.part import Part
+from server.sessions.parts import Story
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sources.simulation_commands import Action, act
@@ -27,7 +29,7 @@ MAX_JOURNAL = 1000  #: most actions in a story
 MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds
 
 
-class SimulationStory:
+class SimulationStory(Part, Story):
     """The story of a session: that of its simulation, playing, speed, the costmap. ``max_s`` as in :func:`story_of`.
 
     ``navigation`` returns the commands that begin the costmap and set its goal.

@@ -26,6 +26,7 @@ from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers
+from server.sessions.parts import Volumetric
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.sources.cloud_points import CloudPoints
@@ -51,7 +52,7 @@ from server.stream.commands import (
     VoxelRayCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -62,7 +63,7 @@ PIECE_S = 0.05  #: of drawing voxels
 LOG_ODDS = 3.5  #: the range of the map from above
 
 
-class VolumeModel(SessionModel):
+class VolumeModel(SessionModel, Volumetric):
     """A map of occupied and free voxels of the scans of ``source`` so far, or an octree."""
 
     kind: ClassVar[str] = "volume"
@@ -95,7 +96,6 @@ class VolumeModel(SessionModel):
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
-        self.volume = self
         self._drawn = VolumeDrawings(source, self._low, self._high)
         self._questions = VoxelQuestions(host, self._drawn.chosen)
         scans = source if isinstance(source, ScanSequence) else None
@@ -182,7 +182,7 @@ class VolumeModel(SessionModel):
             "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
         }
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Message]:
         """Return what the map has, its parameters, and that no voxel is chosen."""
         return [
             self._message(),

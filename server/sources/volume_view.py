@@ -21,10 +21,11 @@ from mapper.volume.mesh.voxel_normals import painted_directions
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
+from server.sessions.parts import Volumetric
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.sources.believed_pose import believed_now
 from server.sources.chosen_voxel import ChosenVoxel
-from server.sources.lab_navigation import believed_now
 from server.sources.lab_surface import LabSurface
 from server.sources.lab_volume import LabVolume, only_in_3d, points_of, true_ground
 from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
@@ -49,7 +50,7 @@ PALETTE = np.array(
 )  # fmt: skip
 
 
-class VolumeView(Part):
+class VolumeView(Part, Volumetric):
     """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
 
     Faces of voxels are made only while a 3D view asks for them.

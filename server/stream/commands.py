@@ -9,8 +9,10 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
+from server.parts.costmap.messages import CostCommand, CostmapCommand, Nav2Command
+from server.parts.path.messages import GoalCommand
 from server.parts.terrain.messages import TerrainCommand
-from server.stream.message_parts import BrushStroke, DrawnSolid, Number, Point, Values, Whole
+from server.stream.message_parts import DrawnSolid, Number, Point, Values, Whole
 
 
 class AckCommand(Struct, tag_field="type", tag="ack"):
@@ -119,36 +121,6 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
 
     value: Annotated[bool, Meta(description="whether there is one")] = True
     values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
-
-
-class CostmapCommand(Struct, tag_field="type", tag="costmap"):
-    """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
-
-    value: Annotated[bool, Meta(description="whether there is one")] = True
-    values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
-    footprint: Annotated[list[Point] | None, Meta(description="corners of the robot's outline, in its frame")] = None
-    keepout: Annotated[list[BrushStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None
-
-
-class GoalCommand(Struct, tag_field="type", tag="goal"):
-    """Sessions with a costmap: set the goal of the path, and whether the robot drives along it."""
-
-    x: Annotated[Number | None, Meta(description="x in the map frame, m; null: no goal")] = None
-    y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
-    drives: Annotated[bool | None, Meta(description="whether it drives; null: as before")] = None
-
-
-class CostCommand(Struct, tag_field="type", tag="cost"):
-    """Sessions with a costmap: ask why a cell has its cost; answered with `cost`."""
-
-    x: Annotated[Number, Meta(description="x in the map frame, m")]
-    y: Annotated[Number, Meta(description="y in the map frame, m")]
-
-
-class Nav2Command(Struct, tag_field="type", tag="nav2"):
-    """Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
-
-    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
 
 
 class MapEditCommand(Struct, tag_field="type", tag="map_edit"):

@@ -20,7 +20,7 @@ import msgspec
 from server.stream.codecs import TILES, join_frame
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
-from server.stream.protocol import ProtocolError, encode_text
+from server.stream.protocol import Message, ProtocolError, encode_text, type_of
 from server.stream.traffic import Traffic
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
@@ -124,15 +124,15 @@ class Hub:
         """Return the id under which a layer is sent."""
         return self._ids[layer]
 
-    def set_slot(self, message: dict[str, Any]) -> None:
+    def set_slot(self, message: Message) -> None:
         """Set ``message`` as the newest of its type, to be sent once to each client."""
-        kind = message["type"]
+        kind = type_of(message)
         self.slots[kind] = encode_text(message)
         for client in self.clients:
             client.unsent.add(kind)
             client.notify()
 
-    def send_all(self, message: dict[str, Any]) -> None:
+    def send_all(self, message: Message) -> None:
         """Send a notice to all clients."""
         for client in self.clients:
             client.send(message)
@@ -217,7 +217,7 @@ class Client:
         """Whether acknowledgements are slow, or too few have arrived yet."""
         return self._latency > SLOW_ACK_S
 
-    def send(self, message: dict[str, Any]) -> None:
+    def send(self, message: Message) -> None:
         """Send an answer or a notice to this client alone."""
         self._answers.append(encode_text(message))
         self.notify()

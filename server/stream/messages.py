@@ -12,6 +12,8 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+from server.parts.costmap.messages import CostmapMessage, CostMessage, Nav2Message
+from server.parts.path.messages import PathMessage
 from server.parts.terrain.messages import TerrainMessage
 from server.stream.message_parts import (
     Block,
@@ -31,12 +33,8 @@ from server.stream.message_parts import (
     Values,
 )
 from server.stream.navigation_messages import (
-    CostmapMessage,
-    CostMessage,
     LocalizationMessage,
     MapEditsMessage,
-    Nav2Message,
-    PathMessage,
 )
 from server.stream.volume_messages import (
     Map3dMessage,

@@ -1,4 +1,4 @@
-"""The messages of localization, costmaps, paths and map editing, a part of :mod:`server.stream.messages`."""
+"""The messages of localization, map editing, a part of :mod:`server.stream.messages`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from server.stream.message_parts import (
-    BrushStroke,
-    LayerCost,
-    Point,
     Pose,
     Values,
 )
@@ -40,46 +37,6 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
 
 
-class CostmapMessage(Struct, tag_field="type", tag="costmap"):
-    """The costmap over the map of a simulation or a log."""
-
-    is_on: Annotated[bool, Meta(description="whether there is one")]
-    values: Annotated[Values, Meta(description="navigation parameters")]
-    footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
-    inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
-    circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
-    keepout: Annotated[list[BrushStroke], Meta(description="all that is painted")]
-
-
-class PathMessage(Struct, tag_field="type", tag="path"):
-    """Sessions with a costmap: the path to the goal; its points are in the layer `plan`."""
-
-    goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
-    drives: Annotated[bool, Meta(description="whether the robot drives along it")]
-    length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
-    cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
-    travel_s: Annotated[
-        float | None,
-        Meta(
-            description="time along it at the desired velocity, less where speed limits are, s; null: there is no path"
-        ),
-    ]
-    reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
-    reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
-    carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
-    plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
-    speed_limit: Annotated[str | None, Meta(description="the painted speed limit at the robot, in words; null: none")]
-
-
-class CostMessage(Struct, tag_field="type", tag="cost"):
-    """Answer to `cost`: what each layer says of a cell, bottom first."""
-
-    x: Annotated[float, Meta(description="the place that was asked for, m")]
-    y: Annotated[float, Meta(description="the place that was asked for, m")]
-    layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
-    speed: Annotated[str | None, Meta(description="the speed limit there, a sentence; null: none is painted")]
-
-
 class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
     """Maps: the edits so far."""
 
@@ -89,9 +46,3 @@ class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
     keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
     speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
     notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
-
-
-class Nav2Message(Struct, tag_field="type", tag="nav2"):
-    """Answer to `nav2`."""
-
-    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]

@@ -68,14 +68,14 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Any
+from typing import Any, TypeAlias
 
 import msgspec
 from msgspec import Struct
 
 from server.stream.commands import Command
-from server.stream.messages import ServerMessage
 
+Message: TypeAlias = Struct | dict[str, Any]  #: a message to the browser
 SUBPROTOCOL = "gridbloom.v3"
 MAX_COMMAND_BYTES = 64 * 1024
 _TYPE_WORDS = {
@@ -98,7 +98,7 @@ class ProtocolError(Exception):
         self.message = message
 
 
-def encode_text(message: ServerMessage | dict[str, Any]) -> str:
+def encode_text(message: Message) -> str:
     """Return a text frame. Raises :class:`ValueError` for NaN and infinities, which JSON does not have."""
     plain = msgspec.to_builtins(message) if isinstance(message, msgspec.Struct) else message
     return json.dumps(plain, separators=(",", ":"), allow_nan=False)
@@ -168,9 +168,11 @@ def place_of(command: Struct) -> tuple[float, ...] | None:
     return tuple(place)
 
 
-def type_of(command: Struct) -> str:
-    """Return the ``type`` of a command; of one that no client sends, the name of its class."""
-    return str(command.__struct_config__.tag or type(command).__name__)
+def type_of(message: Message) -> str:
+    """Return the ``type`` of a message or a command; of a command that no client sends, the name of its class."""
+    if isinstance(message, dict):
+        return str(message["type"])
+    return str(message.__struct_config__.tag or type(message).__name__)
 
 
 def _refused(kind: str, error: str) -> ProtocolError:

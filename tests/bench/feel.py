@@ -110,7 +110,7 @@ def goal(browser: Browser, server: str) -> Laps:
     open_group(page, "Path")
     page.get_by_role("button", name="Make the robot 1 m wide").click()
     page.get_by_role("button", name="Make it narrow again").click()
-    path = "gridbloom.connection.store.navigation.path.peek()"
+    path = "gridbloom.connection.store.part('path').message.peek()"
     page.wait_for_function(f"() => {path}?.reaches_goal")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     box = page.locator(".lab .picture").last.bounding_box()
@@ -170,8 +170,8 @@ def goal_on_log(browser: Browser, server: str) -> Laps:
     """Return the laps as :func:`goal`, on the whole map of the real log, with goals all over the robot's path."""
     page = _whole_log(browser, server)
     open_group(page, "Path")
-    path = "gridbloom.connection.store.navigation.path.peek()"
-    page.wait_for_function("() => gridbloom.connection.store.navigation.costmap.peek()?.is_on")
+    path = "gridbloom.connection.store.part('path').message.peek()"
+    page.wait_for_function("() => gridbloom.connection.store.part('costmap').message.peek()?.is_on")
     poses = page.evaluate("() => gridbloom.connection.store.trajectory.peek().poses")
     box = page.locator(".viewer .picture").bounding_box()
     assert box is not None
@@ -200,7 +200,10 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     open_group(page, "Compare")
     page.get_by_role("button", name="Save as A").click()
     page.locator(".compare-mode .choice-option", has_text="Difference").click()
-    until("the numbers", lambda: page.evaluate("() => gridbloom.connection.store.comparison.peek()?.numbers"))
+    until(
+        "the numbers",
+        lambda: page.evaluate("() => gridbloom.connection.store.part('comparison').message.peek()?.numbers"),
+    )
     settled_digest(page)
     open_group(page, "Settings")
     compared = _slid(page)

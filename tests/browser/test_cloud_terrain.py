@@ -26,7 +26,7 @@ def test_a_point_of_a_patch_is_dragged_and_its_moments_follow(page: Page, server
     np.savetxt(path, slope, fmt="%.3f")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", str(path))
-    await_true(page, f"() => window.gridbloom && {_STORE}.volume.peek()")
+    await_true(page, f"() => window.gridbloom && {_STORE}.part('volume').message.peek()")
     group = open_group(page, "Terrain")
     await_true(page, f"() => {_STORE}.part('terrain').message.peek()?.safe > 0")
     page.locator(".volume-above-map .picture").click()  # in its middle

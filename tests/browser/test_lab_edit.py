@@ -148,7 +148,7 @@ def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     outcome = figure.locator(".table-outcome")
     expect(outcome).to_contain_text(re.compile(r"With the clamp: \d+"))
     expect(outcome).to_contain_text(re.compile(r"Without: \d+"), timeout=2 * SECONDS * 1000)
-    told = lab.evaluate("() => gridbloom.connection.store.forgetting.peek()")
+    told = lab.evaluate("() => gridbloom.connection.store.part('forgetting').message.peek()")
     assert told["with_clamp"] < told["without_clamp"]
     expect(outcome).to_contain_text(f"With the clamp: {told['with_clamp']}. ")
     expect(figure.locator("svg path.clamped")).to_have_count(1)

@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true, centre, open_group
 
-_MESSAGE = "() => gridbloom.connection.store.localization.peek()"
+_MESSAGE = "() => gridbloom.connection.store.part('localization').message.peek()"
 _FOUND = f"() => {{ const m = ({_MESSAGE})(); return m?.is_converged && m.error_m < 0.5; }}"
 
 

@@ -11,8 +11,8 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true, open_group, settled_digest
 
-_NAVIGATION = "gridbloom.connection.store.navigation"
-_PATH = f"{_NAVIGATION}.path.peek()"
+_STORE = "gridbloom.connection.store"
+_PATH = f"{_STORE}.part('path').message.peek()"
 _POINTS = "gridbloom.connection.store.layers.content('plan').peek()?.columns"
 _LENGTH = f"() => {_PATH}?.length"
 
@@ -83,7 +83,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     page.get_by_role("radio", name="Keepout").check()
     drag(page, place(page, 10.0, 6.1), place(page, 10.0, 6.6), place(page, 10.0, 7.1))
     await_true(page, f"() => {_PATH}?.length > {straight} + 0.1")
-    await_true(page, f"() => {_NAVIGATION}.costmap.peek().keepout.length === 1")
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek().keepout.length === 1")
     page.get_by_role("button", name="Undo stroke").click()
     await_true(page, f"() => {_PATH}?.length < {straight} + 0.05")
     # A speed limit there: the path stays as it is, and the limit is told where it holds. Undone, none is painted.
@@ -106,7 +106,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     page.get_by_role("switch", name="Inflation").click()
     await_true(page, f"() => {_PATH}?.reaches_goal")
     page.get_by_role("slider", name="Inflation radius").first.press("ArrowLeft")
-    await_true(page, f"() => {_NAVIGATION}.costmap.peek().values.inflation_radius < 1.2")
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek().values.inflation_radius < 1.2")
     page.get_by_role("button", name="Hexagon").click()
     corner = page.get_by_role("button", name="Corner 1 of 6")
     box = corner.bounding_box()
@@ -129,6 +129,6 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     expect(page.get_by_text("controller_server.FollowPath.lookahead_dist")).to_be_visible()
     (tmp_path / "right.yaml").write_text(text.replace("lookahead_dist: 0.6", "lookahead_dist: 0.9"))
     page.get_by_label("Nav2 parameter file").set_input_files(tmp_path / "right.yaml")
-    await_true(page, f"() => {_NAVIGATION}.costmap.peek().values.lookahead_dist === 0.9")
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek().values.lookahead_dist === 0.9")
     page.get_by_role("button", name="End the costmap").click()
     expect(page.get_by_role("button", name="Make the costmap")).to_be_visible()

@@ -77,7 +77,7 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(
     expect(panel.get_by_label("Memory of the 3D map")).to_contain_text("Dense grid")
     # The costmap stands on it: the table is lethal there.
     panel.get_by_role("switch", name="Costmap over the 3D map").click()
-    await_true(page, f"() => {_STORE}.navigation.costmap.peek()?.values.map === 'map_3d'")
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek()?.values.map === 'map_3d'")
     panel.get_by_role("button", name="End the 3D map").click()
     await_true(page, f"() => !({_MESSAGE})().is_on")
     expect(panel.get_by_role("button", name="Begin a 3D map")).to_be_visible()

@@ -66,7 +66,7 @@ def test_the_sample_is_localized_in_its_own_map(
     await_end(panel.get_by_role("progressbar"))
     expect(panel.get_by_text("Found: the poses in the map")).to_be_in_viewport(ratio=1)
     panel.get_by_role("button", name="Show the start").click()
-    await_true(page, f"() => {_STORE}.localization.peek()?.n_updates === 1")
+    await_true(page, f"() => {_STORE}.part('localization').message.peek()?.n_updates === 1")
 
     def particles() -> list[float]:
         """The particles' x; a layer comes after the message of the same moment."""

@@ -10,8 +10,8 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true, open_group
 
-_NAVIGATION = "gridbloom.connection.store.navigation"
-_PATH = f"{_NAVIGATION}.path.peek()"
+_STORE = "gridbloom.connection.store"
+_PATH = f"{_STORE}.part('path').message.peek()"
 
 
 def place(page: Page, x: float, y: float) -> tuple[float, float]:
@@ -49,7 +49,7 @@ def test_the_terrain_of_a_map_is_a_sheet_of_the_costmap(page: Page, server: str,
     page.get_by_role("button", name="All logs").click()
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     open_group(page, "Costmap")
-    await_true(page, f"() => window.gridbloom && {_NAVIGATION}.costmap.peek()?.is_on")
+    await_true(page, f"() => window.gridbloom && {_STORE}.part('costmap').message.peek()?.is_on")
     sheet = page.get_by_role("switch", name="Terrain", exact=True)
     assert sheet.count() == 0
     page.locator("select", has_text="slopes.yaml (map)").select_option(label="slopes.yaml (map)")
@@ -66,7 +66,7 @@ def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     open_group(page, "Path")
-    await_true(page, f"() => window.gridbloom && {_NAVIGATION}.costmap.peek()?.is_on")
+    await_true(page, f"() => window.gridbloom && {_STORE}.part('costmap').message.peek()?.is_on")
     await_true(page, "() => { const f = gridbloom.connection.store.frame.peek(); return f?.index === f?.count; }")
     # Nothing of a simulation: nobody drives a log's robot, and there are no scenes.
     assert page.get_by_role("button", name="Put a table in the way").count() == 0
@@ -96,4 +96,4 @@ def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
     (tmp_path / "other.yaml").write_text(text.replace("cost_scaling_factor: 3.0", "cost_scaling_factor: 5.0"))
     assert "cost_scaling_factor: 3.0" in text
     page.get_by_label("Nav2 parameter file").set_input_files(tmp_path / "other.yaml")
-    await_true(page, f"() => {_NAVIGATION}.costmap.peek().values.cost_scaling_factor === 5")
+    await_true(page, f"() => {_STORE}.part('costmap').message.peek().values.cost_scaling_factor === 5")

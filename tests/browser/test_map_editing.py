@@ -14,7 +14,7 @@ from tests.browser.looking import await_true, open_group, until
 from tests.browser.test_log_path import drag, place
 
 _STORE = "gridbloom.connection.store"
-_EDITS = f"{_STORE}.mapEditing.edits.peek()"
+_EDITS = f"{_STORE}.part('map_edits').message.peek()"
 RESOLUTION, ROWS, COLS = 0.1, 60, 90
 
 
@@ -33,7 +33,7 @@ def written(folder: Path) -> list[Path]:
 
 def edited(page: Page, n: int) -> None:
     """Wait until the page has ``n`` edits, and the map after them."""
-    await_true(page, f"(n) => {_EDITS}?.n === n && {_STORE}.mapEditing.sketch.peek() === null", arg=n)
+    await_true(page, f"(n) => {_EDITS}?.n === n", arg=n)
 
 
 def state(page: Page, x: float, y: float) -> str:

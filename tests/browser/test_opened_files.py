@@ -32,7 +32,7 @@ def cloud(folder: Path) -> list[Path]:
 
 
 FILES = {
-    "a map": (written, ".viewer .picture", "() => window.gridbloom?.connection.store.mapEditing.edits.peek()"),
+    "a map": (written, ".viewer .picture", "() => window.gridbloom?.connection.store.part('map_edits').message.peek()"),
     "a cloud": (cloud, ".viewer-map > :first-child", DONE),
 }
 

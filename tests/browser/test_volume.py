@@ -28,14 +28,14 @@ DONE = """() => {
   const [now, at] = [volume?.peek(), frame?.peek()];
   return Boolean(now && at && at.index === at.count && now.pending === 0 && now.nodes !== null && now.chunks > 0);
 }"""
-VOLUME = "() => gridbloom.connection.store.volume.peek()"
+VOLUME = "() => gridbloom.connection.store.part('volume').message.peek()"
 
 
 def opened(page: Page, server: str, *paths: Path) -> dict[str, Any]:
     """Upload files as one, open it in 3D, and wait until all of its scans are drawn."""
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", [str(path) for path in paths])
-    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.part('volume').message.peek()")
     page.evaluate(
         "() => { const { store } = gridbloom.connection;"
         " store.send({ type: 'seek', index: store.frame.peek()?.count ?? 1 }); }"
@@ -89,14 +89,16 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
 
     def asked() -> bool:
         right, down = next(clicks)
-        page.evaluate("() => { window.voxelBefore = gridbloom.connection.store.voxel.peek(); }")
+        page.evaluate("() => { window.voxelBefore = gridbloom.connection.store.part('voxel').message.peek(); }")
         page.mouse.click(box["x"] + right * box["width"], box["y"] + down * box["height"])
         # One click at a time: each has its answer, unless the scene was not yet there.
         with suppress(PlaywrightTimeoutError):
             page.wait_for_function(
-                "() => gridbloom.connection.store.voxel.peek() !== voxelBefore", timeout=5000, polling=POLLING_MS
+                "() => gridbloom.connection.store.part('voxel').message.peek() !== voxelBefore",
+                timeout=5000,
+                polling=POLLING_MS,
             )
-        return bool(page.evaluate("() => gridbloom.connection.store.voxel.peek()?.centre"))
+        return bool(page.evaluate("() => gridbloom.connection.store.part('voxel').message.peek()?.centre"))
 
     until("a voxel is asked about", asked)
     answer = page.locator("[data-voxel]")
@@ -131,7 +133,7 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text="box.mcap")
     card.get_by_role("button", name="Open in 3D").click()
-    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.part('volume').message.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
     await_true(page, DONE)
     whole = page.evaluate(VOLUME)
@@ -151,7 +153,7 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     assert Path(download.value.path()).read_bytes().startswith(b"# Octomap OcTree binary file")
 
     page.goto(f"{server}/logs.html?log={ids[1]}&volume={ids[0]}")
-    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.part('volume').message.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
     await_true(page, f"() => ({VOLUME})()?.compared && ({DONE})()")
     open_group(page, "Compare")
@@ -170,7 +172,7 @@ def test_a_bag_of_a_lidar_that_moves_becomes_the_map_of_its_points(
     assert page.request.put(f"{server}/api/logs?name=run.bag", data=run.path.read_bytes()).ok
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="run.bag").get_by_role("button", name="Open in 3D").click()
-    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.part('volume').message.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 4 })")
     await_true(page, DONE)
     volume = page.evaluate(VOLUME)

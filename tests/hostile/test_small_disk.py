@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -67,3 +68,22 @@ def test_a_full_file_system_refuses_uploads_and_loses_none(small_disk: Path) -> 
     with served(small_disk) as (_, client):
         assert {name: settled(client, name)["state"] for name in uploads(client)} == {"first": "ready", "last": "ready"}
         assert opens(client, "last")
+
+
+def test_logs_that_failed_to_read_can_be_deleted_on_a_full_disk(small_disk: Path) -> None:
+    """They have no files of their own that could make room for the deletion."""
+    with served(small_disk) as (_, client):
+        for n in range(3):
+            assert put(client, f"bad {n}", bytes([n]) * 300_000).status_code == 202
+            assert settled(client, f"bad {n}")["state"] == "failed"
+        with (small_disk / "filler").open("wb", buffering=0) as filler:
+            for size in (1 << 16, 1 << 12):
+                with contextlib.suppress(OSError):
+                    while True:
+                        filler.write(bytes(size))
+        room = os.statvfs(small_disk)
+        assert room.f_bavail == 0
+        for n in range(3):
+            assert client.delete(f"/api/logs/{uploads(client)[f'bad {n}']['id']}").status_code == 204
+        assert uploads(client) == {}
+        assert os.statvfs(small_disk).f_bavail * room.f_frsize >= 600_000

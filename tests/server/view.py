@@ -43,7 +43,7 @@ def view_of(session: SessionHost) -> SessionView:
     """Return what a session of a map and a robot shows now."""
     model: Any = session.model
     grid = model.grid
-    robot = (model.recording or model).robot_state()
+    robot = (model.source or model).robot_state()
     index, count = model.progress
     return SessionView(
         geometry=grid.geometry,

@@ -34,6 +34,7 @@ from server.http.services import (
 )
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
+from server.sessions.parts import Recording, Story
 from server.sources import log_plan
 from server.sources.simulation_kind import NewSimulation, simulation_plan
 
@@ -258,7 +259,7 @@ async def fork(
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:
     """Return the plan of a session with the state that another one has now: a world, or a view of a log."""
-    recording, story = session.model.recording, session.model.story
+    recording, story = session.model.find(Recording), session.model.find(Story)
     if recording is not None:
         return log_plan(recording.log, title=session.model.title, view=recording.view(), playing=False)
     if story is None:

@@ -16,11 +16,11 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.sessions import SessionRegistry
+from server.sessions.parts import Comparable
 from server.sessions.view import Wanted
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
-    from server.sessions.parts import Comparable
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -38,9 +38,10 @@ class Other(BaseModel):
 
 def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:
     session = sessions.get(session_id)
-    if session.model.comparison is None:
+    comparison = session.model.find(Comparable)
+    if comparison is None:
         raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
-    return session, session.model.comparison
+    return session, comparison
 
 
 @router.put("/{session_id}/compare")

@@ -64,7 +64,7 @@ def _origin_ns(log: ScanLog) -> int:
 
 
 def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
-    recording = sessions.get(session_id).model.recording
+    recording = sessions.get(session_id).model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "Only a recording has contents to list, not a live world.")
     return recording

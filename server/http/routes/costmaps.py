@@ -17,8 +17,9 @@ from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
 from server.http.uploaded_terrain import uploaded_terrain
+from server.parts.costmap.messages import CostmapCommand
 from server.sessions.commands import UseTerrain
-from server.stream.commands import CostmapCommand
+from server.sessions.parts import Costed
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -59,7 +60,7 @@ async def footprint(sessions: Sessions, session_id: str) -> dict[str, Any]:
 @guests_may(GuestRight.LINKED_SESSION)
 async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> dict[str, Any]:
     """Change the footprint of the session's costmap; answer as GET does."""
-    from server.sources.lab_navigation_parameters import footprint_of  # noqa: PLC0415 - with the first session
+    from server.parts.costmap.parameters import footprint_of  # noqa: PLC0415 - with the first session
 
     session = sessions.get(session_id)
     await _footprint(session)  # the command would begin a costmap where there is none
@@ -71,7 +72,7 @@ async def change_footprint(sessions: Sessions, session_id: str, wanted: Footprin
 async def _footprint(session: SessionHost) -> dict[str, Any]:
     await session.carried_out()
     async with session.locked():
-        costed = session.model.costed
+        costed = session.model.find(Costed)
         found = None if costed is None else costed.present_footprint()
     if found is None:
         raise MapperError("costmap.off", "This session has no costmap with a footprint: begin one first.")
@@ -96,7 +97,7 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 
     async def make() -> Content:
         async with session.settled():
-            costed = session.model.costed
+            costed = session.model.find(Costed)
             found = None if costed is None else costed.present_costs()
             mask = None if costed is None else costed.present_masks().get(kind)
         if found is None:

@@ -12,6 +12,7 @@ from mapper.io.logs.summary import recorded_seconds
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
+from server.sessions.parts import Recording
 from server.stream.answers import LogEvent
 
 router = APIRouter(prefix="/api", tags=["sessions"])
@@ -34,7 +35,7 @@ async def doctor(
 
     The examination ends when every client that waits for it has disconnected.
     """
-    recording = sessions.get(session_id).model.recording
+    recording = sessions.get(session_id).model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "Only a log can be examined, not a simulation.")
     trajectory = recording.trajectory  # which may be another one when the examination is over

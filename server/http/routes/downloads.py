@@ -16,10 +16,10 @@ from server.downloads import Content, Download, file_name
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
 from server.sessions import SessionRegistry
+from server.sessions.parts import Recording
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
-    from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -28,11 +28,12 @@ PIECE = 1 << 18
 
 def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
     session = sessions.get(session_id)
-    if session.model.recording is None:
+    recording = session.model.find(Recording)
+    if recording is None:
         raise MapperError("session.no_log", "This session shows no log: it has no recorded scans to download.")
     if session.link is not None:
         raise MapperError("link.read_only", "This link shares a view of the log, not the log itself.")
-    return session, session.model.recording
+    return session, recording
 
 
 @router.get("/{session_id}/run.mcap")

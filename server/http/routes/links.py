@@ -23,10 +23,11 @@ from server.http.uploaded_terrain import uploaded_terrain
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
+from server.parts.costmap.messages import CostmapCommand
 from server.sessions import LogView, SessionRegistry
 from server.sessions.commands import ShowGivenMap, UseTerrain
+from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
-from server.stream.commands import CostmapCommand
 from server.stream.protocol import command_of
 
 if TYPE_CHECKING:
@@ -122,10 +123,11 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer
     record = library.get(session.owner, viewed.log_id)
     seen = viewed.view()
     look = None if wanted.look is None else wanted.look.model_dump()
-    first = {} if model.recording is None else asdict(model.recording.first_config())
+    recording = model.find(Recording)
+    first = {} if recording is None else asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
-        navigation = [] if model.costed is None else model.costed.history()
+        navigation = model.history()
     count = model.progress[1]
     view = {
         "view": asdict(seen),

@@ -27,6 +27,7 @@ from server.library.processing.localization import (
     parameter_table,
 )
 from server.sessions.commands import ShowGivenMap
+from server.sessions.parts import Localized
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
@@ -207,7 +208,7 @@ async def course(library: Logs, sessions: Sessions, session_id: str) -> dict[str
     of_log = session_of_log(sessions, session_id)
     session, log_id = of_log.session, of_log.log_id
     owner = session.owner if session.link is None else library.links.get(session.link).owner
-    localization = session.model.localization
+    localization = session.model.find(Localized)
 
     async def source(trajectory: str) -> bytes | None:
         known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))

@@ -15,10 +15,10 @@ from server.http.routes.clients import client_address
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.library.logs.records import LogAnswer
+from server.sessions.parts import EditedFiles
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
-    from server.sessions.parts import EditedFiles
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -39,9 +39,10 @@ class NewMap(BaseModel):
 
 
 def _edited(session: SessionHost) -> EditedFiles:
-    if session.model.editing is None:
+    edited = session.model.find(EditedFiles)
+    if edited is None:
         raise MapperError("session.not_a_map", "This session shows no map that is edited.")
-    return session.model.editing
+    return edited
 
 
 async def _pieces(data: bytes) -> AsyncIterator[bytes]:

@@ -16,6 +16,7 @@ from server.library.annotations.notes import NoteAnswer, Pin
 from server.library.library import Library
 from server.library.logs.records import Record
 from server.sessions import SessionRegistry
+from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -46,7 +47,7 @@ def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> R
 def _announce(sessions: SessionRegistry, log_id: str) -> None:
     """Have the pages of all sessions on a log, guests' as well, ask for its notes again."""
     for session in sessions.all():
-        recording = session.model.recording
+        recording = session.model.find(Recording)
         if recording is not None and recording.log_id == log_id:
             session.announce({"type": "notes", "changed_s": time.time()})
 

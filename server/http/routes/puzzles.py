@@ -22,6 +22,7 @@ from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visito
 from server.http.session_access import writable_session
 from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
 from server.library.library import Library
+from server.sessions.parts import Recording, Story
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost, SessionRegistry
@@ -89,7 +90,7 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewP
     from server.puzzles.spec import changed  # noqa: PLC0415
 
     session, seed = sessions.get(wanted.session), secrets.randbelow(2**31)
-    story = session.model.story
+    story = session.model.find(Story)
     if story is not None:
         if session.owner != visitor:
             raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
@@ -266,7 +267,7 @@ async def check(
 ) -> dict[str, Any]:
     """Measure the map of all scans with the session's present parameters and poses; answer as GET does."""
     game, session = puzzles.game(session_id), sessions.get(session_id)
-    recording = session.model.recording
+    recording = session.model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "This session has no log.")
     goes_on = True

@@ -14,6 +14,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.request_work import in_turn
 from server.http.series_answer import BUCKETS, Buckets, Seconds, series_answer
 from server.http.services import RequestWork, Sessions, Visitor
+from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -35,7 +36,7 @@ async def of_scans(
     The poses are those of the session's present trajectory. ``axis`` is "time", in seconds since the first scan, or
     "scan" for a log without times, whose ``times`` are numbers of scans.
     """
-    recording = sessions.get(session_id).model.recording
+    recording = sessions.get(session_id).model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "Only the recording of a log has scans to plot, not a live world.")
     log, trajectory = recording.log, recording.trajectory

@@ -21,6 +21,7 @@ from server.http.routes.clients import chosen_place, client_address, while_conne
 from server.http.services import Logs, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
+from server.sessions.parts import Story
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -108,7 +109,7 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 @router.get("/sessions/{session_id}/story")
 async def current_story(sessions: Sessions, session_id: str) -> dict[str, Any]:
     """Return the history of a simulation, from which another session can begin."""
-    story = sessions.get(session_id).model.story
+    story = sessions.get(session_id).model.find(Story)
     if story is None:
         raise MapperError("session.not_a_world", "Only a simulation has a story.")
     return await story.current()

@@ -138,7 +138,7 @@ async def stop_healing(library: Logs, sessions: Sessions, session_id: str) -> Sl
 
 def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
     session = sessions.get(session_id)
-    recording = session.model.recording
+    recording = session.model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
     return session, recording
@@ -150,7 +150,7 @@ def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Re
 def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Graphed, GraphSource]:
     """Return a session, its graph, and the function that reads the graph's file."""
     session = sessions.get(session_id)
-    graph, recording = session.model.graph, session.model.recording
+    graph, recording = session.model.find(Graphed), session.model.find(Recording)
     if graph is None or recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log have a pose graph.")
     owner = session.owner if session.link is None else library.links.get(session.link).owner
@@ -230,7 +230,7 @@ async def candidate(library: Logs, sessions: Sessions, session_id: str, candidat
 async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
     """Keep the changed graph and its poses in the place of those that SLAM made."""
     session, found, source = _graph(library, sessions, session_id)
-    recording = session.model.recording
+    recording = session.model.find(Recording)
     if recording is None or session.owner != visitor or session.link is not None:
         raise MapperError("session.not_yours", "A graph can only be kept by the visitor whose session it is.")
     name, text, file = await found.files(source)

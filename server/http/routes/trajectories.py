@@ -17,6 +17,7 @@ from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
 from server.sessions import SessionRegistry
 from server.sessions.commands import UpdateLog
+from server.sessions.parts import Recording
 from server.stream.protocol import ProtocolError
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
@@ -70,7 +71,7 @@ async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: st
 async def update_sessions(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
     """Let the open sessions of ``owner`` on a log have its present trajectories."""
     for session in sessions.all():
-        recording = session.model.recording
+        recording = session.model.find(Recording)
         if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
             continue
         view = recording.view()

@@ -17,6 +17,7 @@ from mapper.sensors.timed_poses import TimedPoses
 from server.http.guests import GuestRight, guests_may
 from server.http.request_work import in_turn
 from server.http.services import RequestWork, Sessions, Visitor
+from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -46,7 +47,7 @@ async def errors(
 
     The definitions are those of ``gridbloom evaluate``. Paths are in the frame of ``reference``, the estimate aligned.
     """
-    recording = sessions.get(session_id).model.recording
+    recording = sessions.get(session_id).model.find(Recording)
     if recording is None:
         raise MapperError("session.not_a_log", "Only the trajectories of a log can be compared.")
     log = recording.log

@@ -53,7 +53,7 @@ async def above_file(
 
     async def make() -> Content:
         async with session.settled():
-            volume = session.model.volume
+            volume = session.model.find(Volumetric)
             grid = None if volume is None else volume.above
             if grid is None:
                 raise MapperError("session.no_volume", "This session has no map in 3D that is known at these heights.")
@@ -75,7 +75,7 @@ def _download(
 
     async def make() -> Content:
         async with session.settled():
-            volume = session.model.volume
+            volume = session.model.find(Volumetric)
             if volume is None:
                 raise MapperError("session.no_volume", "This session shows no map in 3D to download.")
             data = await downloads.run(lambda _: read(volume))

@@ -92,7 +92,7 @@ class Links:
         """Revoke a link of ``owner``. Raises :class:`LinkGoneError`, and ``StorageError``."""
         if self.get(token).owner != owner:
             raise LinkGoneError("link.gone", "There is no such link of yours.")
-        await self._database.run(lambda connection: _delete(connection, token))
+        await self._database.run_deletion(lambda connection: _delete(connection, token))
         self._links.pop(token, None)
 
     def drop(self, log_id: str) -> Sequence[str]:

@@ -134,7 +134,7 @@ class Notes:
             _own(connection, author, log_id, note_id)
             connection.execute(delete(notes).where(notes.c.id == note_id))
 
-        await self._database.run(work)
+        await self._database.run_deletion(work)
 
 
 def _too_many(count: str) -> LimitError:

@@ -93,7 +93,7 @@ class MadePuzzles:
         """Remove a puzzle of ``owner``. Raises :class:`PuzzleGoneError`, and ``StorageError``."""
         if self.get(token).owner != owner:
             raise PuzzleGoneError("puzzle.gone", "There is no such puzzle of yours.")
-        await self._database.run(lambda connection: _delete(connection, token))
+        await self._database.run_deletion(lambda connection: _delete(connection, token))
         self._made.pop(token, None)
 
     def drop(self, log_id: str) -> None:

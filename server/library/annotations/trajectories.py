@@ -218,7 +218,7 @@ class Trajectories:
         """
         async with self._changing:
             added = self.get(owner, log_id, name)
-            await self._database.run(lambda connection: delete_added(connection, owner, log_id, name))
+            await self._database.run_deletion(lambda connection: delete_added(connection, owner, log_id, name))
             del self._added[added.id]
             await self._remove_files(added.id)
 

@@ -58,7 +58,7 @@ class LogRows:
         def work(connection: Connection) -> None:
             connection.execute(delete(logs).where(logs.c.id == record_id))
 
-        return self._database.run(work)
+        return self._database.run_deletion(work)
 
 
 def _ignore(_: object) -> None:

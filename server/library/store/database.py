@@ -18,6 +18,7 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, 
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.library.store.recorded_changes import record_changes
+from server.library.store.reserve import Reserve
 from server.library.store.schema import bring_up_to_date
 from server.storage import StorageError, disk_full
 
@@ -36,6 +37,7 @@ class Database:
         is_server = engine.dialect.name == "postgresql"
         self.is_shared = is_server or of_workers  #: whether other processes may use it at the same time
         self.file = None if is_server else Path(str(engine.url.database))  #: of SQLite
+        self._reserve = None if self.file is None else Reserve(self.file.with_name(f"{self.file.name}-reserve"))
         self.pid = 0  #: of PostgreSQL's process that serves the present connection
         if is_server:
             event.listen(engine, "connect", self._connected)
@@ -53,6 +55,8 @@ class Database:
         try:
             _attempt(engine, _check)
             _attempt(engine, bring_up_to_date)
+            if opened._reserve is not None:
+                opened._reserve.keep()
             if of_workers and opened.file is not None:
                 _attempt(engine, record_changes)
         except BaseException:
@@ -66,6 +70,22 @@ class Database:
         The future raises :class:`StorageError` where the database refuses; then nothing of it was done.
         """
         return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
+
+    def run_deletion(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
+        """Run ``work``, which deletes, as :meth:`run`; on a full disk in the room that is kept for it."""
+        return asyncio.get_running_loop().run_in_executor(self._thread, self._delete, work)
+
+    def _delete(self, work: Callable[[Connection], T]) -> T:
+        if self._reserve is None:
+            return _attempt(self._engine, work)
+        self._reserve.keep()  # it may have been given up for the last deletion
+        try:
+            return _attempt(self._engine, work)
+        except StorageError as error:
+            if error.code != disk_full().code:
+                raise
+            self._reserve.give_up()
+            return _attempt(self._engine, work)
 
     def now(self, work: Callable[[Connection], T]) -> T:
         """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""

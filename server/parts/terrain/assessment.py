@@ -14,6 +14,7 @@ from mapper.core.errors import LimitError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap import CostmapConfig, Footprint, InflationConfig, InflationLayer, LayeredCostmap
 from mapper.grid import OccupancyGrid
+from mapper.simulation.robot import HEXAGON
 from mapper.terrain import (
     GROUND_PARAMETERS,
     PATCH_PARAMETERS,
@@ -27,7 +28,6 @@ from mapper.terrain import (
     find_ground,
     fitted,
 )
-from server.sessions.part import HEXAGON
 
 MOST_PATCHES = 250_000
 FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with at least that many points

@@ -6,16 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap import NO_INFORMATION
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
 from server.library.packs.given_map import public_map
 from server.parts.terrain.assessment import TerrainParameters, assessed
-from server.sessions.parts import LayerCosts
 
 if TYPE_CHECKING:
     from mapper.terrain import Terrain
@@ -51,16 +47,6 @@ class TerrainMap:
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows."""
         return self.given.public()
-
-
-def meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
-    """Whether a known cell of a terrain is at the place of a cell of another geometry."""
-    rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
-    if not len(rows):
-        return False
-    step = max(1, len(rows) // 100_000)
-    centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
-    return bool(geometry.contains(geometry.world_to_cell(centres)).any())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

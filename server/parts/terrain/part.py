@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from server.parts.terrain.assessment import TABLE, Assessed, TerrainParameters, assessed
-from server.parts.terrain.messages import TerrainCommand
+from server.parts.terrain.messages import TerrainCommand, TerrainCounts, TerrainMessage
 from server.parts.terrain.patch import first_asked, patch_at, patch_mark
-from server.sessions.part import Cloud, Offers, Part
+from server.sessions.part import Cloud, Offers, OtherMap, Part
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, place_of
@@ -33,13 +33,18 @@ class TerrainPart(Part):
     commands = (TerrainCommand,)
     subject = "terrain"
 
+    @classmethod
+    def of(cls, offers: Offers) -> TerrainPart | None:
+        """Return the part of a source with points."""
+        return None if offers.cloud is None else cls(offers, offers.cloud)
+
     def __init__(self, offers: Offers, source: Cloud) -> None:
         self._host, self._source = offers.host, source
         self._asks_first = source.count > 0
         self._first = TerrainParameters.for_cloud(source.points()) if self._asks_first else TerrainParameters()
         first = [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
         self.tables = {"map3d": first}
-        offers.maps["terrain"] = lambda: self.grid
+        offers.maps["terrain"] = OtherMap("the classes of the terrain, while there is one", lambda: self.grid)
         offers.costs["terrain_layer"] = lambda: None if self._found is None else self._found.terrain
         self._share: float | None = None  #: of the present assessment that is done
         self._parameters: TerrainParameters | None = None
@@ -50,7 +55,7 @@ class TerrainPart(Part):
         self._asked: tuple[float, float] | None = None
         self._mark: tuple[object, list[Drawing]] = (None, [])  #: what was marked last, and its drawings
         self._problem: str | None = None
-        self._before: dict[str, Any] | None = None  #: what the newest change of a value was, and the classes before it
+        self._before: TerrainCounts | None = None  #: what the newest change of a value was, and the classes before it
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
 
     @property
@@ -93,12 +98,12 @@ class TerrainPart(Part):
         if (place := place_of(command)) is not None:
             self._asked = place[0], place[1]
         result.changed = True
-        result.slot(self.message())
+        result.slot(*self.messages())
 
     def _end(self, result: TickResult) -> None:
         self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
         result.changed = True
-        result.slot(self.message())
+        result.slot(*self.messages())
 
     def _note_change(self, parameters: TerrainParameters) -> None:
         """Keep the numbers of patches of each class, to show beside those that other values make."""
@@ -107,7 +112,7 @@ class TerrainPart(Part):
         old, new = self._parameters.values, parameters.values
         names = [row.name for row in TABLE if old[row.name] != new[row.name] and row.name != "shown"]
         if names:
-            self._before = {"changed": names, **self._found.terrain.counts()}
+            self._before = TerrainCounts(names, **self._found.terrain.counts())
 
     def changed(self, result: TickResult) -> None:
         """Assess the terrain again if there are enough new scans or other parameters."""
@@ -134,7 +139,7 @@ class TerrainPart(Part):
                 self._asked = first_asked(self._found)
             self._show(self._found, self._parameters.values["shown"])
         result.changed = True
-        result.slot(self.message())
+        result.slot(*self.messages())
 
     def _note_share(self, share: float) -> None:
         """Note the progress. Raises :class:`WorkCancelledError` once a visitor has cancelled it."""
@@ -153,11 +158,7 @@ class TerrainPart(Part):
             shown, most = found.shown(name)
             self._values.set(geometry, shown, 0.0, most)
 
-    def messages(self) -> list[dict[str, Any]]:
-        """Return the message ``terrain``."""
-        return [self.message()]
-
-    def message(self) -> dict[str, Any]:
+    def messages(self) -> tuple[TerrainMessage]:
         """Return the message ``terrain``."""
         found, patch = self._found, None
         if found is not None and self._asked is not None:
@@ -166,22 +167,22 @@ class TerrainPart(Part):
             except MapperError:
                 self._asked = None
         counts = {"safe": 0, "unsafe": 0, "unknown": 0} if found is None else found.terrain.counts()
-        return {
-            "type": "terrain",
-            "is_on": self._parameters is not None,
-            "values": dict((self._parameters or self._first).values),
-            "points": 0 if found is None else found.points,
-            "ground": 0 if found is None else len(found.ground_points),
-            "left_out": 0 if found is None else int((~found.is_fitted).sum()),
-            "kappa": _rounded(None if found is None else found.kappa),
-            "total_error": _rounded(None if found is None else found.total_error),
-            "truth": None if found is None or found.kappa is None else self._source.truth,
+        message = TerrainMessage(
+            is_on=self._parameters is not None,
+            values=dict((self._parameters or self._first).values),
+            points=0 if found is None else found.points,
+            ground=0 if found is None else len(found.ground_points),
+            left_out=0 if found is None else int((~found.is_fitted).sum()),
+            kappa=_rounded(None if found is None else found.kappa),
+            total_error=_rounded(None if found is None else found.total_error),
+            truth=None if found is None or found.kappa is None else self._source.truth,
             **counts,
-            "size": 0.0 if found is None else found.terrain.patches.size,
-            "before": self._before,
-            "patch": patch,
-            "problem": self._problem,
-        }
+            size=0.0 if found is None else found.terrain.patches.size,
+            before=self._before,
+            patch=patch,
+            problem=self._problem,
+        )
+        return (message,)
 
 
 def _rounded(percent: float | None) -> float | None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError
 from mapper.terrain.patches import UNSAFE
+from server.parts.terrain.messages import TerrainPatch
 from server.sessions.drawings import CHOSEN, Segments
 
 if TYPE_CHECKING:
@@ -45,8 +46,8 @@ def place_of(found: Assessed, x: float, y: float) -> tuple[int, int, Float64Arra
     return row, col, centre, (found.reach + 0.5) * patches.size
 
 
-def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
-    """Return the fields of a message on the patch at (x, y), or on the window around it that its plane is fitted to.
+def patch_at(found: Assessed, x: float, y: float) -> TerrainPatch:
+    """Return the part of the message about the patch at (x, y), or on the window around it that its plane is fitted to.
 
     Raises :class:`ConfigError` for a place outside.
     """
@@ -59,20 +60,20 @@ def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
     mine = local - (*((np.array([col, row]) + 0.5) * patches.size), base)
     used = mine[found.is_fitted[inside]]
     sent = mine[:: max(1, -(-len(mine) // MOST_SENT))]
-    return {
-        "x": round(x, 4),
-        "y": round(y, 4),
-        "centre": [round(float(cx), 4), round(float(cy), 4)],
-        "half": half,
-        "base": float(patches.corner[2]) + base,
-        "moments": _moments(used),
-        "n": len(mine),
-        "points": [round(v, 4) for v in sent.ravel().tolist()],
-        "edges": [round(v, 4) for v in _edges(terrain.planes, row, col, patches.size, base)],
-        "children": _children(used) if found.level and not found.reach else [],
-        "why": terrain.why(row, col),
-        "state": ("unknown", "safe", "unsafe")[int(terrain.classes[row, col])],
-    }
+    return TerrainPatch(
+        x=round(x, 4),
+        y=round(y, 4),
+        centre=(round(float(cx), 4), round(float(cy), 4)),
+        half=half,
+        base=float(patches.corner[2]) + base,
+        moments=_moments(used),
+        n=len(mine),
+        points=[round(v, 4) for v in sent.ravel().tolist()],
+        edges=[round(v, 4) for v in _edges(terrain.planes, row, col, patches.size, base)],
+        children=_children(used) if found.level and not found.reach else [],
+        why=terrain.why(row, col),
+        state=("unknown", "safe", "unsafe")[int(terrain.classes[row, col])],
+    )
 
 
 def _moments(points: Float64Array) -> list[float]:

@@ -12,29 +12,21 @@ import type {
   CellMessage,
   Command,
   Compared,
-  ComparisonMessage,
   Contribution,
-  Forgetting,
   Frame,
   Hello,
-  LocalizationMessage,
   Point,
   Pose,
   ServerMessage,
   Trajectory,
   Values,
-  VolumeMessage,
-  VoxelMessage,
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
 import type { DisplayedMap } from "./displayedMap";
 import { Editing } from "./editing";
-import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
-import { MapEditing } from "./mapEditing";
 import { Measuring } from "./measuring";
-import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import { PartState } from "./part";
@@ -65,8 +57,6 @@ export class SessionSignals {
   readonly frame = signal<Frame | null>(null);
   readonly world = signal<WorldMessage | null>(null);
   readonly trajectory = signal<Trajectory | null>(null);
-  /** When a note on the log was last written, changed or deleted, s since 1970; null before the first such message. */
-  readonly notesChanged = signal<number | null>(null);
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
   protected readonly robot: Optimistic;
@@ -148,28 +138,10 @@ export class SessionSignals {
   readonly compared = signal<Compared | null>(null);
   /** The second map while the page is subscribed to it. */
   readonly second = signal<DisplayedMap | null>(null);
-  /** How the two maps of a log differ. */
-  readonly comparison = signal<ComparisonMessage | null>(null);
   /** The layer displayed at a point, if the page shows two maps in one picture. */
   mapAt: ((point: Point) => string) | null = null;
-  /** How far the maps have forgotten a removed object; null while this is not measured. */
-  readonly forgetting = signal<Forgetting | null>(null);
-  /** How the robot is localized; null before the first message. */
-  readonly localization = signal<LocalizationMessage | null>(null);
-  /** The particle filter that the user wants in the lab. */
-  readonly filter = new FilterSettings();
-  /** The costmap and the path of the simulated robot. */
-  readonly navigation: Navigation;
-  /** The map in 3D; null before the first message, and of other sessions. */
-  readonly volume = signal<VolumeMessage | null>(null);
-  /** What is shown of it, and how. */
-  readonly look = new Optimistic();
-  /** The voxel that is asked about. */
-  readonly voxel = signal<VoxelMessage | null>(null);
   /** What the user measures on the map. */
   readonly measuring = new Measuring();
-  /** What the user does with a map that is edited. */
-  readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -192,8 +164,6 @@ export class SessionSignals {
   constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
     this.transmit = transmit;
     this.outbox = outbox ?? new Outbox((command) => void transmit(command));
-    this.outbox.join("volume_look");
-    this.navigation = new Navigation(this.part("costmap"));
     this.layers = new Layers((command) => void transmit(command));
     this.shown = this.layers.grid(MAP);
     this.map = this.shown.map;

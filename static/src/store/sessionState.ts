@@ -53,6 +53,11 @@ export class SessionState extends SessionSignals implements Receiver {
     this.transmit(command);
   }
 
+  /** Join the waiting commands of a type, as {@link Outbox.join}. */
+  joins(type: Command["type"]): void {
+    this.outbox.join(type);
+  }
+
   /** Send a command with the next animation frame; a newer one of its kind replaces it. */
   sendSoon(command: Command): void {
     this.outbox.put(command);
@@ -122,38 +127,6 @@ export class SessionState extends SessionSignals implements Receiver {
         this.hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
         return;
-      case "notes":
-        this.notesChanged.value = message.changed_s;
-        return;
-      case "forgetting":
-        this.forgetting.value = message.cells > 0 ? message : null;
-        return;
-      case "localization":
-        this.localization.value = message;
-        this.filter.take(message);
-        return;
-      case "costmap":
-        this.navigation.take(message);
-        return;
-      case "path":
-        this.navigation.path.value = message;
-        return;
-      case "map_edits":
-        this.mapEditing.take(message);
-        return;
-      case "cost":
-        this.navigation.cost.value = message;
-        return;
-      case "nav2":
-        this.navigation.nav2.value = message.text;
-        return;
-      case "volume":
-        this.look.update(message.look.values);
-        this.volume.value = message;
-        return;
-      case "voxel":
-        this.voxel.value = message;
-        return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
@@ -164,9 +137,6 @@ export class SessionState extends SessionSignals implements Receiver {
         if (isAsked && cell?.row === message.row && cell.col === message.col) this.why.value = message;
         return;
       }
-      case "comparison":
-        this.comparison.value = message;
-        return;
       case "working": {
         const { elapsed_s, fraction, what } = message;
         this.working.value = elapsed_s === null ? null : { elapsed_s, fraction, what: what ?? "map" };
@@ -178,9 +148,8 @@ export class SessionState extends SessionSignals implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.look]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
         for (const part of this.parts.values()) part.values.refuse();
-        this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -1,7 +1,7 @@
 /** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
-import type { BrushStroke, Command, Edits, Parameter, Point, ServerMessage, Value, Values } from "../wire/protocol";
+import type { Command, Edits, Parameter, Point, ServerMessage, Value, Values } from "../wire/protocol";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
 import { NO_EDITS } from "./editing";
 import { History } from "./history";
@@ -21,14 +21,29 @@ export class Store extends SessionState {
   /** The faults that the user has switched on, and the values before. */
   readonly activeFaults = signal<ActiveFaults>(NO_ACTIVE_FAULTS);
 
+  readonly #states = new Map<unknown, unknown>();
+  readonly #heard = new Map<string, (command: Command) => void>();
+
+  /** The state that a tool keeps beside the messages: made when it is first asked for, and the same from then on. */
+  of<S>(State: new (store: Store) => S): S {
+    const state = (this.#states.get(State) as S | undefined) ?? new State(this);
+    this.#states.set(State, state);
+    return state;
+  }
+
+  /** Call `listener` with each change of a type of command, also one that is undone; it is sent soon. */
+  hears(type: Command["type"], listener: (command: Command) => void): void {
+    this.#heard.set(type, listener);
+  }
+
   setParameter(name: string, value: Value): void {
-    this.#change(`parameters ${name}`, this.#back("parameters", { [name]: value }), [
+    this.change(`parameters ${name}`, this.#back("parameters", { [name]: value }), [
       { type: "parameters", values: { [name]: value } },
     ]);
   }
 
   setSensor(name: string, value: Value): void {
-    this.#change(`sensor ${name}`, this.#back("sensor", { [name]: value }), [
+    this.change(`sensor ${name}`, this.#back("sensor", { [name]: value }), [
       { type: "sensor", values: { [name]: value } },
     ]);
   }
@@ -38,7 +53,7 @@ export class Store extends SessionState {
     const before = this.faults.peek() ?? {};
     const old = Object.fromEntries(Object.keys(faults).map((name) => [name, before[name] ?? false]));
     const any = Object.keys(faults).length > 0;
-    this.#change(
+    this.change(
       key,
       [...this.#back("parameters", values), ...(any ? [{ type: "faults", values: old } as const] : [])],
       [{ type: "parameters", values }, ...(any ? [{ type: "faults", values: faults } as const] : [])],
@@ -49,53 +64,7 @@ export class Store extends SessionState {
   setPart(type: PartType, values: Values): void {
     const now = this.part(type).values.values.peek();
     const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
-    this.#change(`${type} ${Object.keys(values).join(" ")}`, [{ type, values: old }], [{ type, values }]);
-  }
-
-  /** Begin to localize the lab's robot, from anywhere. */
-  beginFilter(values: Values, map: string): void {
-    const command = { type: "localize", value: true, values, map } as const;
-    this.filter.note(command);
-    this.send(command);
-  }
-
-  /** Set parameters of the filter; one that runs goes on with them. */
-  setFilter(values: Values): void {
-    const [old, map] = [this.filter.values.peek(), this.filter.map.peek()];
-    const next = { ...old, ...values };
-    if (this.localization.peek()?.is_on !== true) {
-      this.filter.values.value = next;
-      return;
-    }
-    const command = { type: "localize", value: true, map, keep: true } as const;
-    this.#change(
-      `localize ${Object.keys(values).join(" ")}`,
-      [{ ...command, values: old }],
-      [{ ...command, values: next }],
-    );
-  }
-
-  /** Set the outline of the robot: corners in its frame, m. */
-  setFootprint(footprint: readonly Point[]): void {
-    const old = this.navigation.costmap.peek()?.footprint ?? footprint;
-    this.#change("footprint", [{ type: "costmap", footprint: old }], [{ type: "costmap", footprint }]);
-  }
-
-  /** Set all strokes of the brush, which were `old` before the user began. */
-  setKeepout(keepout: readonly BrushStroke[], old: readonly BrushStroke[]): void {
-    const key = `keepout ${this.history.version.peek()}`;
-    this.#change(key, [{ type: "costmap", keepout: old }], [{ type: "costmap", keepout }]);
-  }
-
-  /** Set the goal of the path, at once: the path has to be planned before the hand has moved on. Null for none. */
-  setGoal(point: Point | null): void {
-    this.send(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
-  }
-
-  /** Drag the goal to a point; null when it is released. */
-  dragGoal(point: Point | null): void {
-    this.navigation.goalAt.value = point;
-    if (point) this.setGoal(point);
+    this.change(`${type} ${Object.keys(values).join(" ")}`, [{ type, values: old }], [{ type, values }]);
   }
 
   teleport(point: Point): void {
@@ -113,19 +82,19 @@ export class Store extends SessionState {
   #sendTo([x, y]: Point, key: string): void {
     const pose = this.frame.peek()?.pose;
     const back: Command[] = pose ? [{ type: "teleport", x: pose[0], y: pose[1], yaw: pose[2] }] : [];
-    this.#change(key, back, [{ type: "teleport", x, y }]);
+    this.change(key, back, [{ type: "teleport", x, y }]);
   }
 
   chooseWorld(name: string): void {
     const before = this.world.peek();
     if (!before || before.name === name) return;
-    this.#change("world", [{ type: "world", name: before.name, ...before.edits }], [{ type: "world", name }]);
+    this.change("world", [{ type: "world", name: before.name, ...before.edits }], [{ type: "world", name }]);
   }
 
   /** Set the edits of the world; with `watch` the server counts how long the maps keep what is erased. */
   edit(edits: Edits, watch = false): void {
     const before = this.world.peek()?.edits ?? NO_EDITS;
-    this.#change(
+    this.change(
       `edit ${this.history.version.peek()}`,
       [{ type: "edit", ...before }],
       [{ type: "edit", ...edits, ...(watch ? { watch } : {}) }],
@@ -145,8 +114,9 @@ export class Store extends SessionState {
       undo.push(...this.#back("sensor", sensor));
       redo.push({ type: "sensor", values: sensor });
     }
-    if (hello.navigation && this.navigation.costmap.peek()?.is_on) {
-      undo.push({ type: "costmap", values: this.navigation.values.values.peek() });
+    const costmap = this.part("costmap");
+    if (hello.navigation && costmap.message.peek()?.is_on) {
+      undo.push({ type: "costmap", values: costmap.values.values.peek() });
       redo.push({ type: "costmap", values: initialOf(hello.navigation) });
     }
     const faults = this.faults.peek();
@@ -158,7 +128,7 @@ export class Store extends SessionState {
       undo.push({ type: "edit", ...world.edits });
       redo.push({ type: "edit", ...NO_EDITS });
     }
-    this.#change("reset", undo, redo);
+    this.change("reset", undo, redo);
   }
 
   #back(type: "parameters" | "sensor", values: Values): Command[] {
@@ -171,7 +141,8 @@ export class Store extends SessionState {
     return [{ type, values: old }];
   }
 
-  #change(key: string, undo: readonly Command[], redo: readonly Command[]): void {
+  /** Carry out a change of the user, which undo takes back. */
+  change(key: string, undo: readonly Command[], redo: readonly Command[]): void {
     batch(() => {
       for (const command of redo) this.#perform(command);
       this.history.add(key, undo, redo);
@@ -186,10 +157,8 @@ export class Store extends SessionState {
         target.set(name, value);
         this.outbox.putValue(command.type, name, value);
       }
-    } else if (command.type === "localize") {
-      this.filter.note(command);
-      this.sendSoon(command);
-    } else if (this.parts.has(command.type)) {
+    } else if (this.parts.has(command.type) || this.#heard.has(command.type)) {
+      this.#heard.get(command.type)?.(command);
       const { values } = command as { readonly values?: Values };
       for (const [name, value] of Object.entries(values ?? {})) this.parts.get(command.type)?.values.set(name, value);
       this.sendSoon(command);

@@ -3,11 +3,11 @@
 import type { Layer } from "../render/map/renderer";
 import type { Brush } from "../render/picture/brush";
 import type { Store } from "../store/store";
+import { costsOver, paintNavigation, watchNavigation } from "./costmap/paint";
 import { paintScanPair } from "./heal/paint";
 import { paintGivenPose, paintLocalization } from "./localization/paint";
 import { map3dOver, watchMap3d } from "./map3d/over";
 import { paintMeasuring, watchMeasuring } from "./measure/paint";
-import { costsOver, paintNavigation, watchNavigation } from "./navigation/paint";
 import { paintPatch, watchPatch } from "./terrain/overlay";
 import { paintWhy } from "./why/paint";
 
@@ -21,7 +21,7 @@ interface Overlay {
 }
 
 export const OVERLAYS: readonly Overlay[] = [
-  { watch: (store) => void store.localization.value, paint: paintLocalization },
+  { watch: (store) => void store.part("localization").message.value, paint: paintLocalization },
   { watch: watchNavigation, layers: costsOver, paint: paintNavigation },
   { watch: watchMap3d, layers: map3dOver },
   { watch: (store) => void store.givenPose.value, paint: paintGivenPose },

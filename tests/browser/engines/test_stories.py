@@ -238,14 +238,14 @@ def test_a_class_that_is_led_in_chromium(tab: Tab, lecturer: Page, service: Serv
 def test_a_map_is_edited(tab: Tab, tmp_path: Path) -> None:
     tab.open("/logs.html")
     tab.choose_files("input[type=file]", written(tmp_path))
-    edits = f"{STORE}.mapEditing.edits.peek()"
+    edits = f"{STORE}.part('map_edits').message.peek()"
     tab.until(f"() => window.gridbloom && {edits} && {STORE}.map.peek()")
     state = (
         f"(xy) => {{ {STORE}.pinned.value = xy; return document.querySelector('[data-state]')?.dataset.state ?? ''; }}"
     )
     tab.click("label", "Brush")
     tab.drag_at(*(place(tab, [x, 3.05]) for x in (2.0, 4.0, 6.0)))
-    tab.until(f"() => {edits}.n === 1 && {STORE}.mapEditing.sketch.peek() === null")
+    tab.until(f"() => {edits}.n === 1")
     tab.until(f"(xy) => ({state})(xy) === 'occupied'", [4.05, 3.05])
     tab.press("Control", "z")
     tab.until(f"(xy) => ({state})(xy) === 'free'", [4.05, 3.05])

@@ -21,6 +21,7 @@ from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
 from server.library.processing import given_maps, localization
+from server.parts.costmap.part import CostmapPart
 from server.sessions.parts import Recording
 from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
@@ -83,7 +84,7 @@ def choose(service: Service, session: str, body: bytes, name: str = "office.yaml
 
 
 def recording_of(service: Service, session: str) -> Recording:
-    recording = service.state.sessions.get(session).model.recording
+    recording = service.state.sessions.get(session).model.find(Recording)
     assert recording is not None
     return recording
 
@@ -113,7 +114,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     """Of a flat floor around the robot with a wall of 1 m on it, the floor is safe and the wall lethal."""
     http, address = service.http, f"/api/sessions/{session}/costmap/terrain"
     host: Any = service.state.sessions.get(session)
-    at = np.array(host.model.recording.robot_state().pose[:2])
+    at = np.array(host.model.find(Recording).robot_state().pose[:2])
     steps = np.arange(-2.0, 2.0, 0.04)
     floor = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
     heights = np.where(np.abs(floor[:, 0] - 1.0) < 0.3, 1.0, 0.0)
@@ -130,23 +131,23 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
 
     only = dict.fromkeys(("static_layer", "obstacle_layer", "dynamic_layer", "inflation_layer"), False)
     host.enqueue(command_of({"type": "costmap", "values": only | {"terrain_layer": True}}))
-    until(lambda: host.model.costed.present_costs() is not None)
+    until(lambda: host.model.find(CostmapPart).present_costs() is not None)
     wall, free = at + np.array([1.0, 0.5]), at + np.array([-1.0, 0.5])
 
     def cost(of: Any, place: Any) -> int:
-        costs = of.model.costed.present_costs()
+        costs = of.model.find(CostmapPart).present_costs()
         return int(costs.costs[tuple(costs.geometry.world_to_cell(place))])
 
     until(lambda: cost(host, wall) == 254)
     assert cost(host, free) < 128
     token = http.post("/api/links", json={"session": session}).json()["token"]
     opened: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
-    until(lambda: opened.model.costed.present_costs() is not None)
+    until(lambda: opened.model.find(CostmapPart).present_costs() is not None)
     until(lambda: cost(opened, wall) == 254)
     # Without the cloud the link opens without terrain.
     assert http.delete(f"/api/logs/{cloud}").status_code in (200, 204)
     bare: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
-    until(lambda: bare.model.costed.present_costs() is not None)
+    until(lambda: bare.model.find(CostmapPart).present_costs() is not None)
     assert "terrain_layer" not in [layer.name for layer in bare.model.layers]
     http.put(address, json={"log": None})
     host.enqueue(command_of({"type": "costmap", "value": False}))

@@ -20,11 +20,13 @@ from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
 from server.library.packs.given_map import GivenMap
+from server.parts.costmap.zones import painted_filters
+from server.sessions.parts import Costed
 from server.sessions.tick import TickResult
 from server.sources.map_editing import MapModel, operation_of
-from server.sources.painted_zones import painted_filters
 from server.stream.commands import MapEditCommand
 from server.stream.protocol import ProtocolError, command_of
+from tests.server.sent import sent, sent_one
 from tests.server.service import Service, once_read, running, settings_for, until
 
 
@@ -77,7 +79,7 @@ def test_commands_are_the_operations_of_the_editor() -> None:
         shown.handle(command_of({"type": "map_edit"} | command), result)
         shown.draw(result)
         edited.apply(parse_operation(operation))
-        assert result.slots["map_edits"]["last"][-1] == edited.operations[-1].phrase
+        assert sent_one(result.slots["map_edits"])["last"][-1] == edited.operations[-1].phrase
     map_layer, zones, limits = shown.layers
     for layer in shown.layers:
         layer.publish()
@@ -91,9 +93,9 @@ def test_commands_are_the_operations_of_the_editor() -> None:
     assert map_layer.picture.geometry == edited.geometry  # type: ignore[attr-defined]
     result = TickResult()
     shown.handle(command_of({"type": "map_history", "steps": -9}), result)
-    assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 8)
+    assert (sent(shown.messages())[0]["n"], sent(shown.messages())[0]["undone"]) == (0, 8)
     shown.handle(command_of({"type": "map_history", "steps": 3}), result)
-    assert (shown.messages()[0]["n"], shown.messages()[0]["notes"]) == (3, ["A note."])
+    assert (sent(shown.messages())[0]["n"], sent(shown.messages())[0]["notes"]) == (3, ["A note."])
 
 
 SIDE_M = 100.0
@@ -147,7 +149,7 @@ def test_what_a_map_refuses() -> None:
     tight = model(most=8 * 700)
     with pytest.raises(LimitError, match="larger than the limit of 700 cells"):
         tight.handle(command_of({"type": "map_edit", "op": "rotate", "angle": 0.785}), TickResult())
-    assert tight.messages()[0]["n"] == 0
+    assert sent(tight.messages())[0]["n"] == 0
 
 
 @pytest.fixture(scope="module")
@@ -210,7 +212,7 @@ def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> 
         named = re.search('filename="([^"]+)"', answer.headers["content-disposition"])
         assert named is not None
         (tmp_path / (named[1] if name != "costmap.mcap" else name)).write_bytes(answer.content)
-    costed = session.model.costed
+    costed = session.model.find(Costed)
     assert costed is not None
     expected = costed.present_costs()
     assert expected is not None

@@ -14,6 +14,7 @@ import pytest
 from mapper.io.logs import open_robot_log
 from mapper.io.logs.selection import Selection
 from mapper.sensors.planar.options import PlanarCut
+from server.sessions.parts import Recording
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
@@ -60,7 +61,7 @@ async def test_the_clouds_beside_a_lidar_are_mapped_and_cut_again(
         return np.asarray(log.ranges[log.n_scans - 1])
 
     def shown() -> np.ndarray:
-        recording = service.state.sessions.get(session).model.recording
+        recording = service.state.sessions.get(session).model.find(Recording)
         assert recording is not None
         return np.asarray(recording.log.ranges[-1])
 
@@ -91,7 +92,7 @@ async def test_the_clouds_beside_a_lidar_are_mapped_and_cut_again(
     link = service.http.post("/api/links", json={"session": session}).json()
     async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
         shared = (await guest.post(f"/api/shared/{link['token']}/sessions")).json()["id"]
-        found = service.state.sessions.get(shared).model.recording
+        found = service.state.sessions.get(shared).model.find(Recording)
         assert found is not None
         assert (found.view().topic, found.view().cut) == ("/points", WALLS)
         refused = await guest.put(f"/api/sessions/{shared}/sensor", json={"topic": None})
@@ -118,7 +119,7 @@ def test_what_is_refused_changes_nothing(service: Service, recording: bytes, wan
 def test_a_session_begins_with_a_cut(service: Service, recording: bytes) -> None:
     log_id = uploaded(service, recording)
     session = service.begin(kind="log", log=log_id, topic="/points", cut=WALLS, playing=False)
-    found = service.state.sessions.get(session).model.recording
+    found = service.state.sessions.get(session).model.find(Recording)
     assert found is not None
     assert found.log.n_beams == 90
     service.end_sessions()

@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from server.library.processing.slam import SlamJob, SlamOutcome
+from server.sessions.parts import Recording
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
@@ -47,7 +48,7 @@ def ended(http: httpx.Client, log_id: str) -> dict[str, Any]:
 
 def shown(service: Service, session: str) -> tuple[str, int]:
     """The trajectory of a session's map, and the number of scans in it."""
-    recording = service.state.sessions.get(session).model.recording
+    recording = service.state.sessions.get(session).model.find(Recording)
     assert recording is not None
     return recording.trajectory, recording.view().index
 
@@ -150,7 +151,7 @@ def test_after_a_cancelled_job_the_map_is_the_one_from_before(
     assert ys(http, session)[0] == stand_ins.Y
     assert http.delete(f"/api/logs/{log_id}/slam").json()["state"] == "cancelled"
     until(lambda: shown(service, session) == ("scan", 7))
-    recording = service.state.sessions.get(session).model.recording
+    recording = service.state.sessions.get(session).model.find(Recording)
     assert recording is not None
     until(lambda: [*recording.log.trajectories] == ["scan"])
     assert http.get(f"/api/sessions/{session}/graph").json() == {"graph": None}

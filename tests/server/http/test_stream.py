@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import threading
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from websockets.typing import Subprotocol
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
-from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, Allowance
+from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, Allowance, exchange
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
 
@@ -279,6 +281,35 @@ async def test_a_flood_without_end_ends_the_connection(service: Service, monkeyp
             await socket.send('{"type":"ping","id":1}')
         await until_closed(socket)
         assert (socket.close_code, socket.close_reason) == (1008, "too many commands")
+
+
+async def test_what_comes_for_a_client_whose_connection_was_just_closed_is_no_failure(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failures: list[object] = []
+    ended = threading.Event()
+
+    async def flooded(websocket: Any, _: object, client: Any, *__: object) -> None:
+        await websocket.close(1008, "too many commands")
+        client.send({"type": "pong", "id": 1, "t": 0.0})
+        sending = [task for task in asyncio.all_tasks() if task.get_name() == "stream out"]
+        await asyncio.wait(sending, return_when=asyncio.FIRST_COMPLETED)
+
+    async def watched(*arguments: Any) -> None:
+        try:
+            await exchange(*arguments)
+        finally:
+            ended.set()
+
+    log = SimpleNamespace(error=lambda *_, exc_info: failures.append(exc_info))
+    monkeypatch.setattr("server.http.stream_connection._log", log)
+    monkeypatch.setattr("server.http.stream_connection._receive", flooded)
+    monkeypatch.setattr("server.http.stream_connection.exchange", watched)
+    async with service.connect(service.begin()) as socket:
+        await until_closed(socket)
+        assert socket.close_code == 1008
+    assert await asyncio.to_thread(ended.wait, PATIENCE_S)
+    assert failures == []
 
 
 def test_late_reading_is_no_rest_of_a_flood() -> None:

@@ -12,6 +12,7 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_typestore
 
+from server.sessions.parts import Recording
 from tests.server.library.small_logs import carmen, tum
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
 
@@ -58,7 +59,7 @@ def test_it_is_put_read_mapped_shared_and_deleted(service: Service) -> None:
     token = http.post("/api/links", json={"session": session}).json()["token"]
     with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
         shared = guest.post(f"/api/shared/{token}/sessions").json()["id"]
-        recording = service.state.sessions.get(shared).model.recording
+        recording = service.state.sessions.get(shared).model.find(Recording)
         assert recording is not None
         assert recording.trajectory == "from LaMa"
         assert guest.get(f"/api/logs/{log_id}/trajectories/from LaMa").status_code == 404

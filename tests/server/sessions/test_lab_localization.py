@@ -16,6 +16,7 @@ from server.sources.lab_localization import MOST_SHOWN, LabLocalization
 from server.sources.simulation import SimulationModel
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
+from tests.server.sent import sent
 
 FEW = {"global_particles": 4000}
 
@@ -98,7 +99,7 @@ def test_two_equal_rooms_explain_the_first_scan_alike() -> None:
 
 
 def message_of(model: SimulationModel) -> dict[str, Any]:
-    return next(one for one in model.messages() if one["type"] == "localization")
+    return next(one for one in sent(model.messages()) if one["type"] == "localization")
 
 
 async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:

@@ -16,13 +16,15 @@ from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
 from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
+from server.parts.costmap.parameters import CostmapParameters
+from server.parts.costmap.part import CostmapPart
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
-from server.sources.lab_navigation_parameters import LabParameters
 from server.sources.simulation import SimulationModel
 from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
+from tests.server.sent import sent
 from tests.server.service import eventually
 from tests.server.sessions.conftest import obeyed
 
@@ -53,7 +55,7 @@ class Lab:
         result = TickResult()
         self.model.handle(command_of(command), result)
         self.model.draw(result)
-        self.answers = [answer for _, answer in result.answers]
+        self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice["code"] for notice in result.notices]
         return self.path
 
@@ -73,15 +75,21 @@ class Lab:
         return self.message("costmap")
 
     def message(self, kind: str) -> dict[str, Any]:
-        return next(one for one in self.model.messages() if one["type"] == kind)
+        return next(one for one in sent(self.model.messages()) if one["type"] == kind)
 
     @property
     def masks(self) -> dict[str, Int8Array]:
-        return self.model._navigation.present_masks()
+        return self.part.present_masks()
+
+    @property
+    def part(self) -> CostmapPart:
+        part = self.model.find(CostmapPart)
+        assert part is not None
+        return part
 
     @property
     def costs(self) -> LayeredCostmap:
-        made = self.model._navigation._costmap
+        made = self.part._costmap
         assert made is not None
         return made.costmap
 
@@ -117,7 +125,7 @@ async def test_the_costs_are_those_of_the_library_over_the_whole_map(lab: Lab) -
     lab.pass_time(4.0)
     # Box by box as the robot mapped, against all layers over the finished map at once.
     grid = lab.model.grid
-    parameters = LabParameters().with_values(STATIC_ONLY | {"inflation_radius": 0.8})
+    parameters = CostmapParameters().with_values(STATIC_ONLY | {"inflation_radius": 0.8})
     whole = build_costmap(grid.geometry, grid.classify(), parameters.nav2, parameters.outline).costmap
     whole.update()
     np.testing.assert_array_equal(lab.costs.costs, whole.costs)
@@ -350,10 +358,10 @@ async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     corners = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
     zones = [{"width": 0.4, "erases": False, "points": [[9.0, 7.0], [9.5, 7.0]]}]
     zones.append(zones[0] | {"speed": 30})
-    assert lab.model._navigation.history() == []
+    assert lab.model.history() == []
     lab.do(type="costmap", values={"inflation_radius": 0.8}, footprint=corners, keepout=zones)
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)
-    commands = lab.model._navigation.history()
+    commands = lab.model.history()
     lab.do(type="costmap", value=False)
     assert not lab.costmap["is_on"]
     lab.model.resume({"navigation": commands})
@@ -389,18 +397,18 @@ async def test_the_potential_is_written_only_while_it_is_watched(registry: Sessi
 async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
     """Also of a layer that is off now, and values of the follower that no slider has."""
     lab.do(type="costmap")
-    assert [one["type"] for one in lab.model._navigation.history()] == ["costmap"]
+    assert [one["type"] for one in lab.model.history()] == ["costmap"]
     lab.do(type="nav2")
     text = lab.answers[0]["text"].replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
     text = text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown").replace("/scan", "/front")
     lab.do(type="nav2", text=text)
     lab.do(type="costmap", values={"obstacle_layer": False, "inflation_radius": 0.8})
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])
-    commands = lab.model._navigation.history()
+    commands = lab.model.history()
     lab.do(type="costmap", value=False)
     lab.model.resume({"navigation": commands})
     lab.model.draw(TickResult())
-    assert lab.model._navigation.history() == commands
+    assert lab.model.history() == commands
     assert (lab.costmap["values"]["obstacle_layer"], lab.costmap["values"]["inflation_radius"]) == (False, 0.8)
     assert lab.path["goal"] == [BEYOND[0], BEYOND[1]]
     lab.do(type="costmap", values={"obstacle_layer": True})

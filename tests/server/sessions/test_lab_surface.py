@@ -14,9 +14,11 @@ from mapper.simulation.space import cast
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments, Surface, Voxels
+from server.sessions.parts import Volumetric
 from server.sources import lab_volume
 from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
+from tests.server.sent import sent
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
 
 
@@ -63,7 +65,7 @@ def triangles(surface: Surface) -> int:
 async def test_a_lidar_and_a_depth_camera_make_one_surface_near_the_true_one(lab: Lab) -> None:
     lab.do(type="map3d", values={"noise": 0.0, "voxel": 0.05})
     lab.look_around()
-    assert not any(one["type"] == "surface" for one in lab.model.messages())
+    assert not any(one["type"] == "surface" for one in sent(lab.model.messages()))
     cells = lab.model.footprint.cells
     lab.do(type="map3d", values={"kind": "tsdf", "sensor": "depth_camera"})
     lab.look_around()
@@ -90,7 +92,7 @@ async def test_other_parameters_make_the_surface_again(lab: Lab) -> None:
     assert triangles(first) > 1000
     assert first.label == "Surface"
     assert not any(isinstance(one, Voxels) for one in lab.model.drawings())
-    message = next(one for one in lab.model.messages() if one["type"] == "surface")
+    message = next(one for one in sent(lab.model.messages()) if one["type"] == "surface")
     assert (message["triangles"], message["index"]) == (triangles(first), lab.message["taken"])
     for values in ({"truncation": 0.6}, {"max_weight": 2.0}, {"drop_off": True}, {"voxel": 0.2}):
         before = surface_of(lab)
@@ -136,7 +138,7 @@ async def test_a_voxel_of_the_surface_is_asked_about(lab: Lab) -> None:
     lab.catch_up()
     command = lab.model.on_scene_ray((LOW_TABLE[0], LOW_TABLE[1], 1.0), (0.0, 0.0, -1.0))
     assert command is not None
-    why = next(one for one in lab.do(**fields_of(command)).slots.values() if one["type"] == "surface_voxel")
+    why = next(one for one in sent(lab.do(**fields_of(command)).slots.values()) if one["type"] == "surface_voxel")
     assert 0.1 < why["centre"][2] < 0.4
     assert why["total"] == len(why["updates"]) > 0
     volume = surface_of(lab)
@@ -147,7 +149,7 @@ async def test_a_voxel_of_the_surface_is_asked_about(lab: Lab) -> None:
     assert why["weight"] == pytest.approx(float(volume.weights[slot, k, j, i]))
     assert any(isinstance(one, Segments) for one in lab.model.drawings())
     result = lab.do(type="map3d", values={"kind": "occupancy"})  # another map: the answer is over
-    assert next(one for one in result.slots.values() if one["type"] == "surface_voxel")["centre"] is None
+    assert next(one for one in sent(result.slots.values()) if one["type"] == "surface_voxel")["centre"] is None
     assert not any(isinstance(one, Segments) and one.name == "chosen" for one in lab.model.drawings())
 
 
@@ -155,7 +157,7 @@ async def test_its_file_is_the_surface_that_is_shown(lab: Lab) -> None:
     lab.do(type="map3d", values={"kind": "tsdf"})
     lab.look_around()
     lab.catch_up()
-    files = lab.model.volume
+    files = lab.model.find(Volumetric)
     assert files is not None
     mesh = trimesh.load_mesh(io.BytesIO(files.mesh_bytes(".ply")), file_type="ply", process=False)
     assert len(mesh.faces) == len(surface_mesh(surface_of(lab)).triangles) > 1000
@@ -170,7 +172,7 @@ async def test_the_surface_stays_within_its_limits_and_is_that_of_the_scans_that
     monkeypatch.setattr(lab_volume, "MOST_BLOCKS", 600)
     lab.do(type="map3d", values={"kind": "tsdf", "voxel": 0.05})
     lab.look_around()
-    message = next(one for one in lab.model.messages() if one["type"] == "surface")
+    message = next(one for one in sent(lab.model.messages()) if one["type"] == "surface")
     assert "choose a coarser resolution" in message["problem"]
     assert surface_of(lab).blocks.count <= 300
     monkeypatch.setattr(lab_volume, "MOST_BLOCKS", 30_000)

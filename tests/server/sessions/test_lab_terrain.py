@@ -14,6 +14,7 @@ from mapper.simulation import WORLDS
 from mapper.terrain import Patches, assess, find_ground
 from mapper.terrain.textbook import moments_of, plane_of
 from mapper.volume.scans.scan_sequence import ScanSequence
+from server.parts.costmap.part import CostmapPart
 from server.parts.terrain.assessment import TABLE, TerrainParameters, assessed, first_patch
 from server.parts.terrain.messages import TerrainCommand
 from server.parts.terrain.part import TerrainPart
@@ -26,6 +27,7 @@ from server.sources.cloud_points import CloudPoints
 from server.sources.lab_volume import true_ground
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
+from tests.server.sent import sent, sent_one
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
 
 LEVELS = WORLDS["levels"]
@@ -61,7 +63,7 @@ def terrain_of(lab: Lab) -> TerrainPart:
 
 
 def message_of(lab: Lab) -> dict[str, object]:
-    return next(one for one in lab.model.messages() if one["type"] == "terrain")
+    return next(one for one in sent(lab.model.messages()) if one["type"] == "terrain")
 
 
 @pytest.fixture
@@ -88,13 +90,13 @@ def test_floor_and_ramp_are_safe_and_the_edges_of_stairs_and_tables_are_not() ->
     points = surface()
     found = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 25.0}))
     assert found is not None
-    state = {name: patch_at(found, *place)["state"] for name, place in (
+    state = {name: patch_at(found, *place).state for name, place in (
         ("floor", (2.0, 5.0)), ("ramp", (11.0, 2.5)), ("stairs", (11.1, 0.8)), ("edge of the table", (3.35, 3.0)),
     )}  # fmt: skip
     assert state == {"floor": "safe", "ramp": "safe", "stairs": "unsafe", "edge of the table": "unsafe"}
     steep = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 10.0}))
     assert steep is not None
-    assert patch_at(steep, 11.0, 2.5)["state"] == "unsafe"
+    assert patch_at(steep, 11.0, 2.5).state == "unsafe"
     # The costmap has the terrain as its layer, inflated.
     row, col = found.terrain.patches.geometry.world_to_cell((11.1, 0.8))
     assert found.costmap.costs[row, col] == 254
@@ -112,7 +114,7 @@ def test_a_patch_has_the_moments_and_the_plane_of_its_points() -> None:
     centre = patches.geometry.cell_to_world((row, col))
     mine = points[(np.abs(points[:, :2] - centre) < 0.25).all(axis=1)]
     expected = moments_of((mine - (*centre, 0.0)).tolist())
-    np.testing.assert_allclose(np.reshape(patch_at(found, 11.0, 2.5)["moments"], (4, 4)), expected, atol=1e-5)
+    np.testing.assert_allclose(np.reshape(patch_at(found, 11.0, 2.5).moments, (4, 4)), expected, atol=1e-5)
     assert found.terrain.planes[row, col, 5] == pytest.approx(plane_of(expected).slope, abs=1e-6)
     wider = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "reach": 2.0}))
     assert wider is not None
@@ -162,7 +164,9 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     for shown in ("slope", "roughness", "step", "costmap", "costs"):
         lab.do(type="terrain", values={"shown": shown})
     lab.do(type="costmap", values={"map": "terrain"})
-    costmap = lab.model._navigation._costmap
+    part = lab.model.find(CostmapPart)
+    assert part is not None
+    costmap = part._costmap
     assert costmap is not None
     assert costmap.geometry.resolution == pytest.approx(0.25)
     # As a layer: each cell has the cost of the patch around its centre, and says that patch's slope, roughness, step.
@@ -183,7 +187,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     assert (costmap.costs == 254).sum() > (costs == 254).sum()  # of a patch many cells
     result = TickResult()
     lab.model.handle(command_of({"type": "nav2"}), result)
-    written = result.answers[0][1]["text"]
+    written = sent_one(result.answers[0][1])["text"]
     assert "gridbloom::TerrainLayer" in written
     lab.do(type="costmap", values={"terrain_layer": False})
     lab.do(type="nav2", text=written)
@@ -213,7 +217,7 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     result = TickResult()
     view.handle(TerrainCommand(values={"patch": 5.0}), result)
     view.changed(result)
-    message = result.slots["terrain"]
+    message = sent_one(result.slots["terrain"])
     assert message["points"] == len(points)
     assert message["kappa"] is None
     ground = points[find_ground(points).is_ground]
@@ -224,7 +228,7 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
         nothing.handle(TerrainCommand(), TickResult())
     view.handle(TerrainCommand(values={"patch": 0.1}), result)
     view.changed(result)
-    assert "take greater ones" in str(result.slots["terrain"]["problem"])
+    assert "take greater ones" in str(sent_one(result.slots["terrain"])["problem"])
 
 
 def share_of_patches_with_ten(places: np.ndarray, side: float) -> float:
@@ -275,15 +279,15 @@ def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> N
     robust = assessed(floor, bounds, TerrainParameters().with_values({**first, "fit": "ransac"}))
     assert plain is not None
     assert robust is not None
-    assert patch_at(plain, 1.5, 1.5)["state"] == "unsafe"
+    assert patch_at(plain, 1.5, 1.5).state == "unsafe"
     assert first_asked(plain) == (1.5, 1.5)
     assert first_asked(robust) is None
     asked = patch_at(robust, 1.5, 1.5)
-    assert asked["state"] == "safe"
+    assert asked.state == "safe"
     left_out = robust.ground_points[~robust.is_fitted]
     assert (left_out[:, 2] > 0.3).mean() > 0.99
     assert len(left_out) == pytest.approx(stone.sum(), abs=3)
-    assert asked["n"] > asked["moments"][0]
+    assert asked.n > asked.moments[0]
     # A patch that is half as steep and half as rough as allowed passes each threshold, and not their sum.
     slope = np.column_stack([rng.uniform(0.0, 4.0, (9000, 2)), rng.normal(0.0, 0.06, 9000)])
     slope[:, 2] += slope[:, 0] * np.tan(np.radians(12.0))
@@ -292,7 +296,7 @@ def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> N
     for rule in ("weighted_sum", "thresholds"):
         found = assessed(slope, bounds, TerrainParameters().with_values({**values, "rule": rule}))
         assert found is not None
-        states.append(patch_at(found, 1.0, 1.0)["state"])
+        states.append(patch_at(found, 1.0, 1.0).state)
     assert states == ["unsafe", "safe"]
 
 
@@ -318,10 +322,12 @@ def test_the_terrain_of_a_file_begins_with_an_unsafe_patch_that_is_explained() -
         source.count = 1
         view.handle(TerrainCommand(values={"filter": False, "patch": 1.0}), result)
         view.changed(result)
-        patch = view.message()["patch"]
-        assert (patch and (patch["x"], patch["y"], patch["state"])) == ((4.5, 4.5, "unsafe") if asks_first else None)
+        patch = view.messages()[0].patch
+        assert (patch and (patch.x, patch.y, patch.state)) == ((4.5, 4.5, "unsafe") if asks_first else None)
         view.handle(TerrainCommand(x=8.5, y=8.5), result)
-        assert view.message()["patch"]["state"] == "safe"
+        patch = view.messages()[0].patch
+        assert patch is not None
+        assert patch.state == "safe"
 
 
 def test_a_patch_that_is_asked_about_has_its_points_its_neighbours_and_its_children() -> None:
@@ -330,13 +336,13 @@ def test_a_patch_that_is_asked_about_has_its_points_its_neighbours_and_its_child
     found = assessed(points, LEVELS.bounds, TerrainParameters().with_values(values))
     assert found is not None
     patch = patch_at(found, 11.0, 2.5)
-    np.testing.assert_allclose(np.sum(patch["children"], axis=0), patch["moments"], atol=1e-4)
-    assert len(patch["children"]) == 4
-    assert patch["n"] == len(patch["points"]) // 3
+    np.testing.assert_allclose(np.sum(patch.children, axis=0), patch.moments, atol=1e-4)
+    assert len(patch.children) == 4
+    assert patch.n == len(patch.points) // 3
     # The greatest gap at its edges is the step of the map.
     row, col = (int(v) for v in found.terrain.patches.geometry.world_to_cell((11.0, 2.5)))
     a, b, c = found.terrain.planes[row, col, :3]
-    gaps = [abs(a + b * x + c * y - z) for x, y, z in np.reshape(patch["edges"], (-1, 3))]
+    gaps = [abs(a + b * x + c * y - z) for x, y, z in np.reshape(patch.edges, (-1, 3))]
     assert max(gaps) == pytest.approx(found.terrain.steps[row, col], abs=1e-3)
     # Of a window: all points of its patches, and no children.
     wide = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "reach": 1.0}))
@@ -344,9 +350,10 @@ def test_a_patch_that_is_asked_about_has_its_points_its_neighbours_and_its_child
     patch = patch_at(wide, 11.0, 2.5)
     at = wide.terrain.patches.geometry.world_to_cell((11.0, 2.5))
     centre = wide.terrain.patches.geometry.cell_to_world(at)
-    assert patch["n"] == (np.abs(points[:, :2] - centre) < 0.375).all(axis=1).sum()
-    assert (patch["half"], patch["children"]) == (pytest.approx(0.375), [])
-    assert len(patch["points"]) == 3 * -(-patch["n"] // -(-patch["n"] // 400))
+    assert patch.n == (np.abs(points[:, :2] - centre) < 0.375).all(axis=1).sum()
+    assert patch.half == pytest.approx(0.375)
+    assert patch.children == []
+    assert len(patch.points) == 3 * -(-patch.n // -(-patch.n // 400))
 
 
 def test_points_in_a_vertical_plane_have_a_row_of_patches() -> None:
@@ -372,7 +379,7 @@ def test_the_patch_that_is_asked_about_is_marked_in_3d() -> None:
     assert view.drawings() == []
     view.handle(TerrainCommand(x=11.0, y=2.5), result)
     (mark,) = view.drawings()
-    patch = result.slots["terrain"]["patch"]
+    patch = sent_one(result.slots["terrain"])["patch"]
     assert isinstance(mark, Segments)
     corners = {(round(float(x), 3), round(float(y), 3)) for x, y, _ in mark.points.reshape(-1, 3)}
     (cx, cy), half = patch["centre"], float(patch["half"])

@@ -18,8 +18,10 @@ from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.simulation.space import cast
 from mapper.volume.mesh.voxel_normals import voxel_normals
+from server.parts.costmap.part import CostmapPart
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
+from server.sessions.parts import Volumetric
 from server.sessions.tick import TickResult
 from server.sources import lab_volume
 from server.sources.simulation import SimulationModel
@@ -27,6 +29,7 @@ from server.sources.volume_look import normal_colors
 from server.stream.commands import TeleportCommand
 from server.stream.protocol import command_of, fields_of
 from tests.server.begin import new_simulation
+from tests.server.sent import sent
 
 LOW_TABLE = (4.0, 3.0)
 AROUND = ((2.6, 3.0, 0.0), (4.0, 1.6, 1.57), (5.6, 3.0, 3.14), (4.0, 4.6, -1.57))
@@ -68,7 +71,7 @@ class Lab:
 
     @property
     def message(self) -> dict[str, Any]:
-        return next(one for one in self.model.messages() if one["type"] == "map3d")
+        return next(one for one in sent(self.model.messages()) if one["type"] == "map3d")
 
     @property
     def map(self) -> lab_volume.LabVolume:
@@ -175,7 +178,9 @@ async def test_the_costmap_can_stand_on_the_map_from_above(lab: Lab) -> None:
     lab.do(type="map3d")
     lab.look_around()
     lab.do(type="costmap", values={"map": "belief"})
-    costmap = lab.model._navigation._costmap
+    part = lab.model.find(CostmapPart)
+    assert part is not None
+    costmap = part._costmap
     assert costmap is not None
 
     def cost() -> int:
@@ -258,7 +263,7 @@ async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab)
     assert "ask about it" in (lab.model.controls().hint or "")
     command = lab.model.on_scene_ray((4.02, 3.02, 1.0), (0.0, 0.0, -1.0))
     assert command is not None
-    why = next(one for one in lab.do(**fields_of(command)).slots.values() if one["type"] == "voxel")
+    why = next(one for one in sent(lab.do(**fields_of(command)).slots.values()) if one["type"] == "voxel")
     value = float(lab.map.volume.log_odds_at([why["centre"]])[0])
     assert why["state"] == "occupied"
     assert 0.2 <= why["centre"][2] <= 0.4
@@ -289,7 +294,7 @@ async def test_what_is_not_seen_again_is_forgotten(lab: Lab) -> None:
 async def test_other_programs_read_its_files(lab: Lab, tmp_path: Path) -> None:
     lab.do(type="map3d")
     lab.look_around()
-    files = lab.model.volume
+    files = lab.model.find(Volumetric)
     assert files is not None
     path = tmp_path / "lab.ot"
     path.write_bytes(files.octree_bytes(".ot"))

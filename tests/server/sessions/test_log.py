@@ -32,6 +32,7 @@ from server.sessions.why import why_message
 from server.sources.log import MAX_GAP_S, play_times
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
+from tests.server.sent import sent
 from tests.server.service import eventually
 from tests.server.view import view_of
 
@@ -369,7 +370,7 @@ async def test_the_path_of_a_long_log_is_thinned_and_noted(
         trajectories={"scan": Trajectory(np.stack([np.arange(n_scans) * 1e-3] * 2 + [np.zeros(n_scans)], axis=-1))},
     )
     session = await new_log(registry, "me", log)
-    way = next(message for message in session.model.messages() if message["type"] == "trajectory")
+    way = next(message for message in sent(session.model.messages()) if message["type"] == "trajectory")
     assert (way["name"], way["every"]) == ("scan", every)
     assert len(way["poses"]) == len(way["stamps"]) <= 20_000
     for i in (0, 1, 777, len(way["poses"]) - 1):

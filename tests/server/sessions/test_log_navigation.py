@@ -14,15 +14,17 @@ from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
 from server.library.packs.given_map import GivenMap
+from server.parts.costmap import part as costmap_part
+from server.parts.costmap.parameters import CostmapParameters
+from server.parts.costmap.part import CostmapPart
 from server.parts.terrain.costs import TerrainMap
 from server.sessions import SessionRegistry
 from server.sessions.commands import UseTerrain
 from server.sessions.tick import TickResult
-from server.sources import log_navigation
-from server.sources.lab_navigation_parameters import LabParameters
 from server.sources.log import LogModel
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
+from tests.server.sent import sent
 
 STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
 
@@ -44,13 +46,19 @@ class Log:
         while self.model.is_catching_up:
             self.model.advance(0.0, result)
         self.model.draw(result)
-        self.answers = [answer for _, answer in result.answers]
+        self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice["code"] for notice in result.notices]
-        return self.model.messages()[-1]
+        return sent(self.model.messages())[-1]
+
+    @property
+    def part(self) -> CostmapPart:
+        part = self.model.find(CostmapPart)
+        assert part is not None
+        return part
 
     @property
     def costs(self) -> np.ndarray:
-        costmap = self.model.navigation._costmap
+        costmap = self.part._costmap
         assert costmap is not None
         return costmap.costs
 
@@ -64,7 +72,7 @@ async def log(registry: SessionRegistry, office_log: ScanLog) -> Log:
 
 
 async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
-    parameters = LabParameters().with_values(STATIC_ONLY)
+    parameters = CostmapParameters().with_values(STATIC_ONLY)
     log.do(type="costmap", values=STATIC_ONLY)
     for index in (120, 150, 40):
         log.do(type="seek", index=index)
@@ -80,13 +88,13 @@ async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
 
 async def test_a_painted_speed_limit_is_told_where_the_robot_is(log: Log) -> None:
     log.do(type="seek", index=120)
-    x, y, _ = log.model.navigation._recording.robot_state().pose
+    x, y, _ = log.model.recording.robot_state().pose
     zone = {"width": 3.0, "erases": False, "points": [[x, y]], "speed": 40}
     log.do(type="costmap", keepout=[zone])
     limits = []
     for command in ({"type": "seek", "index": 121}, {"type": "costmap", "values": {"speed_limits": "absolute"}}):
         log.do(**command)
-        limits += [one["speed_limit"] for one in log.model.messages() if one["type"] == "path"]
+        limits += [one["speed_limit"] for one in sent(log.model.messages()) if one["type"] == "path"]
     assert limits == ["40 %", "0.4 m/s"]
 
 
@@ -121,9 +129,9 @@ async def test_the_path_begins_at_the_robot_and_ends_at_the_goal(log: Log) -> No
     assert there_and_back["goal"] == path["goal"]
     text = log.answers[0]["text"].replace("inflation_radius: 0.55", "inflation_radius: 0.8")
     log.do(type="nav2", text=text)
-    assert log.model.messages()[-2]["values"]["inflation_radius"] == 0.8
+    assert sent(log.model.messages())[-2]["values"]["inflation_radius"] == 0.8
     assert log.do(type="costmap", value=False)["goal"] is None
-    assert log.model.navigation.layers == ()
+    assert log.part.layers == ()
 
 
 async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log) -> None:
@@ -144,7 +152,7 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
         if zones is not None:
             costs = np.where((zones > 0) & ((costs == 255) | (costs < 127)), 127, costs)
         np.testing.assert_array_equal(log.costs, costs)
-        assert log.model.messages()[-1]["speed_limit"] == ("35 %" if keepout else None)
+        assert sent(log.model.messages())[-1]["speed_limit"] == ("35 %" if keepout else None)
     log.do(type="costmap", values={"map": "belief"})
     assert log.costs.shape == log.model.grid.geometry.shape
 
@@ -157,14 +165,14 @@ async def test_a_costmap_begins_with_the_map_that_the_poses_are_in(log: Log) -> 
     values = np.random.default_rng(4).choice(np.array([0, 100, -1], np.int8), geometry.shape)
     log.model.localization.show_map(GivenMap("given", geometry, values, ()))
     log.do(type="costmap", value=True)
-    assert log.model.messages()[-2]["values"]["map"] == "belief"
+    assert sent(log.model.messages())[-2]["values"]["map"] == "belief"
     log.do(type="costmap", value=False)
     recording = log.model.recording
     way = replace(recording.log.trajectory(None), from_scans=True)
     recording.update(replace(recording.log, trajectories={**recording.log.trajectories, "localized": way}))
     log.do(type="trajectory", name="localized")
     log.do(type="costmap", value=True)
-    assert log.model.messages()[-2]["values"]["map"] == "given"
+    assert sent(log.model.messages())[-2]["values"]["map"] == "given"
     assert log.costs.shape == geometry.shape
 
 
@@ -193,7 +201,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     log.do(type="costmap", value=False)
     log.do(type="costmap", values=only)
     assert (log.costs == 254).any()
-    assert log.model.navigation.history()[-1] == {"type": "use_terrain", "log": "slopes"}
+    assert log.part.history()[-1] == {"type": "use_terrain", "log": "slopes"}
     far = GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
     log.take(UseTerrain(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]
@@ -205,12 +213,12 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
 async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ProtocolError, match="has to be begun first"):
         log.do(type="goal", x=0.0, y=0.0)
-    with pytest.raises(ConfigError, match="A log has no plan of its world"):
+    with pytest.raises(ConfigError, match="one of belief, given: it has no map 'plan'"):
         log.do(type="costmap", values={"map": "plan"})
-    monkeypatch.setattr(log_navigation, "MOST_CELLS", 10)
+    monkeypatch.setattr(costmap_part, "MOST_CELLS", 10)
     with pytest.raises(ConfigError, match="a costmap at most 10; choose a coarser resolution"):
         log.do(type="costmap")
-    assert log.model.navigation.layers == ()
+    assert log.part.layers == ()
 
 
 async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
@@ -220,7 +228,7 @@ async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
     small = GivenMap("given", GridGeometry(0.1, 4, 5), np.zeros((4, 5), np.int8))
     log.model.localization.show_map(small)
     log.do(type="costmap", values=STATIC_ONLY | {"map": "given"})
-    monkeypatch.setattr(log_navigation, "MOST_CELLS", 25)
+    monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)
     log.model.localization.show_map(GivenMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
     log.do(type="step")
     assert (log.notices, log.costs.shape) == (["costmap.too_large"], (4, 5))
@@ -229,6 +237,6 @@ async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
     log.model.localization.show_map(small)
     monkeypatch.undo()
     log.do(type="costmap", values={"map": "belief"})
-    monkeypatch.setattr(log_navigation, "MOST_CELLS", 25)
+    monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)
     log.do(type="step")
-    assert (log.notices, log.model.navigation.layers) == (["costmap.too_large"], ())
+    assert (log.notices, log.part.layers) == (["costmap.too_large"], ())

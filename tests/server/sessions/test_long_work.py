@@ -16,9 +16,8 @@ from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
+from server.parts.costmap.part import CostmapPart
 from server.sessions import SessionHost, SessionRegistry, long_work, requests
-from server.sources.lab_navigation import LabNavigation
-from server.sources.log_navigation import LogNavigation
 from server.sources.simulation import SimulationModel
 from server.sources.volume_view import VolumeView
 from server.stream.protocol import command_of
@@ -226,9 +225,9 @@ async def test_the_progress_says_what_is_computed(
     def slow(*_: Any, **__: Any) -> None:
         assert released.wait(PATIENCE_S)
 
-    monkeypatch.setattr(LabNavigation, "changed", slow)
+    monkeypatch.setattr(CostmapPart, "changed", slow)
     monkeypatch.setattr(VolumeView, "handle", slow)
-    monkeypatch.setattr(LogNavigation, "handle", slow)
+    monkeypatch.setattr(CostmapPart, "handle", slow)
     lab = await new_simulation(registry, "me", "room", seed=1, playing=False)
     log = await new_log(registry, "me", office_log, playing=False)
     for session, command, subject in (

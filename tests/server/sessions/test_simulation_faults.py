@@ -16,7 +16,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
 from mapper.simulation.live_map import SNAP_M, LiveMap
 from server.sessions import SessionRegistry
-from server.sources.story import replayed, story_of
+from server.sources.story import SimulationStory, replayed, story_of
 from server.stream.layers import GridLayer
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
@@ -166,7 +166,7 @@ async def test_replaying_a_story_gives_the_same_map(registry: SessionRegistry, o
         await obey(session, type="step", scans=13)
     await obey(session, type="parameters", values={"window": 0.35, "clamp": False})
     await obey(session, type="faults", values={"drift": True})
-    story = json.loads(json.dumps(await session.model.story.current()))
+    story = json.loads(json.dumps(await session.model.find(SimulationStory).current()))
     assert len(story["journal"]) == len(ACTS)
     other = await new_simulation(registry, "somebody", story["world"], story["seed"], story)
     here, there = view_of(session), view_of(other)
@@ -176,7 +176,7 @@ async def test_replaying_a_story_gives_the_same_map(registry: SessionRegistry, o
     np.testing.assert_array_equal(there.ranges, here.ranges)
     np.testing.assert_array_equal(there.log_odds, here.log_odds)
     assert [s.tobytes() for s in there.world.solids] == [s.tobytes() for s in here.world.solids]  # type: ignore[union-attr]
-    assert json.loads(json.dumps(await other.model.story.current())) == story
+    assert json.loads(json.dumps(await other.model.find(SimulationStory).current())) == story
 
 
 def test_a_story_that_is_too_long_begins_at_the_present_state() -> None:

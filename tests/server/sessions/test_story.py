@@ -18,6 +18,7 @@ from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
+from server.sessions.parts import Story
 from server.sessions.tick import TickResult
 from server.sources import story as story_module
 from server.sources.simulation_commands import act
@@ -126,10 +127,12 @@ def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
 async def test_a_story_contains_what_was_asked_of_the_session_before(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", 1, playing=False)
     session.enqueue(command_of({"type": "faults", "values": {"drift": True}}))
-    assert (await session.model.story.current())["faults"] == {"drift": True}
+    story = session.model.find(Story)
+    assert story is not None
+    assert (await story.current())["faults"] == {"drift": True}
     session.enqueue(command_of({"type": "step", "scans": 30}))  # in three ticks
     session.enqueue(command_of({"type": "play"}))
-    closing = asyncio.create_task(session.model.story.current())
+    closing = asyncio.create_task(story.current())
     await registry.close(session.id)
     assert (await closing)["world"] == "room"  # of a session that has ended nothing is waited for
 

@@ -6,6 +6,8 @@ from typing import Any
 
 from msgspec import UNSET
 
+from server.parts.costmap import messages as costmap_messages
+from server.parts.path.messages import PathMessage
 from server.parts.terrain import messages as terrain
 from server.stream import message_parts as parts
 from server.stream import messages, navigation_messages, volume_messages
@@ -248,7 +250,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         None,
     ),
     terrain.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
-    navigation_messages.CostmapMessage(
+    costmap_messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},
         [(0.3, 0.2), (-0.3, 0.2), (0.0, -0.3)],
@@ -256,16 +258,12 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.36,
         [parts.BrushStroke(0.4, False, [(1.0, 2.0)]), parts.BrushStroke(0.4, False, [(1.0, 2.0)], 40)],
     ),
-    navigation_messages.PathMessage(
-        (4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"
-    ),
-    navigation_messages.PathMessage(
-        (4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None
-    ),
-    navigation_messages.CostMessage(
+    PathMessage((4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
+    PathMessage((4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None),
+    costmap_messages.CostMessage(
         4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")], None
     ),
-    navigation_messages.Nav2Message("global_costmap: {}"),
+    costmap_messages.Nav2Message("global_costmap: {}"),
     volume_messages.VolumeMessage(
         parts.Table([_ROW], {"show": "voxels"}),
         (-1.0, -2.0, 0.0),

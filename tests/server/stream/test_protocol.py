@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.stream.commands import GoalCommand, ParametersCommand, VoxelCommand
+from server.parts.path.messages import GoalCommand
+from server.stream.commands import ParametersCommand, VoxelCommand
 from server.stream.protocol import (
     ProtocolError,
     command_of,

@@ -20,8 +20,8 @@ import { WorldGroup } from "./groups/World";
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
 const Localization = lazy(async () => (await import("../../tools/localization/Localization")).Localization);
-const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
-const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
+const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
 const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
@@ -148,7 +148,7 @@ const GROUPS: readonly Group[] = [
     section: "Using the map",
     purpose: "The robot’s pose by a particle filter; kidnap the robot",
     keeps: true,
-    badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
+    badge: ({ store }) => (store.part("localization").message.value?.is_on ? "on" : null),
     content: ({ store }) => <Localization store={store} />,
   },
   {

@@ -7,6 +7,7 @@ import type { View } from "../../render/view";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
+import { filterOf } from "../../tools/localization/state";
 import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
 
@@ -87,10 +88,10 @@ export function visibleState(store: Store): VisibleState {
     // The second map of the moving table depends on when it was started and cannot be restored.
     right: compared && !compared.with_faults ? compared.values : null,
     filter:
-      store.localization.peek()?.is_on === true
+      store.part("localization").message.peek()?.is_on === true
         ? {
-            values: store.filter.values.peek(),
-            map: store.filter.map.peek(),
+            values: filterOf(store).values.peek(),
+            map: filterOf(store).map.peek(),
             field: store.underlay.peek() === LIKELIHOOD_FIELD,
           }
         : null,

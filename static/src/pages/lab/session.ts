@@ -1,6 +1,7 @@
 import { computed, effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
+import { filterOf } from "../../tools/localization/state";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
@@ -73,7 +74,7 @@ export function restore(store: Store, shown: VisibleState): void {
     if (!store.isReady.value) return;
     if (right) store.send({ type: "compare", values: right });
     if (filter) {
-      store.beginFilter(filter.values, filter.map);
+      filterOf(store).begin(filter.values, filter.map);
       if (filter.field) store.underlay.value = LIKELIHOOD_FIELD;
     }
     if (map3d) store.send({ type: "map3d", values: map3d });
@@ -104,7 +105,12 @@ export function keepAddress(id: string, store: Store): () => void {
     void store.viewHeld.value;
     if (store.viewHeld.value) void store.view.value;
     void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
-    void [store.localization.value?.is_on, store.filter.values.value, store.filter.map.value, store.underlay.value];
+    void [
+      store.part("localization").message.value?.is_on,
+      filterOf(store).values.value,
+      filterOf(store).map.value,
+      store.underlay.value,
+    ];
     void [store.part("map3d").message.value?.is_on, store.part("map3d").values.values.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);

@@ -73,8 +73,8 @@ interface Group {
   readonly content: (view: LogView) => ComponentChildren;
 }
 
-const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
-const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
+const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 
 /** The group that a log opens on. */
 export const OVERVIEW = "overview";

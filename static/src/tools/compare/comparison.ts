@@ -103,7 +103,7 @@ export class Comparison {
         return () => {
           leave();
           store.second.value = null;
-          store.comparison.value = null;
+          store.part("comparison").message.value = null;
           store.inspectedSecond.value = null;
           if (store.explainedLayer.peek() === SECOND_MAP) store.explain(store.explainedPoint.peek(), MAP);
         };

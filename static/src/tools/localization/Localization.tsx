@@ -22,16 +22,17 @@ import {
 } from "./model";
 import { filterTable } from "./table";
 import "./localization.css";
+import { filterOf } from "./state";
 
 const LONGEST = 12;
 
 export function Localization({ store }: { readonly store: Store }) {
-  const message = store.localization.value;
+  const message = store.part("localization").message.value;
   const isOn = message?.is_on === true;
   const points = useSignal<readonly Point[]>([]);
   const table = useSignal<readonly Parameter[]>([]);
   useSignalEffect(() => {
-    const news = store.localization.value;
+    const news = store.part("localization").message.value;
     points.value = news ? grown(points.peek(), news) : [];
   });
   useEffect(() => (isOn ? store.layers.subscribe(PARTICLES) : undefined), [store, isOn]);
@@ -49,20 +50,20 @@ export function Localization({ store }: { readonly store: Store }) {
     return isOn && showsField ? store.layers.subscribe(LIKELIHOOD_FIELD) : undefined;
   }, [store, isOn, showsField]);
   const given: Given = {
-    values: store.filter.values.value,
-    map: store.filter.map.value,
+    values: filterOf(store).values.value,
+    map: filterOf(store).map.value,
     world: store.world.value?.name,
   };
   const begin = (values: Values, map: string): void => {
     points.value = [];
-    store.beginFilter(values, map);
+    filterOf(store).begin(values, map);
   };
   const turn = (setting: Setting): void => {
     const next = turned(setting, given, store.world.peek()?.names[0] ?? "");
     if (next.world !== undefined && next.world !== given.world) store.chooseWorld(next.world);
     begin(next.values, next.map);
   };
-  const set = useMemo(() => (values: Values) => store.setFilter(values), [store]);
+  const set = useMemo(() => (values: Values) => filterOf(store).set(values), [store]);
   const on = SETTINGS.filter((setting) => isTurnedOn(setting, given));
   return (
     <div class="localization">
@@ -115,11 +116,11 @@ export function Localization({ store }: { readonly store: Store }) {
       )}
       <FilterModels
         table={table.value}
-        values={store.filter.values}
+        values={filterOf(store).values}
         range_max={Number(store.sensor.values.value.range_max ?? LONGEST)}
         set={set}
       />
-      <AmclYaml values={() => store.filter.values.peek()} onOpen={(values) => begin(values, given.map)} />
+      <AmclYaml values={() => filterOf(store).values.peek()} onOpen={(values) => begin(values, given.map)} />
       <div class="localization-note" role="status">
         {on.map(({ name, look }) => (
           <p key={name}>

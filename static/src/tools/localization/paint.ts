@@ -38,7 +38,7 @@ export function paintGivenPose(store: Store, { ctx, view, size, colours }: Brush
 
 /** Paint the estimate; nothing while the robot is not localized. */
 export function paintLocalization(store: Store, brush: Brush): void {
-  const message = store.localization.peek();
+  const message = store.part("localization").message.peek();
   const frame = store.frame.peek();
   if (!message?.pose || !message.at || !message.covariance) return;
   const { ctx, view, size, colours } = brush;

@@ -18,6 +18,7 @@ import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
 import "./map3d.css";
+import { costmapOf } from "../costmap/state";
 
 /** The world with a low table, a ramp and stairs. */
 const LEVELS = "levels";
@@ -146,15 +147,15 @@ function Difference({ store }: { readonly store: Store }) {
 
 /** Whether the costmap stands on the 3D map from above. */
 function CostmapChoice({ store }: { readonly store: Store }) {
-  const { navigation } = store;
-  const isOn = navigation.costmap.value?.is_on === true && navigation.values.values.value.map === "map_3d";
+  const state = costmapOf(store);
+  const isOn = state.costmap.value?.is_on === true && state.values.values.value.map === "map_3d";
   return (
     <SwitchChip
       label="Costmap over the 3D map"
       title="The static layer of the costmap is the 3D map from above; the group Costmap shows it, Path plans on it."
       checked={isOn}
       onChange={(wanted) => {
-        if (wanted) navigation.isEnded.value = false;
+        if (wanted) state.isEnded.value = false;
         store.setPart("costmap", { map: wanted ? "map_3d" : "belief" });
       }}
     />

@@ -5,10 +5,11 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
-import { SPEED_LIMITS } from "../navigation/paint";
+import { SPEED_LIMITS } from "../costmap/paint";
 import { LinkedPicture } from "../picture/LinkedPicture";
 import { mapSurface } from "../picture/mapSurface";
 import { paintEditing, watchEditing, ZONES, zonesOver } from "./paint";
+import { mapEditingOf } from "./state";
 import { key, stroke } from "./strokes";
 
 interface MapViewProps {
@@ -36,7 +37,7 @@ export function MapView({ store, onPicture }: MapViewProps) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       tool={{
-        draws: () => store.mapEditing.tool.peek() !== null,
+        draws: () => mapEditingOf(store).tool.peek() !== null,
         stroke: (from, to, isDone) => stroke(store, from, to, isDone),
         key: (pressed) => key(store, pressed),
       }}

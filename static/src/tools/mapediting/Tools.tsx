@@ -2,14 +2,15 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
-import type { MapTool } from "../../store/mapEditing";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon, type IconName } from "../../ui/Icon";
 import { Slider } from "../../ui/Slider";
+import type { MapTool } from "./state";
 import { WIDEST_M } from "./strokes";
 import "./mapediting.css";
+import { mapEditingOf } from "./state";
 
 interface ToolText {
   readonly tool: MapTool | null;
@@ -43,7 +44,7 @@ const TOOLS: readonly ToolText[] = [
 const DRAWN = ["brush", "line", "area"] as const;
 
 export function Tools({ store }: { readonly store: Store }) {
-  const { mapEditing } = store;
+  const mapEditing = mapEditingOf(store);
   const name = useId();
   const now = mapEditing.tool.value;
   const isDrawn = DRAWN.some((tool) => tool === now);
@@ -141,7 +142,7 @@ const DEGREES = 180 / Math.PI;
 /** Specks and the heading of the whole map. */
 export function WholeMap({ store }: { readonly store: Store }) {
   const cells = useSignal(3);
-  const { turn } = store.mapEditing;
+  const { turn } = mapEditingOf(store);
   const degrees = (turn.value ?? 0) * DEGREES;
   useEffect(
     () => () => {

@@ -8,8 +8,9 @@ import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import { tokenRgb } from "../../style/colour";
 import type { Geometry, Point } from "../../wire/protocol";
-import { SPEED_LIMITS } from "../navigation/paint";
-import { SPEED_OVER } from "../navigation/palettes";
+import { SPEED_LIMITS } from "../costmap/paint";
+import { SPEED_OVER } from "../costmap/palettes";
+import { mapEditingOf } from "./state";
 import { drawingOf, isFree, shapeOf } from "./strokes";
 
 const AXIS_PX = 46;
@@ -43,14 +44,14 @@ export function zonesOver(store: Store): readonly Layer[] {
 
 /** Read every signal that is painted here. */
 export function watchEditing(store: Store): void {
-  const { tool, state, width, isFreehand, allows, sketch, isSent, corner, turn } = store.mapEditing;
+  const { tool, state, width, isFreehand, allows, sketch, isSent, corner, turn } = mapEditingOf(store);
   for (const one of [tool, state, width, isFreehand, allows, sketch, isSent, corner, turn]) void one.value;
   void [store.cell.value, store.pinned.value];
   for (const one of [ZONES, SPEED_LIMITS]) void store.layers.grid(one).version.value;
 }
 
 export function paintEditing(store: Store, brush: Brush): void {
-  const { mapEditing } = store;
+  const mapEditing = mapEditingOf(store);
   const geometry = store.map.peek()?.geometry;
   if (geometry && mapEditing.turn.peek()) paintTurned(brush, geometry, mapEditing.turn.peek() as number);
   paintOrigin(brush);
@@ -72,7 +73,7 @@ export function paintEditing(store: Store, brush: Brush): void {
 
 /** What is drawn; from the corner that the keyboard has set to the cursor. */
 function sketchOf(store: Store): readonly Point[] | null {
-  const { corner, sketch } = store.mapEditing;
+  const { corner, sketch } = mapEditingOf(store);
   const from = corner.peek();
   const to = store.probe.peek();
   return from && to ? [from, to] : sketch.peek();

@@ -1,8 +1,9 @@
 /** What the tools of map editing draw, and the commands that they send. */
 
-import type { MapTool, PaintedState } from "../../store/mapEditing";
 import type { Store } from "../../store/store";
 import type { MapEditCommand, Point } from "../../wire/protocol";
+import type { MapTool, PaintedState } from "./state";
+import { mapEditingOf } from "./state";
 
 /** A line this near to upright or level becomes so, rad. */
 const STRAIGHT = 0.09;
@@ -25,7 +26,7 @@ export interface Drawing {
 }
 
 export const drawingOf = (store: Store): Drawing | null => {
-  const { tool, state, width, isFreehand, allows, limit } = store.mapEditing;
+  const { tool, state, width, isFreehand, allows, limit } = mapEditingOf(store);
   const now = tool.peek();
   return (
     now && {
@@ -107,7 +108,7 @@ export function commandOf(drawing: Drawing, points: readonly Point[], scale: num
 
 /** A stroke of the hand from `from` so far to `to`, null where it was cancelled. */
 export function stroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
-  const { mapEditing } = store;
+  const mapEditing = mapEditingOf(store);
   const drawing = drawingOf(store);
   const scale = store.view.peek()?.scale ?? 0;
   if (!drawing || !from || !to) {
@@ -130,17 +131,17 @@ function grown(points: readonly Point[], to: Point, spacing: number, isLast: boo
 function finish(store: Store, drawing: Drawing, points: readonly Point[], scale: number): void {
   const command = commandOf(drawing, points, scale);
   if (!command) {
-    store.mapEditing.drop();
+    mapEditingOf(store).drop();
     return;
   }
-  store.mapEditing.isSent.value = true;
-  store.mapEditing.corner.value = null;
+  mapEditingOf(store).isSent.value = true;
+  mapEditingOf(store).corner.value = null;
   store.send(command);
 }
 
 /** A key of the focused map; true where it was meant for the tool. */
 export function key(store: Store, pressed: string): boolean {
-  const { mapEditing } = store;
+  const mapEditing = mapEditingOf(store);
   const drawing = drawingOf(store);
   const at = store.pinned.peek();
   if (pressed === "Enter" && drawing && at) {

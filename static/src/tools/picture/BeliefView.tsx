@@ -148,7 +148,7 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
   // A map to localize in has another frame than poses that do not come from a localization.
-  if (store.underlay.peek() === GIVEN_MAP && !store.localization.peek()?.is_on) return false;
+  if (store.underlay.peek() === GIVEN_MAP && !store.part("localization").message.peek()?.is_on) return false;
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
   if (store.stepping.peek()) paintSteps(store, brush, true);

@@ -9,10 +9,11 @@ import { type Paint, Picture } from "../../render/picture/Picture";
 import { panned, type Size, toScreen, toWorld, zoomedAt } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
+import { brushStroke, isOnGoal, paints, useTool } from "../costmap/mapTool";
 import { stroke } from "../editing/strokes";
-import { brushStroke, isOnGoal, paints, useTool } from "../navigation/mapTool";
 import { listenToKeys } from "./keyboard";
 import "./picture.css";
+import { pathOf } from "../path/state";
 
 /** A tool that draws in a picture; places are in the world. */
 export interface PictureTool {
@@ -110,7 +111,7 @@ export function LinkedPicture({
         },
         dragRobot: (at) => {
           const to = at && inWorld(at[0], at[1]);
-          if (holdsGoal) store.dragGoal(to);
+          if (holdsGoal) pathOf(store).dragGoal(to);
           else store.dragRobot(to);
         },
         draws: () =>

@@ -1,7 +1,7 @@
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
+import { useTool } from "../costmap/mapTool";
 import { editAt } from "../editing/strokes";
-import { useTool } from "../navigation/mapTool";
 
 /**
  * What a click on a place of the world does, or Enter at the keyboard's cursor (`isKey`): the selected tool edits the

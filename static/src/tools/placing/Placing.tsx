@@ -1,7 +1,8 @@
-import type { MapTool } from "../../store/navigation";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { LiveRegion } from "../../ui/LiveRegion";
+import type { MapTool } from "../costmap/state";
+import { costmapOf } from "../costmap/state";
 
 /** What a click does while a group of the costmap is open. */
 const MAP_TOOL_HINTS: Readonly<Record<MapTool, string>> = {
@@ -23,8 +24,8 @@ export function PlaceRobot({ store }: { readonly store: Store }) {
 /** One line on how the robot is placed and driven; nothing while a tool edits the world. */
 export function PlacingHint({ store }: { readonly store: Store }) {
   if (store.editing.tool.value !== null) return null;
-  const tool = store.navigation.tool.value;
-  if (tool !== null && store.navigation.costmap.value?.is_on) return <p class="hint">{MAP_TOOL_HINTS[tool]}</p>;
+  const tool = costmapOf(store).tool.value;
+  if (tool !== null && costmapOf(store).costmap.value?.is_on) return <p class="hint">{MAP_TOOL_HINTS[tool]}</p>;
   return (
     <p class="hint">
       Click to teleport the robot, drag it

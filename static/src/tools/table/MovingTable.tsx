@@ -26,15 +26,19 @@ interface MovingTableProps {
   readonly comparison: Comparison;
 }
 
+/** How far the maps have forgotten a removed object; null while this is not measured. */
+const watched = (message: Forgetting | null): Forgetting | null => (message && message.cells > 0 ? message : null);
+
 export function MovingTable({ store, comparison }: MovingTableProps) {
   const stage = useSignal<Stage>("idle");
   const since = useSignal(0);
   const guess = useSignal<number | null>(null);
   const points = useSignal<readonly Point[]>([]);
-  const forgetting = store.forgetting.value;
+  const message = store.part("forgetting").message;
+  const forgetting = watched(message.value);
 
   useSignalEffect(() => {
-    const news = store.forgetting.value;
+    const news = watched(message.value);
     if (news) points.value = grown(points.peek(), news);
     else if (stage.peek() === "gone" && points.peek().length > 0) stage.value = "idle";
     // The long wait for the map without the clamp is played faster.

@@ -10,6 +10,7 @@ import type { Parameter, Value } from "../../wire/protocol";
 import { useMap3dRows } from "../map3d/Sensor3d";
 import { ParameterRows } from "../parameters/ParameterRows";
 import "./terrain.css";
+import { costmapOf } from "../costmap/state";
 
 const COSTS = "terrain_costs";
 const VALUES = "terrain_values";
@@ -148,15 +149,15 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
 
 /** Whether the costmap stands on the classes. */
 function CostmapChoice({ store }: { readonly store: Store }) {
-  const { navigation } = store;
-  const isOn = navigation.costmap.value?.is_on === true && navigation.values.values.value.map === "terrain";
+  const state = costmapOf(store);
+  const isOn = state.costmap.value?.is_on === true && state.values.values.value.map === "terrain";
   return (
     <SwitchChip
       label="Costmap over the terrain"
       title="Unsafe patches are the lethal cells of the static layer; the group Costmap shows it, Path plans on it."
       checked={isOn}
       onChange={(wanted) => {
-        if (wanted) navigation.isEnded.value = false;
+        if (wanted) state.isEnded.value = false;
         store.setPart("costmap", { map: wanted ? "terrain" : "belief" });
       }}
     />

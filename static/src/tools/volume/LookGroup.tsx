@@ -12,7 +12,7 @@ const OF_SURFACES = ["height", "normal"];
 /** What is drawn: voxels or points, their colours, the cuts. */
 export function LookGroup({ store }: { readonly store: Store }) {
   const look = useLook(store);
-  const now = store.volume.value;
+  const now = store.part("volume").message.value;
   if (!look || !now) return null;
   const { rows, values, set } = look;
   const { show, colour } = values.value;

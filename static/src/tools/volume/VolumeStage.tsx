@@ -20,7 +20,7 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
   });
-  const isThere = store.volume.value !== null;
+  const isThere = store.part("volume").message.value !== null;
   return (
     <div class="volume-stage" ref={group}>
       {isThere && (

@@ -11,7 +11,7 @@ const coordinates = (place: readonly number[]): string => place.map((one) => wri
 
 /** Why the chosen voxel is as it is: what each scan did to it. */
 export function VoxelWhy({ store }: { readonly store: Store }) {
-  const now = store.voxel.value;
+  const now = store.part("voxel").message.value;
   const ofSurface = store.part("surface_voxel").message.value;
   const isComputing = store.working.value?.what === "voxel";
   return (
@@ -29,7 +29,9 @@ export function VoxelWhy({ store }: { readonly store: Store }) {
       {ofSurface?.centre ? (
         <SurfaceWhy now={ofSurface} centre={ofSurface.centre} />
       ) : (
-        now?.centre && <Answer now={now} centre={now.centre} hasScans={store.volume.value?.has_scans ?? true} />
+        now?.centre && (
+          <Answer now={now} centre={now.centre} hasScans={store.part("volume").message.value?.has_scans ?? true} />
+        )
       )}
     </Panel>
   );

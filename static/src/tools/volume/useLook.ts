@@ -3,6 +3,7 @@
 import { type ReadonlySignal, useComputed } from "@preact/signals";
 import type { Store } from "../../store/store";
 import type { Parameter, Value, Values } from "../../wire/protocol";
+import { lookOf } from "./state";
 
 export interface Look {
   readonly rows: readonly Parameter[];
@@ -12,14 +13,14 @@ export interface Look {
 
 /** Null until the session has told. */
 export function useLook(store: Store): Look | null {
-  const values = useComputed(() => store.look.values.value);
-  const table = store.volume.value?.look.table;
+  const values = useComputed(() => lookOf(store).values.value);
+  const table = store.part("volume").message.value?.look.table;
   if (!table) return null;
   return {
     rows: table,
     values,
     set: (name, value) => {
-      store.look.set(name, value);
+      lookOf(store).set(name, value);
       store.sendSoon({ type: "volume_look", values: { [name]: value } });
     },
   };

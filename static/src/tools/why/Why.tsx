@@ -67,7 +67,7 @@ function Panel({ store }: WhyProps) {
         )}
         <Button kind="quiet" icon="close" label="Close" onClick={() => store.explain(null)} />
       </header>
-      {store.second.value && store.comparison.value && (
+      {store.second.value && store.part("comparison").message.value && (
         <Choice
           label="Map"
           bare

@@ -118,8 +118,8 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
               </div>
               <Numbers
                 comparison={comparison}
-                numbers={store.comparison.value?.numbers ?? null}
-                refused={store.comparison.value?.refused ?? null}
+                numbers={store.part("comparison").message.value?.numbers ?? null}
+                refused={store.part("comparison").message.value?.refused ?? null}
                 onGo={(place) => {
                   store.pinned.value = place;
                   const view = store.view.peek();

@@ -49,7 +49,7 @@ export function BothMaps({ store, comparison }: { store: Store; comparison: Comp
   if (!compared) return null;
   const { a, b } = names(compared, store.trajectory.value?.name ?? "", store.hello.value?.title ?? "");
   const pair = comparison.pair.value;
-  const refused = store.comparison.value?.refused ?? (pair && !pair.lattice ? APART : null);
+  const refused = store.part("comparison").message.value?.refused ?? (pair && !pair.lattice ? APART : null);
   return <CompareOverlay comparison={comparison} names={{ a, b }} refused={refused} />;
 }
 

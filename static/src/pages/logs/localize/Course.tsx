@@ -16,7 +16,7 @@ const PLOTS = ["Standard deviation of the place", "Entropy of the particles", "F
 /** How certain the poses in use are along the log, beside the present scan. */
 export function CourseOf({ store, course }: CourseProps) {
   const series = useMemo(() => seriesOf(course), [course]);
-  const now = store.localization.value;
+  const now = store.part("localization").message.value;
   const first = course.first_converged;
   return (
     <Panel title="Along the way">

@@ -3,6 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../../render/picture/Picture";
 import type { Store } from "../../../store/store";
 import { MapView } from "../../../tools/mapediting/MapView";
+import { mapEditingOf } from "../../../tools/mapediting/state";
 import { Tools, WholeMap } from "../../../tools/mapediting/Tools";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
@@ -92,7 +93,7 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
 }
 
 function Editing({ store }: { readonly store: Store }) {
-  const edits = store.mapEditing.edits.value;
+  const edits = mapEditingOf(store).edits.value;
   return (
     <>
       <Panel title="Draw">
@@ -124,7 +125,7 @@ function Editing({ store }: { readonly store: Store }) {
 const step = (store: Store, steps: number): void => store.send({ type: "map_history", steps });
 
 function UndoRedo({ store }: { readonly store: Store }) {
-  const edits = store.mapEditing.edits.value;
+  const edits = mapEditingOf(store).edits.value;
   return (
     <div class="actions">
       <Button icon="undo" label="Undo (Ctrl+Z)" disabled={!edits?.n} onClick={() => step(store, -1)} />

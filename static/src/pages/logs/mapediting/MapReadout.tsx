@@ -4,8 +4,8 @@ import { stateAt } from "../../../grid/cellValues";
 import { centreOf } from "../../../grid/lattice";
 import { costOfByte } from "../../../render/map/costColours";
 import type { Store } from "../../../store/store";
+import { SPEED_LIMITS } from "../../../tools/costmap/paint";
 import { ZONES } from "../../../tools/mapediting/paint";
-import { SPEED_LIMITS } from "../../../tools/navigation/paint";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import "../../../tools/readout/readout.css";
 

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import { mapAddress } from "../../../tools/mapediting/EditMap";
+import { mapEditingOf } from "../../../tools/mapediting/state";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import type { LogRecord } from "../library/library";
@@ -21,7 +22,7 @@ export function Saving({ store, session }: SavingProps) {
   const name = typed.value ?? `${title}, edited`.slice(0, 100);
   const address = `/api/sessions/${encodeURIComponent(session)}/edited-map`;
   const at = { session_id: session };
-  const { edits } = store.mapEditing;
+  const { edits } = mapEditingOf(store);
   const save = async (): Promise<void> => {
     isBusy.value = true;
     failure.value = saved.value = null;

@@ -36,7 +36,7 @@ export function useNotes(session: string, store: Store, first: string | null = n
   const refresh = async (): Promise<void> => void (await attempt(fetchAll));
   useEffect(() => void refresh(), [session]);
   useSignalEffect(() => {
-    if (store.notesChanged.value !== null) void refresh();
+    if (store.part("notes").message.value !== null) void refresh();
   });
   return {
     notes,

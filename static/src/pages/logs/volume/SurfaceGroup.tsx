@@ -1,6 +1,7 @@
 import { SurfaceProfile } from "../../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../../store/store";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
+import { lookOf } from "../../../tools/volume/state";
 import { Button } from "../../../ui/Button";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
@@ -22,7 +23,7 @@ export function SurfaceGroup({ store }: { readonly store: Store }) {
     store.part("surface").values.set(name, value);
     store.sendSoon({ type: "surface", values: { [name]: value } });
   };
-  const isShown = store.look.values.value.show === "surface";
+  const isShown = lookOf(store).values.value.show === "surface";
   const resolution = Number(values.value.resolution);
   return (
     <>
@@ -31,7 +32,7 @@ export function SurfaceGroup({ store }: { readonly store: Store }) {
           <Button
             kind="primary"
             onClick={() => {
-              store.look.set("show", "surface");
+              lookOf(store).set("show", "surface");
               store.send({ type: "volume_look", values: { show: "surface" } });
             }}
           >

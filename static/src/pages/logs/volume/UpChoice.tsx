@@ -10,7 +10,7 @@ interface UpChoiceProps {
 
 /** The axis of the file that points up: depth cameras and scanners often have another one than z. */
 export function UpChoice({ store, onUp }: UpChoiceProps) {
-  const now = store.volume.value;
+  const now = store.part("volume").message.value;
   if (!now?.has_scans) return null;
   return (
     <Panel title="Up">

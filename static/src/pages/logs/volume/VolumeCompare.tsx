@@ -24,7 +24,7 @@ export function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
       })
       .catch(() => undefined);
   }, [log]);
-  const compared = store.volume.value?.compared ?? null;
+  const compared = store.part("volume").message.value?.compared ?? null;
   const frame = store.frame.value;
   return (
     <Panel title="Compare">

@@ -1,14 +1,15 @@
 import type { Store } from "../../../store/store";
+import { lookOf } from "../../../tools/volume/state";
 import { bytes } from "../../../ui/numbers";
 
 const many = (n: number): string => n.toLocaleString("en");
 
 /** How large the map is, below its picture. */
 export function VolumeFacts({ store }: { readonly store: Store }) {
-  const now = store.volume.value;
+  const now = store.part("volume").message.value;
   if (!now) return <p class="quiet">…</p>;
   const surface = store.part("surface").message.value;
-  const isSurface = surface !== null && store.look.values.value.show === "surface";
+  const isSurface = surface !== null && lookOf(store).values.value.show === "surface";
   const size = now.high.map((high, axis) => high - (now.low[axis] ?? 0));
   return (
     <p class="volume-facts number" data-chunks={now.chunks} data-pending={now.pending} data-occupied={now.occupied}>

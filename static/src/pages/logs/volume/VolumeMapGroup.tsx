@@ -36,7 +36,7 @@ export function VolumeMapGroup({ store }: { readonly store: Store }) {
 
 /** The octree beside a dense grid of the same box. */
 function Memory({ store }: { readonly store: Store }) {
-  const now = store.volume.value;
+  const now = store.part("volume").message.value;
   if (!now) return null;
   return (
     <Panel title="Memory">

@@ -6,7 +6,7 @@ import { TerrainGroup } from "../../../tools/terrain/TerrainGroup";
 
 /** The terrain of a file's points: the map from above in the colours of its patches, and their parameters. */
 export function VolumeTerrain({ store }: { readonly store: Store }) {
-  const hasPoints = store.volume.value?.has_scans ?? true;
+  const hasPoints = store.part("volume").message.value?.has_scans ?? true;
   useEffect(
     () => () => {
       store.pinned.value = null;

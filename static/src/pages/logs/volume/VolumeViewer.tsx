@@ -30,7 +30,8 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
   const openGroup = useSignal("look");
   const hello = store.hello.value;
   useSignalEffect(() => {
-    if (store.voxel.value?.centre || store.part("surface_voxel").message.value?.centre) openGroup.value = "why";
+    if (store.part("voxel").message.value?.centre || store.part("surface_voxel").message.value?.centre)
+      openGroup.value = "why";
   });
   if (status.value === "gone") {
     return (

@@ -1,9 +1,8 @@
-"""The costmap of the lab's robot: layers over its map that follow the map, the scans and what a visitor paints."""
+"""The layers of costs over a map: they follow the map, the scans and what a visitor paints."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,36 +27,29 @@ from mapper.costmap.layers import Layer as CostLayer
 from mapper.costmap.observing import observation_of_scan
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
+from mapper.planning.parameters import PlannerConfig, PursuitConfig
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
+from server.parts.costmap.parameters import LAYERS, CostmapParameters
+from server.parts.costmap.zones import SpeedZones, Stroke
+from server.sessions.part import StaticMap
 from server.sessions.parts import LayerCosts
-from server.sources.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
-from server.sources.painted_zones import SpeedZones, Stroke
 from server.stream.layers import GridLayer, Layer
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StaticMap:
-    """A map for the static layer in the place of the belief.
-
-    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 … 100.
-    """
-
-    grid: OccupancyGrid
-    keepout: Int8Array | None = None
-    speed: Int8Array | None = None
-
-
-class LabCostmap:
-    """Layers of costs over the map of a simulation, or over the plan of its world; each is a grid of the session.
+class Costmap:
+    """Layers of costs over the map of a session, or over a plan; each is a grid of the session.
 
     :meth:`follow` takes over what changed in the map, :meth:`look` a scan, :meth:`change` other parameters and
     :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
     """
 
-    def __init__(self, grid: OccupancyGrid, plan: Callable[[], StaticMap], parameters: LabParameters) -> None:
-        """Lay layers over ``grid``, or over what ``plan`` returns if the parameter ``map`` says so."""
-        self._plan = plan() if parameters.values["map"] in PLANNED else None
+    def __init__(
+        self, grid: OccupancyGrid, plan: Callable[[str], StaticMap | None], parameters: CostmapParameters
+    ) -> None:
+        """Lay layers over ``grid``, or over the plan that ``plan`` returns for the parameter ``map``, if any."""
+        self.revision = 0  #: another number when costs or parameters have changed
+        self._plan = plan(parameters.values["map"])
         self.parameters = parameters
         self.strokes: tuple[Stroke, ...] = ()
         names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
@@ -120,6 +112,21 @@ class LabCostmap:
         """The costs (rows, cols)."""
         return self.costmap.costs
 
+    @property
+    def planner(self) -> PlannerConfig:
+        """Parameters of the planner."""
+        return self.parameters.planner
+
+    @property
+    def pursuit(self) -> PursuitConfig:
+        """Parameters of the follower of the path."""
+        return self.parameters.pursuit
+
+    @property
+    def radius(self) -> float:
+        """Circumscribed radius of the padded outline, metres."""
+        return self.parameters.outline.circumscribed_radius
+
     def follow(self, grid: OccupancyGrid, box: CellBox | None, *, whole: bool) -> None:
         """Take over what changed in the map: in a box, or the ``whole`` of it."""
         if self._plan is not None or not (whole or box):
@@ -156,12 +163,14 @@ class LabCostmap:
             return "Terrain: there is no patch here."
         return self._terrain.why(at_row, at_col)
 
-    def renew_plan(self, plan: StaticMap, grid: OccupancyGrid) -> None:
+    def renew_plan(self, plan: StaticMap | None, grid: OccupancyGrid) -> None:
         """Use another map in the place of the belief."""
         self._plan = plan
         self.begin(grid)
 
-    def change(self, parameters: LabParameters, grid: OccupancyGrid, plan: Callable[[], StaticMap]) -> None:
+    def change(
+        self, parameters: CostmapParameters, grid: OccupancyGrid, plan: Callable[[str], StaticMap | None]
+    ) -> None:
         """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
         before, old_plan = self.parameters, self._plan
         try:
@@ -169,7 +178,7 @@ class LabCostmap:
             wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
             if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
                 if wanted != before.values["map"]:
-                    self._plan = plan() if wanted in PLANNED else None
+                    self._plan = plan(wanted)
                 self.begin(grid)
                 return
             self._obstacle.configure(parameters.obstacle)

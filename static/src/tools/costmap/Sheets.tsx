@@ -13,6 +13,7 @@ import type { Geometry, Point } from "../../wire/protocol";
 import { Sheet } from "./sheetImage";
 import { paintCell, paintSheets } from "./sheetPaint";
 import { cellOn, draggedGaps, LEAST_GAP, sheetPlan, type Window } from "./sheetPlan";
+import { costmapOf } from "./state";
 import { LAYER_NAMES } from "./WhyCost";
 
 /** The sheets from the bottom up: the layers, and the costs of all of them. */
@@ -50,7 +51,8 @@ export function Sheets({ store }: { readonly store: Store }) {
 }
 
 function Stack({ store, names }: { readonly store: Store; readonly names: readonly string[] }) {
-  const { navigation, layers } = store;
+  const { layers } = store;
+  const state = costmapOf(store);
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useWidth(box, 400).value;
@@ -89,7 +91,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
   const probe = store.probe.value;
   const cell = geometry && probe ? cellAt(geometry, probe[0], probe[1]) : null;
   const colours = pictureColours.value;
-  const values = navigation.values.values.value;
+  const values = state.values.values.value;
   const isOn = (name: string): boolean => values[name] !== false;
   const inFront = front.value;
 
@@ -155,8 +157,8 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
           onPointerUp={(event) => {
             const at = point((plan && cellOn(plan, ...inPicture(event)))?.cell);
             if (held.current && !held.current.moved && at) {
-              navigation.asked.value = at;
-              navigation.lastTool.value = navigation.tool.value = "cost";
+              state.asked.value = at;
+              state.lastTool.value = state.tool.value = "cost";
             }
             held.current = null;
             isDragged.value = false;

@@ -1,7 +1,8 @@
 /** What the user does with a map that is edited: the tool, what is being drawn, and the edits so far. */
 
-import { batch, signal } from "@preact/signals";
-import type { MapEditsMessage, Point } from "../wire/protocol";
+import { batch, type ReadonlySignal, signal } from "@preact/signals";
+import type { Store } from "../../store/store";
+import type { MapEditsMessage, Point } from "../../wire/protocol";
 
 export type MapTool = "brush" | "line" | "area" | "keepout" | "speed" | "straighten" | "crop" | "origin";
 
@@ -29,11 +30,16 @@ export class MapEditing {
   /** By how much the map will be turned, rad; null while this is not chosen. */
   readonly turn = signal<number | null>(null);
   /** The newest message; null before the first. */
-  readonly edits = signal<MapEditsMessage | null>(null);
+  readonly edits: ReadonlySignal<MapEditsMessage | null>;
 
-  take(message: MapEditsMessage): void {
-    this.edits.value = message;
-    if (this.isSent.peek()) this.drop();
+  constructor(store: Store) {
+    this.edits = store.part("map_edits").message;
+    this.edits.subscribe(() => {
+      if (this.isSent.peek()) this.drop();
+    });
+    store.notice.subscribe((notice) => {
+      if (notice?.kind === "error") this.drop();
+    });
   }
 
   /** Choose a tool; null for none. */
@@ -52,3 +58,5 @@ export class MapEditing {
     });
   }
 }
+
+export const mapEditingOf = (store: Store): MapEditing => store.of(MapEditing);

@@ -4,21 +4,18 @@ import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { KINDS } from "../../wire/kinds";
+import { Begin, End } from "../costmap/BeginEnd";
+import { costmapOf } from "../costmap/state";
+import { OverChoice, Tools } from "../costmap/Tools";
+import { useCostmap, useRows } from "../costmap/useCostmap";
+import { WhyCost } from "../costmap/WhyCost";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { PathNumbers } from "./PathNumbers";
 import { Scenes } from "./Scenes";
-import { OverChoice, Tools } from "./Tools";
-import { useCostmap } from "./useCostmap";
-import { WhyCost } from "./WhyCost";
-import "./navigation.css";
+import { pathOf } from "./state";
+import "../costmap/costmap.css";
 
 const ROWS = ["allow_unknown", "use_astar", "lookahead_dist", "desired_linear_vel", "tolerance"];
-
-/** The rows of the parameters of these names, in this order. */
-export function useRows(store: Store, names: readonly string[]) {
-  const table = store.hello.value?.navigation;
-  return useMemo(() => names.flatMap((name) => table?.filter((row) => row.name === name) ?? []), [table, names]);
-}
 
 export function PathGroup({ store }: { readonly store: Store }) {
   useCostmap(store);
@@ -27,16 +24,16 @@ export function PathGroup({ store }: { readonly store: Store }) {
     () => (name: string, value: number | string | boolean) => store.setPart("costmap", { [name]: value }),
     [store],
   );
-  if (store.navigation.costmap.value?.is_on !== true) return <Begin store={store} />;
+  if (costmapOf(store).costmap.value?.is_on !== true) return <Begin store={store} />;
   return (
     <div class="navigation">
       <Tools store={store} />
       <Outcome store={store} />
-      {store.navigation.lastTool.value === "cost" && <WhyCost store={store} />}
+      {costmapOf(store).lastTool.value === "cost" && <WhyCost store={store} />}
       {isDriven(store) && <Scenes store={store} />}
       <OverChoice store={store} />
       <div class="navigation-settings">
-        <ParameterRows rows={rows} values={store.navigation.values.values} set={set} />
+        <ParameterRows rows={rows} values={costmapOf(store).values.values} set={set} />
       </div>
       <End store={store} />
     </div>
@@ -46,35 +43,8 @@ export function PathGroup({ store }: { readonly store: Store }) {
 /** Whether the robot can drive along the path: that of a log cannot. */
 const isDriven = (store: Store): boolean => KINDS[store.hello.value?.kind ?? ""]?.isDriven ?? false;
 
-/** A button that begins the costmap after the user has ended it. */
-export function Begin({ store }: { readonly store: Store }) {
-  if (!store.navigation.isEnded.value) return <p class="navigation-note">Computing the costmap …</p>;
-  const begin = (): void => {
-    store.navigation.isEnded.value = false;
-  };
-  return (
-    <Button kind="primary" onClick={begin}>
-      Make the costmap
-    </Button>
-  );
-}
-
-export function End({ store }: { readonly store: Store }) {
-  return (
-    <Button
-      kind="quiet"
-      onClick={() => {
-        store.navigation.isEnded.value = true;
-        store.send({ type: "costmap", value: false });
-      }}
-    >
-      End the costmap
-    </Button>
-  );
-}
-
 function Outcome({ store }: { readonly store: Store }) {
-  const path = store.navigation.path.value;
+  const path = pathOf(store).path.value;
   const goal = path?.goal ?? null;
   const isRefused = goal !== null && path?.length === null;
   const drive = (drives: boolean): void => {
@@ -98,7 +68,7 @@ function Outcome({ store }: { readonly store: Store }) {
               {path.drives ? "Stop" : "Drive there"}
             </Button>
           )}
-          <Button kind="quiet" onClick={() => store.setGoal(null)}>
+          <Button kind="quiet" onClick={() => pathOf(store).setGoal(null)}>
             Remove goal
           </Button>
         </div>

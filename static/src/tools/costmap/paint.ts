@@ -8,8 +8,10 @@ import { columnOf, type LayerContent, OVERLAYS } from "../../render/picture/over
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { BrushStroke, Point, Pose } from "../../wire/protocol";
+import { pathOf } from "../path/state";
 import { COSTS_OVER, POTENTIAL_OVER, SPEED_OVER } from "./palettes";
 import { limitText } from "./speedLimits";
+import { costmapOf } from "./state";
 
 /** Name and style of the layer with the path. */
 export const PLAN = "plan";
@@ -19,7 +21,7 @@ const GOAL_PX = 9;
 
 /** The grids that are laid over the belief: costs or potential, and the speed limits. */
 export function costsOver(store: Store): readonly Layer[] {
-  const name = store.navigation.over.peek();
+  const name = costmapOf(store).over.peek();
   const map = name === null ? null : store.layers.grid(name).map.peek();
   const limits = store.layers.grid(SPEED_LIMITS).map.peek();
   return [
@@ -30,17 +32,18 @@ export function costsOver(store: Store): readonly Layer[] {
 
 /** Read every signal that is painted here. */
 export function watchNavigation(store: Store): void {
-  const { navigation, layers } = store;
-  void [navigation.path.value, navigation.costmap.value, navigation.stroke.value, navigation.goalAt.value];
-  void [navigation.asked.value, navigation.tool.value, layers.content(PLAN).value];
+  const { layers } = store;
+  const state = costmapOf(store);
+  void [pathOf(store).path.value, state.costmap.value, state.stroke.value, pathOf(store).goalAt.value];
+  void [state.asked.value, state.tool.value, layers.content(PLAN).value];
   void layers.grid(SPEED_LIMITS).version.value;
-  const over = navigation.over.value;
+  const over = state.over.value;
   if (over) void layers.grid(over).version.value;
 }
 
 /** The path and the speed limits in a picture that does not show the layers. */
 export function paintPathOf(store: Store, brush: Brush): void {
-  for (const stroke of store.navigation.costmap.peek()?.keepout ?? [])
+  for (const stroke of costmapOf(store).costmap.peek()?.keepout ?? [])
     if (limitOf(store, stroke) !== null) outlineStroke(brush, stroke);
   const content = store.layers.content(PLAN).peek();
   if (content) paintPlan(brush, content);
@@ -72,23 +75,23 @@ OVERLAYS[PLAN] = paintPlan;
 
 /** Paint the outline of the robot, the painted zones, the point that it aims at and the goal. */
 export function paintNavigation(store: Store, brush: Brush): void {
-  const { navigation } = store;
-  const costmap = navigation.costmap.peek();
+  const state = costmapOf(store);
+  const costmap = state.costmap.peek();
   if (!costmap?.is_on) return;
-  if (navigation.tool.peek() === "keepout" || navigation.tool.peek() === "erase") {
+  if (state.tool.peek() === "keepout" || state.tool.peek() === "erase") {
     for (const stroke of costmap.keepout) if (!stroke.erases && stroke.speed == null) outlineStroke(brush, stroke);
   }
   for (const stroke of costmap.keepout) writeLimit(store, brush, stroke);
-  const stroke = navigation.stroke.peek();
+  const stroke = state.stroke.peek();
   if (stroke) outlineStroke(brush, stroke);
-  const path = navigation.path.peek();
+  const path = pathOf(store).path.peek();
   const frame = store.beliefFrame.peek();
   if (frame) paintOutline(brush, costmap.footprint, frame.pose);
   if (path?.carrot && frame) paintCarrot(brush, path.carrot, frame.pose);
-  const goal = navigation.goalAt.peek() ?? path?.goal;
-  if (goal) paintGoal(brush, goal, navigation.goalAt.peek() !== null, path?.length == null);
-  const asked = navigation.asked.peek();
-  if (asked && navigation.tool.peek() === "cost") paintAsked(brush, asked);
+  const goal = pathOf(store).goalAt.peek() ?? path?.goal;
+  if (goal) paintGoal(brush, goal, pathOf(store).goalAt.peek() !== null, path?.length == null);
+  const asked = state.asked.peek();
+  if (asked && state.tool.peek() === "cost") paintAsked(brush, asked);
 }
 
 function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, points, speed }: BrushStroke): void {
@@ -126,7 +129,7 @@ function writeLimit(store: Store, { ctx, view, size, colours }: Brush, stroke: B
   const speed = limitOf(store, stroke);
   const place = middleOf(stroke.points);
   if (speed === null || !place) return;
-  const text = limitText(speed, store.navigation.values.values.peek().speed_limits);
+  const text = limitText(speed, costmapOf(store).values.values.peek().speed_limits);
   const [x, y] = toScreen(view, size, ...place);
   ctx.font = `600 13px ${getComputedStyle(ctx.canvas).fontFamily}`;
   ctx.textAlign = "center";

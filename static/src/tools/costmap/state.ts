@@ -1,9 +1,9 @@
-/** What the user does with the costmap and the path: the tool of the map, the stroke being painted, the dragged goal. */
+/** What the user does with the costmap: the tool of the map, the stroke being painted, the place that is asked about. */
 
 import { type Signal, signal } from "@preact/signals";
-import type { BrushStroke, CostMessage, CostmapMessage, PathMessage, Point } from "../wire/protocol";
-import type { Optimistic } from "./optimistic";
-import type { PartState } from "./part";
+import type { Optimistic } from "../../store/optimistic";
+import type { Store } from "../../store/store";
+import type { BrushStroke, CostMessage, CostmapMessage, Point } from "../../wire/protocol";
 
 /** What a click on a map does while a group of the costmap is open. */
 export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
@@ -11,7 +11,7 @@ export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
 /** What is laid over the belief: the name of a grid. */
 export type Over = "costmap" | "potential";
 
-export class Navigation {
+export class CostmapState {
   /** Null if no group of the costmap is open. */
   readonly tool = signal<MapTool | null>(null);
   /** The tool that is taken when such a group opens. */
@@ -24,8 +24,6 @@ export class Navigation {
   readonly stroke = signal<BrushStroke | null>(null);
   /** All strokes before it. */
   readonly painted = signal<readonly BrushStroke[]>([]);
-  /** Where the goal is dragged to; null while it is not. */
-  readonly goalAt = signal<Point | null>(null);
   /** The place whose cost is explained. */
   readonly asked = signal<Point | null>(null);
   /** The grid over the belief. */
@@ -35,22 +33,33 @@ export class Navigation {
 
   /** The newest messages; null before the first. */
   readonly costmap: Signal<CostmapMessage | null>;
-  readonly path = signal<PathMessage | null>(null);
-  readonly cost = signal<CostMessage | null>(null);
-  /** The parameter file that was asked for. */
-  readonly nav2 = signal<string | null>(null);
+  readonly cost: Signal<CostMessage | null>;
   readonly values: Optimistic;
-  readonly #part: PartState<CostmapMessage>;
+  readonly #store: Store;
 
-  constructor(part: PartState<CostmapMessage>) {
-    this.#part = part;
+  constructor(store: Store) {
+    const part = store.part("costmap");
+    this.#store = store;
     this.costmap = part.message;
     this.values = part.values;
     this.isEnded = part.isEnded;
+    this.cost = store.part("cost").message;
+    this.costmap.subscribe((message) => {
+      if (message?.is_on === false) this.asked.value = this.cost.value = null;
+    });
   }
 
-  take(message: CostmapMessage): void {
-    this.#part.take(message);
-    if (!message.is_on) this.asked.value = this.cost.value = null;
+  /** Set the outline of the robot: corners in its frame, m. */
+  setFootprint(footprint: readonly Point[]): void {
+    const old = this.costmap.peek()?.footprint ?? footprint;
+    this.#store.change("footprint", [{ type: "costmap", footprint: old }], [{ type: "costmap", footprint }]);
+  }
+
+  /** Set all strokes of the brush, which were `old` before the user began. */
+  setKeepout(keepout: readonly BrushStroke[], old: readonly BrushStroke[]): void {
+    const key = `keepout ${this.#store.history.version.peek()}`;
+    this.#store.change(key, [{ type: "costmap", keepout: old }], [{ type: "costmap", keepout }]);
   }
 }
+
+export const costmapOf = (store: Store): CostmapState => store.of(CostmapState);

@@ -1,23 +1,23 @@
-"""The path of the lab's robot to a goal on its costmap, replanned whenever one of them changes, and its follower."""
+"""The path to a goal on a costmap, and its follower."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedFilter, SpeedLimit
+from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedLimit
 from mapper.grid import GridGeometry
 from mapper.planning import GoalPlanner, Path, follow_path
+from mapper.planning.parameters import PursuitConfig
 from mapper.planning.travel_time import travel_time
 from mapper.simulation.robot import PoseTuple
-from server.sources.lab_navigation_parameters import LabParameters
+from server.parts.path.messages import PathMessage
+from server.sessions.parts import Costs
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
@@ -26,7 +26,7 @@ PASSABLE = INSCRIBED - 1
 Goal = tuple[float, float]
 
 
-class LabPath:
+class PathToGoal:
     """The goal, the path to it, and whether the robot drives along it. ``message`` is what the page shows of it."""
 
     def __init__(self) -> None:
@@ -70,19 +70,10 @@ class LabPath:
             self._limit_words = f"{limit.limit:g} {unit}{resulting}"
         return before != self._limit_words
 
-    def plan(
-        self,
-        costs: UInt8Array,
-        geometry: GridGeometry,
-        pose: PoseTuple,
-        parameters: LabParameters,
-        limits: Sequence[SpeedFilter],
-        *,
-        are_new: bool = True,
-    ) -> None:
+    def plan(self, costs: Costs, pose: PoseTuple, *, are_new: bool = True) -> None:
         """Plan the path from the robot's pose, and keep the reason where there is none.
 
-        ``limits`` are the speed limits on the way. Without ``are_new`` the costs are those of the last call: where the
+        Without ``are_new`` the costs are those of the last call: where the
         robot and the planner's parameters are the same too, a goal that moved has its path traced in the cost to come
         that is known.
         """
@@ -93,18 +84,14 @@ class LabPath:
         else:
             try:
                 planner = self._planner
-                if (
-                    are_new
-                    or planner is None
-                    or planner.config != parameters.planner
-                    or not planner.begins_at(pose[:2])
-                ):
-                    begun = _with_room(costs, geometry, pose, parameters.outline.circumscribed_radius)
-                    begun = begun.copy() if begun is costs else begun  # the costmap goes on writing its own
-                    self._planner = planner = GoalPlanner(begun, geometry, pose[:2], parameters.planner)
+                if are_new or planner is None or planner.config != costs.planner or not planner.begins_at(pose[:2]):
+                    own = costs.costs
+                    begun = _with_room(own, costs.geometry, pose, costs.radius)
+                    begun = begun.copy() if begun is own else begun  # the costmap goes on writing its own
+                    self._planner = planner = GoalPlanner(begun, costs.geometry, pose[:2], costs.planner)
                 self._path = planner.plan(pose[:2], self.goal)
-                greatest = parameters.pursuit.desired_linear_vel
-                self._travel_s = travel_time(self._path.points, greatest, limits)
+                greatest = costs.pursuit.desired_linear_vel
+                self._travel_s = travel_time(self._path.points, greatest, costs.speed_filters)
                 if not self._path.reaches_goal:
                     away = math.dist(self._path.points[-1], self.goal)
                     self._reason = f"The robot cannot be at the goal itself: the path ends {away:.2f} m before it."
@@ -114,7 +101,7 @@ class LabPath:
         path = self._path
         self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
         if path is not None or self._geometry is not None:
-            self._geometry = geometry
+            self._geometry = costs.geometry
 
     def draw(self) -> bool:
         """Write a new potential into its layer if the layer is watched; return whether it was written."""
@@ -130,7 +117,7 @@ class LabPath:
         self._potential.set_bytes(self._geometry, shares)
         return True
 
-    def control(self, pose: PoseTuple, parameters: LabParameters) -> tuple[float, float] | None:
+    def control(self, pose: PoseTuple, pursuit: PursuitConfig) -> tuple[float, float] | None:
         """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""
         path = self._path
         if not self.drives or path is None:
@@ -139,29 +126,31 @@ class LabPath:
         if math.dist(path.points[-1], pose[:2]) < ARRIVED_M:
             self.drives, self._carrot = False, None
             return (0.0, 0.0)
-        pursuit = parameters.pursuit
         if self._limit is not None:
             pursuit = replace(pursuit, desired_linear_vel=self._limit.of(pursuit.desired_linear_vel))
         command = follow_path(path.points, pose, pursuit)
         self._carrot = command.carrot
         return command.linear, command.angular
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> PathMessage:
         """Return the message ``path``."""
         path = self._path
-        return {
-            "type": "path",
-            "goal": None if self.goal is None else [round(v, 3) for v in self.goal],
-            "drives": self.drives,
-            "length": None if path is None else round(path.length, 3),
-            "cost": None if path is None else round(path.cost, 1),
-            "travel_s": None if path is None or self._travel_s is None else round(self._travel_s, 2),
-            "reaches_goal": path is not None and path.reaches_goal,
-            "reason": self._reason,
-            "carrot": None if self._carrot is None else [round(v, 3) for v in self._carrot],
-            "plan_ms": round(self._plan_ms, 2),
-            "speed_limit": self._limit_words,
-        }
+        return PathMessage(
+            goal=_rounded(self.goal),
+            drives=self.drives,
+            length=None if path is None else round(path.length, 3),
+            cost=None if path is None else round(path.cost, 1),
+            travel_s=None if path is None or self._travel_s is None else round(self._travel_s, 2),
+            reaches_goal=path is not None and path.reaches_goal,
+            reason=self._reason,
+            carrot=_rounded(self._carrot),
+            plan_ms=round(self._plan_ms, 2),
+            speed_limit=self._limit_words,
+        )
+
+
+def _rounded(place: Goal | None) -> Goal | None:
+    return None if place is None else (round(place[0], 3), round(place[1], 3))
 
 
 def _with_room(costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, radius: float) -> UInt8Array:

@@ -6,15 +6,16 @@ import { useMemo, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { ParameterRows } from "../parameters/ParameterRows";
+import { Begin, End } from "./BeginEnd";
 import { CostCurve } from "./CostCurve";
 import { CostFiles } from "./CostFiles";
 import { Outline } from "./Outline";
-import { Begin, End, useRows } from "./PathGroup";
 import { Sheets } from "./Sheets";
 import { OverChoice } from "./Tools";
-import { useCostmap } from "./useCostmap";
+import { useCostmap, useRows } from "./useCostmap";
 import { WhyCost } from "./WhyCost";
-import "./navigation.css";
+import "./costmap.css";
+import { costmapOf } from "./state";
 
 const ROWS = [
   "map",
@@ -43,8 +44,8 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
     () => (name: string, value: number | string | boolean) => store.setPart("costmap", { [name]: value }),
     [store],
   );
-  const { values } = store.navigation.values;
-  if (store.navigation.costmap.value?.is_on !== true) return <Begin store={store} />;
+  const { costmap, values } = costmapOf(store);
+  if (costmap.value?.is_on !== true) return <Begin store={store} />;
   return (
     <div class="navigation">
       <Sheets store={store} />
@@ -53,18 +54,18 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
       <h2>Inflation</h2>
       <CostCurve store={store} />
       <div class="navigation-settings">
-        <ParameterRows rows={inflation} values={values} set={set} />
+        <ParameterRows rows={inflation} values={values.values} set={set} />
       </div>
       <Outline store={store} />
       <h2>Layers</h2>
       <div class="navigation-settings">
-        <ParameterRows rows={rows} values={values} set={set} />
+        <ParameterRows rows={rows} values={values.values} set={set} />
         {children}
       </div>
       <h2>Nav2</h2>
       <Nav2 store={store} />
       <h2>Download the costs</h2>
-      <CostFiles session={store.hello.value?.session ?? ""} strokes={store.navigation.costmap.value.keepout} />
+      <CostFiles session={store.hello.value?.session ?? ""} strokes={costmap.value.keepout} />
       <End store={store} />
     </div>
   );
@@ -73,11 +74,11 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
 /** The parameters as a Nav2 parameter file, down and up. */
 function Nav2({ store }: { readonly store: Store }) {
   const file = useRef<HTMLInputElement>(null);
-  const { nav2 } = store.navigation;
+  const answer = store.part("nav2").message;
   useSignalEffect(() => {
-    const text = nav2.value;
+    const text = answer.value?.text ?? null;
     if (text === null) return;
-    nav2.value = null;
+    answer.value = null;
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
     link.download = "nav2_params.yaml";

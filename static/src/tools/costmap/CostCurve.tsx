@@ -1,12 +1,13 @@
 import { CostCurve as Curve } from "../../render/chart/CostCurve";
 import type { Store } from "../../store/store";
 import type { Range } from "../../ui/numbers";
+import { costmapOf } from "./state";
 
 /** The curve of the session's costs. */
 export function CostCurve({ store }: { readonly store: Store }) {
-  const { navigation } = store;
-  const costmap = navigation.costmap.value;
-  const values = navigation.values.values.value;
+  const state = costmapOf(store);
+  const costmap = state.costmap.value;
+  const values = state.values.values.value;
   const table = store.hello.value?.navigation;
   const row = (name: string): Range => table?.find((one) => one.name === name) ?? { low: 0, high: 1, step: 0.1 };
   if (!costmap) return null;

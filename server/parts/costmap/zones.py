@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
 from mapper.costmap import NO_INFORMATION, Mask, SpeedFilter, SpeedLimit
@@ -17,7 +17,7 @@ from mapper.costmap.layers import no_bounds
 from mapper.costmap.nav2_filters import NamedFilter
 from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE
 from mapper.grid import GridGeometry
-from server.sources.lab_navigation_parameters import SPEED_LIMITS
+from server.parts.costmap.parameters import SPEED_LIMITS
 from server.stream.message_parts import BrushStroke
 from server.stream.protocol import ProtocolError
 
@@ -42,10 +42,9 @@ class Stroke:
     points: tuple[tuple[float, float], ...]
     speed: int | None = None
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> BrushStroke:
         """Return the stroke as the wire has it."""
-        shown: dict[str, Any] = {"width": self.width, "erases": self.erases, "points": [list(p) for p in self.points]}
-        return shown if self.speed is None else shown | {"speed": self.speed}
+        return BrushStroke(self.width, self.erases, list(self.points), UNSET if self.speed is None else self.speed)
 
     def outlines(self) -> Iterator[Float64Array]:
         """Yield polygons (n, 2) in metres that cover it."""

@@ -1,7 +1,7 @@
 /** What the user wants of the lab's particle filter: its parameters, and the map that it is given. */
 
 import { signal } from "@preact/signals";
-import type { Command, LocalizationMessage, Values } from "../wire/protocol";
+import type { Command, LocalizationMessage, Values } from "../../wire/protocol";
 
 export type LocalizeCommand = Extract<Command, { type: "localize" }>;
 

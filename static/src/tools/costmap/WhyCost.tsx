@@ -4,6 +4,8 @@ import { effect, untracked } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { nameOfCost } from "../../grid/costs";
 import type { Store } from "../../store/store";
+import { pathOf } from "../path/state";
+import { costmapOf } from "./state";
 
 /** Names of the layers on the page. */
 export const LAYER_NAMES: Readonly<Record<string, string>> = {
@@ -18,7 +20,8 @@ export const LAYER_NAMES: Readonly<Record<string, string>> = {
 const LEAST_MS = 500;
 
 export function WhyCost({ store }: { readonly store: Store }) {
-  const { asked, cost, costmap, path } = store.navigation;
+  const { asked, cost, costmap } = costmapOf(store);
+  const { path } = pathOf(store);
   const at = asked.value;
   const isOn = costmap.value?.is_on === true;
   useEffect(() => {

@@ -1,4 +1,4 @@
-"""The parameters of the lab's costmap, planner and follower: rows of their tables, in one table with flat names."""
+"""The parameters of the costmap, the planner and the follower: rows of their tables, in one table with flat names."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from mapper.costmap.parameters import (
 from mapper.costmap.speed_filter import ABSOLUTE
 from mapper.planning.nav2_parameters import Nav2Path
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
-from server.sessions.part import HEXAGON
+from mapper.simulation.robot import HEXAGON
 
 
 def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter:  # noqa: ANN401
@@ -40,7 +40,7 @@ SPEED_LIMITS = ("percentage", "absolute")
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "terrain_layer", "keepout_filter", "inflation_layer")
 IN_NAV2 = ("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer")  #: layers that a Nav2 file has
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
-PLANNED = ("plan", "given")  #: maps that do not change by themselves
+OF_THE_FOLLOWER = ("desired_linear_vel", "lookahead_dist")  #: without effect where nothing drives
 
 TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
@@ -77,27 +77,29 @@ TABLE: tuple[Parameter, ...] = (
 )  # fmt: skip
 
 
-def rows_with(map_sentence: str, maps: tuple[str, ...], without: tuple[str, ...] = ()) -> list[dict[str, Any]]:
-    """Return the table for pages: with these choices of the static map, and without some rows."""
-    rows = [replace(row, choices=maps, sentence=map_sentence) if row.name == "map" else row for row in TABLE]
+def rows_with(maps: Mapping[str, str], without: tuple[str, ...] = ()) -> list[dict[str, Any]]:
+    """Return the table for pages, without some rows, and with ``maps`` for the static layer: their titles by name."""
+    *most, last = maps.values()
+    sentence = f"Which map the static layer has: {', '.join(most)} or {last}." if most else f"The map: {last}."
+    rows = [replace(row, choices=(*maps,), sentence=sentence) if row.name == "map" else row for row in TABLE]
     return [asdict(row) for row in rows if row.name not in without]
 
 
 _ROWS = {row.name: row for row in TABLE}
 INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
 
-MOST_CORNERS = 24  #: of a footprint in the lab
-_OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), ("desired_linear_vel", "lookahead_dist")
+MOST_CORNERS = 24  #: of a footprint here
+_OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), OF_THE_FOLLOWER
 _CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
 
 
 @dataclass(frozen=True, slots=True)
-class LabParameters:
+class CostmapParameters:
     """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
 
     ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2_parameters.Nav2Costmap`
-    has them, with the lab's names of its layers, and ``skipped`` the layers that are not built. ``loaded_path`` is the
-    planner and the follower of that file: of their parameters those that the table lacks.
+    has them, with the table's names of its layers, and ``skipped`` the layers that are not built. ``loaded_path`` is
+    the planner and the follower of that file: of their parameters those that the table lacks.
     """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
@@ -106,7 +108,7 @@ class LabParameters:
     skipped: tuple[SkippedLayer, ...] = ()
     loaded_path: Nav2Path = field(default_factory=Nav2Path)
 
-    def with_values(self, values: Mapping[str, Any]) -> LabParameters:
+    def with_values(self, values: Mapping[str, Any]) -> CostmapParameters:
         """Return the parameters with other values; the rest stays."""
         check_names(values, TABLE, "navigation parameter")
         return replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
@@ -124,6 +126,14 @@ class LabParameters:
     def outline(self) -> Footprint:
         """The padded outline of the robot."""
         return self.footprint.padded(self.general.footprint_padding)
+
+    def footprint_fields(self) -> dict[str, Any]:
+        """Return the corners of the footprint, metres in the robot's frame, and both radii of the padded one, m."""
+        return {
+            "footprint": [list(corner) for corner in self.footprint.vertices],
+            "inscribed_radius": round(self.outline.inscribed_radius, 4),
+            "circumscribed_radius": round(self.outline.circumscribed_radius, 4),
+        }
 
     @property
     def obstacle(self) -> ObstacleConfig:
@@ -175,7 +185,7 @@ class LabParameters:
     @property
     def has_more(self) -> bool:
         """Whether a Nav2 file was loaded that has more than the table: other parameters, or other names."""
-        first, path = LabParameters().path, self.path
+        first, path = CostmapParameters().path, self.path
         planner = replace(first.planner, **{name: getattr(path.planner, name) for name in _OF_PLANNER})
         pursuit = replace(first.pursuit, **{name: getattr(path.pursuit, name) for name in _OF_PURSUIT})
         return bool(self.others or self.skipped) or path != replace(first, planner=planner, pursuit=pursuit)
@@ -207,15 +217,15 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
     return found
 
 
-def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabParameters:
+def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> CostmapParameters:
     """Return the parameters of a Nav2 parameter file, of others those ``before``.
 
     Of its filters only their kind and whether they are on is taken: their masks are other files.
 
-    Raises :class:`ConfigError` for a value beyond the lab's bounds.
+    Raises :class:`ConfigError` for a value beyond the bounds of the table.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
-    named: dict[str, str] = {}  # the file's names of the layers, and the lab's
+    named: dict[str, str] = {}  # the file's names of the layers, and the table's
     values |= dict.fromkeys(IN_NAV2, False)
     for layer in found.layers:
         config = layer.config

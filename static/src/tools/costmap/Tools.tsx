@@ -1,12 +1,13 @@
 /** What a click on the maps does while a group of the costmap is open. */
 
 import { useId } from "preact/hooks";
-import type { MapTool, Over } from "../../store/navigation";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Slider } from "../../ui/Slider";
 import { limitUnit } from "./speedLimits";
+import type { MapTool, Over } from "./state";
+import { costmapOf } from "./state";
 
 const TOOLS: readonly { readonly tool: MapTool; readonly label: string; readonly hint: string }[] = [
   { tool: "goal", label: "Set goal", hint: "Click a map to set the goal; drag the goal, and the path follows." },
@@ -26,13 +27,13 @@ const OVERS: readonly { readonly value: Over | "none"; readonly label: string }[
 ];
 
 export function Tools({ store }: { readonly store: Store }) {
-  const { navigation } = store;
+  const state = costmapOf(store);
   const name = useId();
-  const now = navigation.tool.value ?? navigation.lastTool.value;
-  const strokes = navigation.costmap.value?.keepout ?? [];
+  const now = state.tool.value ?? state.lastTool.value;
+  const strokes = state.costmap.value?.keepout ?? [];
   const isBrush = now === "keepout" || now === "speed" || now === "erase";
   const take = (tool: MapTool): void => {
-    navigation.lastTool.value = navigation.tool.value = tool;
+    state.lastTool.value = state.tool.value = tool;
     store.editing.take(null);
   };
   return (
@@ -52,13 +53,13 @@ export function Tools({ store }: { readonly store: Store }) {
             label="Brush"
             sentence="Width of the brush."
             unit="m"
-            value={navigation.brush.value}
+            value={state.brush.value}
             initial={0.5}
             low={0.1}
             high={2}
             step={0.1}
             onInput={(width) => {
-              navigation.brush.value = width;
+              state.brush.value = width;
             }}
           />
           {now === "speed" && <Limit store={store} />}
@@ -66,11 +67,15 @@ export function Tools({ store }: { readonly store: Store }) {
             <Button
               icon="undo"
               disabled={strokes.length === 0}
-              onClick={() => store.setKeepout(strokes.slice(0, -1), strokes)}
+              onClick={() => costmapOf(store).setKeepout(strokes.slice(0, -1), strokes)}
             >
               Undo stroke
             </Button>
-            <Button icon="trash" disabled={strokes.length === 0} onClick={() => store.setKeepout([], strokes)}>
+            <Button
+              icon="trash"
+              disabled={strokes.length === 0}
+              onClick={() => costmapOf(store).setKeepout([], strokes)}
+            >
               Clear all
             </Button>
           </div>
@@ -82,7 +87,7 @@ export function Tools({ store }: { readonly store: Store }) {
 
 /** The limit that the brush paints. */
 function Limit({ store }: { readonly store: Store }) {
-  const { limit, values } = store.navigation;
+  const { limit, values } = costmapOf(store);
   const { unit, step } = limitUnit(values.values.value.speed_limits);
   return (
     <Slider
@@ -103,7 +108,7 @@ function Limit({ store }: { readonly store: Store }) {
 
 /** Which grid is laid over the belief. */
 export function OverChoice({ store }: { readonly store: Store }) {
-  const { over } = store.navigation;
+  const { over } = costmapOf(store);
   return (
     <Choice
       label="Over the belief"

@@ -3,7 +3,8 @@
 import { NO_EDITS } from "../../store/editing";
 import type { Store } from "../../store/store";
 import type { DrawnSolid, Point, Values } from "../../wire/protocol";
-import { OUTLINES } from "./footprint";
+import { OUTLINES } from "../costmap/footprint";
+import { costmapOf } from "../costmap/state";
 
 interface Step {
   readonly label: string;
@@ -50,10 +51,10 @@ function set(store: Store, { values, goal, footprint, added = [], clamp }: Setti
   store.send({ type: "costmap", values, footprint: footprint ?? OUTLINES[0]?.corners ?? null });
   store.send({ type: "goal", x: goal[0], y: goal[1], drives: false });
   store.send({ type: "play" });
-  const { navigation } = store;
-  navigation.over.value = "costmap";
-  navigation.lastTool.value = navigation.tool.value = "goal";
-  navigation.asked.value = null;
+  const state = costmapOf(store);
+  state.over.value = "costmap";
+  state.lastTool.value = state.tool.value = "goal";
+  state.asked.value = null;
   store.viewHeld.value = false;
 }
 
@@ -126,7 +127,7 @@ export const SCENES: readonly Scene[] = [
       {
         label: "Make it narrow again",
         look: "The inflation is as wide as before, but its cells only cost more and are not inscribed: the path leads through the middle of the door.",
-        run: (store) => store.setFootprint(OUTLINES[0]?.corners ?? []),
+        run: (store) => costmapOf(store).setFootprint(OUTLINES[0]?.corners ?? []),
       },
     ],
   },

@@ -8,6 +8,7 @@ import { written } from "../../ui/numbers";
 import { ROBOT_RADIUS } from "../../wire/constants";
 import type { Point } from "../../wire/protocol";
 import { OUTLINES, refusalOf, rounded } from "./footprint";
+import { costmapOf } from "./state";
 
 const SIZE = 190;
 const STEP = 0.01;
@@ -20,7 +21,7 @@ const STEPS: Readonly<Record<string, Point>> = {
 };
 
 export function Outline({ store }: { readonly store: Store }) {
-  const costmap = store.navigation.costmap.value;
+  const costmap = costmapOf(store).costmap.value;
   const sketch = useSignal<readonly Point[] | null>(null);
   const refused = useSignal<string | null>(null);
   const held = useRef<{ corner: number; at: Point; from: Point } | null>(null);
@@ -34,7 +35,7 @@ export function Outline({ store }: { readonly store: Store }) {
     const next = corners.map((one, i) => (i === corner ? inside : one));
     refused.value = refusalOf(next);
     if (held.current) sketch.value = next;
-    if (refused.value === null) store.setFootprint(next);
+    if (refused.value === null) costmapOf(store).setFootprint(next);
   };
   const release = (): void => {
     held.current = null;
@@ -100,7 +101,7 @@ export function Outline({ store }: { readonly store: Store }) {
               class="button"
               onClick={() => {
                 refused.value = null;
-                store.setFootprint(one.corners);
+                costmapOf(store).setFootprint(one.corners);
               }}
             >
               {one.label}

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { LocalizationMessage, Values } from "../wire/protocol";
+import type { LocalizationMessage, Values } from "../../wire/protocol";
 import { FilterSettings } from "./filterSettings";
 
 const message = (values: Values, map = "plan", is_on = true): LocalizationMessage =>

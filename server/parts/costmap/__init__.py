@@ -1,0 +1,1 @@
+"""Costs over the map of a session, see :mod:`mapper.costmap`."""

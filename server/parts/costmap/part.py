@@ -1,0 +1,333 @@
+"""The costmap over the map of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from msgspec import Struct, to_builtins
+
+from mapper.core.array_types import Int8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import NO_INFORMATION
+from mapper.costmap.nav2_parameters import costmap_of
+from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.io.costmaps import RecordedCostmap
+from mapper.io.ros_parameters import parse_ros_parameters
+from mapper.planning.nav2_parameters import nav2_path_yaml, path_of
+from server.parts.costmap.costmap import Costmap
+from server.parts.costmap.messages import (
+    CostCommand,
+    CostmapCommand,
+    CostmapMessage,
+    CostMessage,
+    Nav2Command,
+    Nav2Message,
+)
+from server.parts.costmap.parameters import (
+    IN_NAV2,
+    INITIAL,
+    OF_THE_FOLLOWER,
+    CostmapParameters,
+    footprint_of,
+    from_nav2,
+    rows_with,
+)
+from server.parts.costmap.zones import painted_filters, strokes_of
+from server.sessions.commands import UseTerrain
+from server.sessions.part import Offers, Part, Robot, StaticMap
+from server.sessions.parts import Costed, LayerCosts, UploadedCosts
+from server.sessions.tick import TickResult
+from server.stream.commands import RestartCommand, WorldCommand
+from server.stream.layers import Layer
+from server.stream.message_parts import LayerCost
+from server.stream.protocol import ProtocolError
+
+MOST_CELLS = 5_000_000  #: of the map: each costmap holds a dozen grids of its size
+_MOST_NAMES = 12  #: of parameters in one notice
+
+
+class CostmapPart(Part, Costed):
+    """A costmap, from the command ``costmap`` on until the same command ends it."""
+
+    commands = (CostmapCommand, CostCommand, Nav2Command, UseTerrain)
+    recorded = (CostmapCommand, Nav2Command)
+    subject = "costmap"
+
+    @classmethod
+    def of(cls, offers: Offers) -> CostmapPart | None:
+        """Return the part of a source with a map and a robot in it."""
+        if offers.grid is None or offers.robot is None:
+            return None
+        return cls(offers, offers.grid, offers.robot)
+
+    def __init__(self, offers: Offers, grid: Callable[[], OccupancyGrid], robot: Callable[[], Robot]) -> None:
+        self._grid, self._robot, self._plans, self._maps = grid, robot, offers.plans, offers.maps
+        self._offered = offers.costs.get("terrain_layer", lambda: None)
+        titles: dict[str, str] = {"belief": offers.map_title}
+        titles |= {name: plan.title for name, plan in self._plans.items()}
+        titles |= {name: other.title for name, other in self._maps.items()}
+        self._names = tuple(titles)
+        self.tables = {"navigation": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
+        offers.costmap = lambda: self._costmap
+        self._costmap: Costmap | None = None
+        self._is_new = False  #: whether the costs have to be brought up to date before the next scan
+        self._version: object = None  #: of the plan that the static layer has
+        self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
+        self._number = -1  #: of the scan that the layers of obstacles saw last
+        self._uploaded: UploadedCosts | None = None
+        self._laid: LayerCosts | None = None  #: the terrain in the costmap
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The costs and each layer's own; none while it is off."""
+        return () if self._costmap is None else self._costmap.layers
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 0 if self._costmap is None else self._costmap.cells
+
+    def messages(self) -> tuple[CostmapMessage]:
+        """Return the message ``costmap``."""
+        costmap = self._costmap
+        parameters = CostmapParameters() if costmap is None else costmap.parameters
+        strokes = () if costmap is None else costmap.strokes
+        message = CostmapMessage(
+            is_on=costmap is not None,
+            values=dict(parameters.values),
+            keepout=[stroke.message() for stroke in strokes],
+            **parameters.footprint_fields(),
+        )
+        return (message,)
+
+    def history(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap.
+
+        Where a Nav2 file was loaded that has more than the table of parameters, the command ``nav2`` has that. It has
+        all layers, since a layer that is off may have such parameters too, and the command after it switches them as
+        they are. The command ``use_terrain`` names an upload, which the service then reads.
+        """
+        costmap = self._costmap
+        if costmap is None:
+            return []
+        loaded = costmap.parameters
+        values = {name: value for name, value in loaded.values.items() if value != INITIAL[name]}
+        message: dict[str, Any] = to_builtins(self.messages()[0])
+        found: list[dict[str, Any]] = [
+            {"type": "costmap", "values": values, "footprint": message["footprint"], "keepout": message["keepout"]}
+        ]
+        if loaded.has_more:
+            flags = {name: loaded.values[name] for name in IN_NAV2}
+            every = loaded.with_values(dict.fromkeys(IN_NAV2, True))
+            text = nav2_yaml(every.nav2, costmap.geometry.resolution) + nav2_path_yaml(every.path)
+            found += [{"type": "nav2", "text": text}, {"type": "costmap", "values": flags}]
+        if self._uploaded is not None:
+            found.append({"type": "use_terrain", "log": self._uploaded.log_id})
+        return found
+
+    def present_costs(self) -> RecordedCostmap | None:
+        """Return the present costs."""
+        return None if self._costmap is None else self._costmap.recorded(self._robot().time_s, None)
+
+    def present_footprint(self) -> dict[str, Any] | None:
+        """Return the footprint with both radii, None while there is no costmap."""
+        return None if self._costmap is None else self._costmap.parameters.footprint_fields()
+
+    def present_masks(self) -> dict[str, Int8Array]:
+        """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""
+        return {} if self._costmap is None else self._costmap.masks
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseTerrain, result: TickResult) -> None:
+        """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then."""
+        costmap = self._costmap
+        if isinstance(command, CostmapCommand):
+            self._set(command, result)
+        elif isinstance(command, UseTerrain):
+            self._use_terrain(command.terrain, result)
+        elif costmap is None:
+            raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
+        elif isinstance(command, CostCommand):
+            x, y = command.x, command.y
+            said = [LayerCost(one.layer, one.cost, one.master, one.sentence) for one in costmap.why(x, y)]
+            result.answer(CostMessage(round(x, 4), round(y, 4), said, costmap.why_speed(x, y)))
+        else:
+            self._exchange(costmap, command, result)
+        result.changed = True
+
+    def _set(self, command: CostmapCommand, result: TickResult) -> None:
+        if not command.value:
+            self._end(result)
+            return
+        costmap = self._costmap
+        self._check(command.values)
+        first = CostmapParameters().with_values(self._first_values()) if costmap is None else costmap.parameters
+        parameters = first.with_values(command.values)
+        if command.footprint is not None:
+            parameters = replace(parameters, footprint=footprint_of(command.footprint))
+        strokes = None if command.keepout is None else strokes_of(command.keepout)
+        if costmap is None:
+            self._costmap = costmap = Costmap(self._map(parameters), self._plan, parameters)
+            self._laid, self._number = None, -1
+        elif parameters != costmap.parameters:
+            costmap.change(parameters, self._map(parameters), self._plan)
+        if strokes is not None:
+            costmap.paint(strokes)
+        self._note_change(result)
+
+    def _check(self, wanted: Mapping[str, Any]) -> None:
+        """Raise :class:`ConfigError` for parameters that this session cannot have."""
+        if (n := _cells_of(self._grid())) > MOST_CELLS:
+            message = f"The map has {n} cells, and a costmap at most {MOST_CELLS}; choose a coarser resolution."
+            raise ConfigError("costmap.too_large", message)
+        name = wanted.get("map", "belief")
+        if name not in self._names:
+            message = f"The static map of this session is one of {', '.join(self._names)}: it has no map {name!r:.80}."
+            raise ConfigError("costmap.map", message)
+
+    def _first_values(self) -> dict[str, Any]:
+        """Return the plan as the static map where the poses are in it, in the place of the table's first values."""
+        for name, plan in self._plans.items():
+            if plan.is_first() and _cells_of(plan.read().grid) <= MOST_CELLS:
+                return {"map": name}
+        return {}
+
+    def _map(self, parameters: CostmapParameters) -> OccupancyGrid:
+        """Return the map of the static layer: the source's own, or another one where that is chosen and there."""
+        other = self._maps.get(parameters.values["map"])
+        found = None if other is None else other.read()
+        return self._grid() if found is None else found
+
+    def _plan(self, name: str) -> StaticMap | None:
+        """Return the plan that takes the place of the source's map, None where the map of this name is no plan."""
+        plan = self._plans.get(name)
+        if plan is None:
+            return None
+        found = plan.read()
+        if (n := _cells_of(found.grid)) > MOST_CELLS:
+            message = f"The {name} map has {n} cells, and a costmap at most {MOST_CELLS}."
+            raise ConfigError("costmap.too_large", message)
+        self._version = plan.version()
+        return found
+
+    def _end(self, result: TickResult) -> None:
+        if self._costmap is not None:
+            self._costmap = None
+            result.slot(*self.messages())
+
+    def _use_terrain(self, terrain: UploadedCosts | None, result: TickResult) -> None:
+        """Take the costs of an upload for the terrain's layer."""
+        self._uploaded = terrain
+        geometry = self._grid().geometry if self._costmap is None else self._costmap.geometry
+        if terrain is not None and not _meets(terrain, geometry):
+            message = "The terrain has no known cell within the costmap: are both in one frame?"
+            result.notice("terrain.elsewhere", message)
+
+    def _exchange(self, costmap: Costmap, command: Nav2Command, result: TickResult) -> None:
+        """Answer with the parameters as Nav2's yaml, or take them from one."""
+        if command.text is None:
+            masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
+            filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
+            parts = nav2_yaml(replace(costmap.parameters.nav2, filters=filters), costmap.geometry.resolution)
+            result.answer(Nav2Message(parts + nav2_path_yaml(costmap.parameters.path)))
+            return
+        root = parse_ros_parameters(command.text.encode())
+        read, read_path = costmap_of(root), path_of(root)
+        found = from_nav2(costmap.parameters, read, read_path)
+        costmap.change(found, self._map(found), self._plan)
+        unused = *read.unused, *read_path.unused
+        said = [*read.notes, *read_path.notes]
+        if not read.general.track_unknown_space:
+            said.append("track_unknown_space is off: cells that the map does not know count as free.")
+        if unused:
+            names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
+            said.append(f"Without effect here, and kept in the yaml that you download: {names}.")
+        if said:  # in one notice: a page shows the newest
+            result.notice("nav2.kept", " ".join(said))
+        self._note_change(result)
+        result.answer(Nav2Message(None))
+
+    def _note_change(self, result: TickResult) -> None:
+        self._is_new = True
+        result.slot(*self.messages())
+
+    def note(self, command: Struct, result: TickResult) -> None:
+        """End in another world."""
+        if isinstance(command, WorldCommand | RestartCommand):
+            self._end(result)
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def changed(self, result: TickResult) -> None:
+        """Follow what changed in the map, and look at a new scan."""
+        costmap = self._costmap
+        if costmap is None:
+            return
+        self._renew_plan(costmap, result)
+        if (n := _cells_of(self._grid())) > MOST_CELLS and costmap.parameters.values["map"] not in self._plans:
+            self._end(result)
+            result.notice(
+                "costmap.too_large", f"The map has {n} cells now, and a costmap at most {MOST_CELLS}: it has ended."
+            )
+            return
+        robot = self._robot()
+        are_new = self._follow(costmap, robot, result)
+        is_scan = robot.scan is not None and robot.number != self._number
+        if is_scan and robot.scan is not None:
+            self._number = robot.number
+            costmap.look(robot.scan, robot.scan_pose)
+        if is_scan or are_new:
+            self._is_new = False
+            are_new |= costmap.update(robot.time_s, robot.pose)
+        costmap.revision += are_new
+
+    def _renew_plan(self, costmap: Costmap, result: TickResult) -> None:
+        """Take another plan where there is one, such as a map that was loaded."""
+        name = costmap.parameters.values["map"]
+        if name not in self._plans or self._version is self._plans[name].version():
+            return
+        try:
+            costmap.renew_plan(self._plan(name), self._grid())
+            self._is_new = True
+        except ConfigError as error:  # the costmap keeps the map from before
+            self._version = self._plans[name].version()
+            result.notice(error.code, error.message)
+
+    def _follow(self, costmap: Costmap, robot: Robot, result: TickResult) -> bool:
+        """Take over what changed in the maps below; return whether the costs are others now."""
+        own, box, whole = self._grid(), result.box, result.new_grid
+        grid = self._map(costmap.parameters)
+        if grid is not own or self._followed is not None:
+            box, whole = None if grid is not own else box, whole or grid is not self._followed
+            self._is_new |= whole
+            self._followed = None if grid is own else grid
+        if robot.number < self._number:
+            costmap.begin(grid)  # what later scans marked is not known yet
+        else:
+            costmap.follow(grid, box, whole=whole)
+        terrain = self._offered() if self._uploaded is None else self._uploaded
+        if terrain is not self._laid:
+            self._laid, self._is_new = terrain, True
+            costmap.lay_terrain(terrain)
+        return self._is_new or whole
+
+
+def _cells_of(grid: OccupancyGrid) -> int:
+    return grid.geometry.rows * grid.geometry.cols
+
+
+def _meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
+    """Whether a known cell of a terrain is at the place of a cell of another geometry."""
+    rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
+    if not len(rows):
+        return False
+    step = max(1, len(rows) // 100_000)
+    centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
+    return bool(geometry.contains(geometry.world_to_cell(centres)).any())

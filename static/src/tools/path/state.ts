@@ -1,0 +1,31 @@
+/** What the user does with the path: where its goal is, and where it is dragged to. */
+
+import { type Signal, signal } from "@preact/signals";
+import type { Store } from "../../store/store";
+import type { PathMessage, Point } from "../../wire/protocol";
+
+export class PathState {
+  /** The newest message; null before the first. */
+  readonly path: Signal<PathMessage | null>;
+  /** Where the goal is dragged to; null while it is not. */
+  readonly goalAt = signal<Point | null>(null);
+  readonly #store: Store;
+
+  constructor(store: Store) {
+    this.#store = store;
+    this.path = store.part("path").message;
+  }
+
+  /** Set the goal of the path, at once: the path has to be planned before the hand has moved on. Null for none. */
+  setGoal(point: Point | null): void {
+    this.#store.send(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
+  }
+
+  /** Drag the goal to a point; null when it is released. */
+  dragGoal(point: Point | null): void {
+    this.goalAt.value = point;
+    if (point) this.setGoal(point);
+  }
+}
+
+export const pathOf = (store: Store): PathState => store.of(PathState);
