@@ -23,8 +23,8 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
     """
     from mapper.volume.scans.scan_sequence import ScanSequence  # noqa: PLC0415 - few sessions have a terrain
     from server.parts.terrain.costs import TerrainMap, TerrainOfCloud  # noqa: PLC0415
-    from server.sources.cloud_points import CloudPoints  # noqa: PLC0415
-    from server.sources.volume_start import bounds_of  # noqa: PLC0415
+    from server.parts.volume.cloud_points import CloudPoints  # noqa: PLC0415
+    from server.parts.volume.start import bounds_of  # noqa: PLC0415
 
     given = await library.given_map(owner, log_id)
     if given is not None:

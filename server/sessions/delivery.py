@@ -1,4 +1,4 @@
-"""Sending what a tick computed: the frame, answers to single clients, and calls of the listeners."""
+"""The messages ``hello`` and ``frame`` of a session, and sending what a tick computed."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 import structlog
 
 from server.sessions.model import SessionModel
-from server.sessions.model_messages import frame_fields_of
 from server.sessions.tick import TickResult
 from server.stream.hub import Hub
+from server.stream.protocol import SUBPROTOCOL
 
 _log = structlog.get_logger(__name__)
 
@@ -57,3 +57,27 @@ def call_each(callbacks: Iterable[Callable[[], None]]) -> None:
             callback()
         except Exception:  # noqa: BLE001 - a defect in one listener must not stop the session
             _log.exception("a listener failed")
+
+
+def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> dict[str, Any]:
+    """Return the ``hello`` message of a session."""
+    return {
+        "type": "hello",
+        "protocol": SUBPROTOCOL,
+        "session": session_id,
+        "kind": model.kind,
+        "title": model.title,
+        "epoch_id": epoch_id,
+        "speeds": list(model.playback.speeds),
+        "parameters": {"table": [], "values": {}},
+        "sensor": None,
+        "log": None,
+    } | model.particulars()
+
+
+def frame_fields_of(model: SessionModel) -> dict[str, Any]:
+    """Return the ``frame`` message of a model, without its type, its time and its scan."""
+    playback, (index, count) = model.playback, model.progress
+    at_origin = {"stamp": 0.0, "pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}
+    frame = {"playing": playback.playing, "speed": playback.speed, "index": index, "count": count, "auto": False}
+    return frame | at_origin | model.frame()

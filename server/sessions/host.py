@@ -23,10 +23,9 @@ from msgspec import Struct
 from mapper.core.limits import Limits
 from server.sessions.command_queue import CommandQueue
 from server.sessions.computation import compute_tick
-from server.sessions.delivery import call_each, publish_frame, send_result
+from server.sessions.delivery import call_each, hello_message, publish_frame, send_result
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
-from server.sessions.model_messages import hello_message
 from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.sessions.tick_pace import MAX_TICK_S, TICK_S, TickPace

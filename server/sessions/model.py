@@ -23,7 +23,6 @@ from server.sessions.parts import Volumetric
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
-from server.stream.commands import VoxelRayCommand
 from server.stream.layers import Layer
 from server.stream.protocol import Message, ProtocolError, type_of
 
@@ -168,7 +167,7 @@ class SessionModel(ABC):
         """
         volume = self.find(Volumetric)
         if volume is not None and volume.is_on and volume.is_asked:
-            return VoxelRayCommand(origin, direction)
+            return volume.question(origin, direction)
         (ox, oy, oz), (dx, dy, dz) = origin, direction
         if dz * oz >= 0.0:
             return None

@@ -13,12 +13,16 @@ from mapper.sensors.scan import ScanLog
 from server.sessions.view import GraphChange, LogView, Pose, Wanted
 
 if TYPE_CHECKING:
-    from mapper.core.array_types import Int8Array, UInt8Array
+    from msgspec import Struct
+
+    from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
     from mapper.costmap import SpeedFilter, SpeedLimit
     from mapper.diagnosis import Diagnosis
     from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
     from mapper.planning.parameters import PlannerConfig, PursuitConfig
+    from mapper.replay import Replay
+    from server.sessions.drawings import Point
 
 
 GraphSource: TypeAlias = Callable[[str], Awaitable[bytes | None]]  #: reads the file of a trajectory's pose graph
@@ -28,6 +32,8 @@ class Recording(ABC):
     """The log of a session."""
 
     log_id: str
+    replay: Replay  #: which makes its map
+    recorded: Float64Array  #: (n_scans,) seconds since the first scan
 
     @property
     @abstractmethod
@@ -146,6 +152,10 @@ class Volumetric(ABC):
     @abstractmethod
     def is_asked(self) -> bool:
         """Whether a click in the 3D view asks about a voxel."""
+
+    @abstractmethod
+    def question(self, origin: Point, direction: Point) -> Struct:
+        """Return the command that asks about the voxel that a line of sight meets."""
 
     @abstractmethod
     def octree_bytes(self, kind: str) -> bytes:

@@ -19,25 +19,25 @@ from mapper.replay.incremental import CheckpointPrefetcher
 from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
+from server.parts.comparison.part import LogComparison
+from server.parts.localization.logged import LogLocalization
+from server.parts.mapping.part import MappingParameters
+from server.parts.slam.graph import LogGraph
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
-from server.sessions.map_drawings import map_drawings
-from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
 from server.sessions.playback import Playback
-from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
-from server.sources.log_comparison import LogComparison
-from server.sources.log_graph import LogGraph
 from server.sources.log_healing import LogHealing
-from server.sources.log_localization import LogLocalization
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import LogUpdates
+from server.sources.map_drawings import map_drawings
+from server.sources.robot_report import RobotReport
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,

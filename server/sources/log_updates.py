@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
 from mapper.sensors.scan import ScanLog
+from server.parts.localization.logged import LogLocalization
+from server.parts.slam.graph import LogGraph
+from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.commands import (
     FollowPoses,
     PosesEnded,
@@ -21,11 +24,8 @@ from server.sessions.part import Part
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
-from server.sources.log_graph import LogGraph
 from server.sources.log_healing import LogHealing
-from server.sources.log_localization import LogLocalization
 from server.sources.log_recording import LogRecording
-from server.sources.solved_graph import ShowGraph
 
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress

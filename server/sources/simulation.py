@@ -20,26 +20,25 @@ from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.parts import parts_of
+from server.parts.localization.live import LocalizationView
+from server.parts.mapping.part import MappingParameters
+from server.parts.slam.live import SlamView
+from server.parts.volume.part import VolumeView
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
-from server.sessions.map_drawings import map_drawings
-from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, OtherMap, Plan, Robot, StaticMap
-from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
-from server.sources.believed_pose import believed_now
-from server.sources.localization_view import LocalizationView
+from server.sources.map_drawings import map_drawings
+from server.sources.robot_report import RobotReport
 from server.sources.simulation_commands import Action, act
 from server.sources.simulation_messages import world_message
-from server.sources.slam_view import SlamView
 from server.sources.story import SimulationStory
-from server.sources.volume_view import VolumeView
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,
@@ -172,7 +171,7 @@ class SimulationModel(SessionModel):
             robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
         if mapper.believed_pose == mapper.newest_pose:
             return robot_state
-        now, scan_pose = believed_now(mapper), compose_one(mapper.believed_pose, mount)
+        now, scan_pose = mapper.believed_now, compose_one(mapper.believed_pose, mount)
         return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
 
     def _robot(self) -> Robot:
@@ -180,7 +179,7 @@ class SimulationModel(SessionModel):
         mapper, simulation = self._mapper, self._mapper.simulation
         scan = None if mapper.hidden else mapper.newest
         scan_pose = compose(mapper.believed_pose, simulation.mount)
-        return Robot(believed_now(mapper), simulation.time, scan, scan_pose, mapper.n_newest)
+        return Robot(mapper.believed_now, simulation.time, scan, scan_pose, mapper.n_newest)
 
     def _plan(self) -> StaticMap:
         return StaticMap(plan_map(self.world))

@@ -135,7 +135,7 @@ def replayed(
 
 
 def _corrector(log: ScanLog, start: PoseTuple) -> Corrector | None:
-    from server.sources.live_slam import live_slam  # noqa: PLC0415 - imports SLAM, which few sessions need
+    from server.parts.slam.live_slam import live_slam  # noqa: PLC0415 - imports SLAM, which few sessions need
 
     return live_slam(log, start)
 

@@ -22,35 +22,31 @@ from mapper.volume.scans.replayed import ReplayedVolume
 from mapper.volume.scans.scan_sequence import ScanSequence
 from mapper.volume.surface.replayed import ReplayedSurface
 from server.parts import parts_of
-from server.sessions.drawings import Drawing
-from server.sessions.messages import NO_READINGS
-from server.sessions.model import Footprint, SessionModel
-from server.sessions.part import Offers
-from server.sessions.parts import Volumetric
-from server.sessions.scene_controls import SceneControls
-from server.sessions.tick import TickResult
-from server.sources.cloud_points import CloudPoints
-from server.sources.scan_timeline import ScanTimeline
-from server.sources.volume_comparison import VolumeComparison
-from server.sources.volume_drawings import VolumeDrawings
-from server.sources.volume_limits import map_limits
-from server.sources.volume_look import LOOK_PARAMETERS
-from server.sources.volume_messages import log_fields, look_table, volume_message, voxel_message
-from server.sources.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
-from server.sources.volume_surface import VolumeSurface
-from server.sources.voxel_questions import VoxelQuestions
-from server.stream.commands import (
-    CancelCommand,
-    ParametersCommand,
-    RestartCommand,
-    SeekCommand,
-    StepCommand,
+from server.parts.volume.cloud_points import CloudPoints
+from server.parts.volume.comparison import VolumeComparison
+from server.parts.volume.drawings import VolumeDrawings
+from server.parts.volume.limits import map_limits
+from server.parts.volume.look import LOOK_PARAMETERS
+from server.parts.volume.message_fields import log_fields, look_table, volume_message, voxel_message
+from server.parts.volume.messages import (
     SurfaceCommand,
     VolumeKeepCommand,
     VolumeLookCommand,
     VoxelCommand,
     VoxelRayCommand,
 )
+from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, times_of
+from server.parts.volume.surface import VolumeSurface
+from server.parts.volume.voxel_questions import VoxelQuestions
+from server.sessions.drawings import Drawing, Point
+from server.sessions.messages import NO_READINGS
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.part import Offers
+from server.sessions.parts import Volumetric
+from server.sessions.scene_controls import SceneControls
+from server.sessions.tick import TickResult
+from server.sources.scan_timeline import ScanTimeline
+from server.stream.commands import CancelCommand, ParametersCommand, RestartCommand, SeekCommand, StepCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import Message, ProtocolError
 
@@ -141,6 +137,10 @@ class VolumeModel(SessionModel, Volumetric):
     def _offset(self) -> Float64Array:
         """By how much the coordinates of the map are less than those of its file (3,), metres."""
         return self._source.offset
+
+    def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
+        """Return the command that asks about the voxel that a line of sight meets."""
+        return VoxelRayCommand(origin, direction)
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""

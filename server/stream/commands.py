@@ -10,8 +10,17 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from server.parts.costmap.messages import CostCommand, CostmapCommand, Nav2Command
+from server.parts.localization.messages import LocalizeCommand
 from server.parts.path.messages import GoalCommand
 from server.parts.terrain.messages import TerrainCommand
+from server.parts.volume.messages import (
+    Map3dCommand,
+    SurfaceCommand,
+    VolumeKeepCommand,
+    VolumeLookCommand,
+    VoxelCommand,
+    VoxelRayCommand,
+)
 from server.stream.message_parts import DrawnSolid, Number, Point, Values, Whole
 
 
@@ -102,27 +111,6 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
     yaw: Annotated[Number | None, Meta(description="heading, rad; null: unchanged")] = None
 
 
-class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
-
-    value: Annotated[bool, Meta(description="whether it is localized")] = False
-    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
-    map: Annotated[
-        str,
-        Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
-    ] = "plan"
-    keep: Annotated[
-        bool, Meta(description="keep the particles of the filter that runs on this map, if there is one")
-    ] = False
-
-
-class Map3dCommand(Struct, tag_field="type", tag="map3d"):
-    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
-
-    value: Annotated[bool, Meta(description="whether there is one")] = True
-    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
-
-
 class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
     """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
 
@@ -198,39 +186,6 @@ class WhyCommand(Struct, tag_field="type", tag="why"):
     epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
     until: Annotated[Whole | None, Meta(description="last contribution to describe, from 1; null: the newest")] = None
     layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
-
-
-class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
-    """Sessions in 3D: change what is shown, and how."""
-
-    values: Annotated[Values, Meta(description="new values; the others stay")]
-
-
-class SurfaceCommand(Struct, tag_field="type", tag="surface"):
-    """Sessions in 3D: change parameters of the surface, which is then made again."""
-
-    values: Annotated[Values, Meta(description="new values; the others stay")]
-
-
-class VoxelCommand(Struct, tag_field="type", tag="voxel"):
-    """Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none."""
-
-    x: Annotated[Number | None, Meta(description="x in the map frame, m")] = None
-    y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
-    z: Annotated[Number | None, Meta(description="z in the map frame, m")] = None
-
-
-class VoxelRayCommand(Struct, tag_field="type", tag="voxel_ray"):
-    """Sessions in 3D: ask for the first voxel that a line of sight meets; answered with `voxel`."""
-
-    origin: Annotated[tuple[Number, Number, Number], Meta(description="where it begins, m")]
-    direction: Annotated[tuple[Number, Number, Number], Meta(description="where it goes")]
-
-
-class VolumeKeepCommand(Struct, tag_field="type", tag="volume_keep"):
-    """Sessions in 3D: keep the present map to compare later ones with it, or end the comparison."""
-
-    value: Annotated[bool, Meta(description="whether to compare")] = True
 
 
 class PingCommand(Struct, tag_field="type", tag="ping"):

@@ -1,7 +1,7 @@
 """The text messages from the server to the browser, each stated once.
 
 :mod:`server.stream.generate` writes the JSON Schema, the TypeScript types and validators, and ``docs/wire.md`` from
-these classes and those of :mod:`server.stream.navigation_messages` and :mod:`server.stream.volume_messages`. A field
+these classes and those of the parts (:mod:`server.parts`). A field
 whose default is ``UNSET`` may be left out of the message. Angles are in radians, lengths in metres, times in seconds;
 poses are ``[x, y, yaw]`` in the map frame.
 """
@@ -13,8 +13,16 @@ from typing import Annotated, Literal
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.parts.costmap.messages import CostmapMessage, CostMessage, Nav2Message
+from server.parts.localization.messages import LocalizationMessage
 from server.parts.path.messages import PathMessage
 from server.parts.terrain.messages import TerrainMessage
+from server.parts.volume.messages import (
+    Map3dMessage,
+    SurfaceMessage,
+    SurfaceVoxelMessage,
+    VolumeMessage,
+    VoxelMessage,
+)
 from server.stream.message_parts import (
     Block,
     CellState,
@@ -31,17 +39,6 @@ from server.stream.message_parts import (
     Table,
     TrajectoryInfo,
     Values,
-)
-from server.stream.navigation_messages import (
-    LocalizationMessage,
-    MapEditsMessage,
-)
-from server.stream.volume_messages import (
-    Map3dMessage,
-    SurfaceMessage,
-    SurfaceVoxelMessage,
-    VolumeMessage,
-    VoxelMessage,
 )
 
 
@@ -277,6 +274,17 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
     ]
     contributions: Annotated[list[Contribution], Meta(description="at most 300 contributions, up to the requested one")]
     layer: Annotated[str, Meta(description="name of the layer of that map")]
+
+
+class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
+    """Maps: the edits so far."""
+
+    n: Annotated[int, Meta(description="number of edits that are not undone")]
+    undone: Annotated[int, Meta(description="number of edits that are undone")]
+    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
+    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
+    speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
+    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
 
 
 class Pong(Struct, tag_field="type", tag="pong"):

@@ -19,12 +19,12 @@ from mapper.volume.mesh.faces import ChunkKey, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh.surface_chunks import SurfaceChunks
 from mapper.volume.scans.replayed import ReplayedVolume
 from mapper.volume.scans.scan_sequence import ScanSequence, gather
+from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Look
+from server.parts.volume.start import bounds_of, first_look, first_resolution
+from server.parts.volume.surface import height_colors
 from server.scenes.surface_glb import surface_glb
 from server.scenes.viser_server import Compressor
 from server.scenes.voxel_chunk import face_colors, voxel_chunk
-from server.sources.volume_look import COLOURS, HEIGHT_RAMP, Look
-from server.sources.volume_start import bounds_of, first_look, first_resolution
-from server.sources.volume_surface import height_colors
 from tests.mapper.volume.moving_lidar import record
 
 ROUNDS = 5

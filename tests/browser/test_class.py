@@ -56,7 +56,7 @@ def shows_cell(page: Page) -> bool:
 
 def ended(page: Page) -> None:
     page.get_by_role("button", name="End …").click()
-    page.get_by_role("button", name="End and forget").click()
+    page.get_by_role("button", name="End and delete results").click()
     expect(page.get_by_role("complementary", name="Class")).to_have_count(0)
 
 

@@ -156,4 +156,4 @@ def test_a_puzzle_is_made_in_the_lab_and_given_to_a_class(
     board.get_by_role("button", name="End the puzzle").click()
     expect(board).to_have_count(0)
     page.get_by_role("button", name="End …").click()
-    page.get_by_role("button", name="End and forget").click()
+    page.get_by_role("button", name="End and delete results").click()

@@ -21,8 +21,9 @@ from mapper.simulation import explorer as exploring
 from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
 from mapper.simulation.kernels import driving
-from server.sessions import SessionRegistry, delivery, host, robot_report
+from server.sessions import SessionRegistry, delivery, host
 from server.settings import Settings
+from server.sources import robot_report
 from server.sources.simulation_kind import simulation_plan
 from server.stream.hub import Client, Hub
 from server.stream.layers import GridLayer

@@ -33,8 +33,9 @@ with running(settings_for(Path(sys.argv[1]))) as service:
     seen.append("ready")
     session = service.begin(kind=sys.argv[2], **{sys.argv[3]: sys.argv[4]})
     assert service.http.get(f"/api/sessions/{session}/map.pgm").status_code == 200
+    from server.stream.commands import StepCommand
     sessions = service.state.sessions
-    sessions.loop.call_soon_threadsafe(sessions.get(session).enqueue, {"type": "step", "scans": 5})
+    sessions.loop.call_soon_threadsafe(sessions.get(session).enqueue, StepCommand(5))
     until(lambda: sessions.get(session).model.grid.observed.any())
 print(seen)
 """

@@ -82,7 +82,7 @@ async def compared(sessions: Sessions, session_id: str) -> dict[str, Any]:
 
 
 async def _comparison(comparison: Comparable) -> dict[str, Any]:
-    from server.sessions.comparison_numbers import numbers  # noqa: PLC0415 - imported with the comparison
+    from server.parts.comparison.numbers import numbers  # noqa: PLC0415 - imported with the comparison
 
     other, found = await comparison.compared()
     return {"a": other, "refused": None} | numbers(found)

@@ -8,9 +8,10 @@ const COMPILING_AFTER_S = 2;
 export function Starting({ isInside = false }: { readonly isInside?: boolean }) {
   const work = starting.value;
   const isCompiling = work !== null && work.elapsed_s > COMPILING_AFTER_S;
+  const making = isCompiling ? "The first start on a server compiles the mapping functions" : "Starting the simulation";
   return (
     <Working
-      what={isCompiling ? "The first start on a server compiles the mapping functions" : "Starting the simulation"}
+      what={work?.isAnswered === false ? "The server does not answer yet" : making}
       work={work}
       isInside={isInside}
     />

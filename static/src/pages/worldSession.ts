@@ -15,8 +15,17 @@ export interface Replay {
 /** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
-/** How long a request for a new world has been under way; null at first, and while there is none. */
-export const starting = signal<Work | null>(null);
+/** A request for a world that is under way. */
+export interface WorldStart extends Work {
+  /** Whether the server answers meanwhile: if not, it is not making the world either. */
+  readonly isAnswered: boolean;
+}
+
+/** How long a request for a world has been under way; null at first, and while there is none. */
+export const starting = signal<WorldStart | null>(null);
+
+/** A server that has not answered for this long is named as one that does not answer. */
+const PROBE_MS = 1000;
 
 /** A request that takes longer shows its progress. */
 const SHOWN_AFTER_MS = 300;
@@ -56,16 +65,30 @@ export async function createWorld(
   }
 }
 
-/** Wait for a request, and show in {@link starting} how long it has taken. */
+/** Wait for a request, and show in {@link starting} how long it has taken and whether the server answers. */
 async function timed<T>(request: () => Promise<T>): Promise<T> {
   const began = performance.now();
+  let isAsked = false;
+  let isAnswered = true;
   const clock = setInterval(() => {
-    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null };
+    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null, isAnswered };
   }, SHOWN_AFTER_MS);
+  const probe = setInterval(() => {
+    isAnswered = !isAsked;
+    if (isAsked) return;
+    isAsked = true;
+    void fetch("/livez", { cache: "no-store" })
+      .catch(() => undefined)
+      .then(() => {
+        isAsked = false;
+        isAnswered = true;
+      });
+  }, PROBE_MS);
   try {
     return await request();
   } finally {
     clearInterval(clock);
+    clearInterval(probe);
     starting.value = null;
   }
 }
@@ -100,7 +123,7 @@ export const hadWorld = (): boolean => Boolean(storage()?.getItem(KEY));
 /** The session id of this tab's live world: the previous one if the server still has it, else a new one. */
 export async function worldSession(): Promise<string> {
   const before = storage()?.getItem(KEY);
-  if (before && (await fetch(`/api/sessions/${encodeURIComponent(before)}`)).ok) return before;
+  if (before && (await timed(() => fetch(`/api/sessions/${encodeURIComponent(before)}`))).ok) return before;
   const id = await createWorld();
   storage()?.setItem(KEY, id);
   return id;

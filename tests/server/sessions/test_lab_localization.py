@@ -10,9 +10,9 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
+from server.parts.localization.live_filter import MOST_SHOWN, LabLocalization
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
-from server.sources.lab_localization import MOST_SHOWN, LabLocalization
 from server.sources.simulation import SimulationModel
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation

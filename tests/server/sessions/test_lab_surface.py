@@ -12,10 +12,10 @@ import trimesh
 from mapper.core.errors import ConfigError
 from mapper.simulation.space import cast
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
+from server.parts.volume import live_volume as lab_volume
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments, Surface, Voxels
 from server.sessions.parts import Volumetric
-from server.sources import lab_volume
 from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
 from tests.server.sent import sent

@@ -19,12 +19,12 @@ from server.parts.terrain.assessment import TABLE, TerrainParameters, assessed, 
 from server.parts.terrain.messages import TerrainCommand
 from server.parts.terrain.part import TerrainPart
 from server.parts.terrain.patch import first_asked, patch_at
+from server.parts.volume.cloud_points import CloudPoints
+from server.parts.volume.live_volume import true_ground
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments
 from server.sessions.part import Offers
 from server.sessions.tick import TickResult
-from server.sources.cloud_points import CloudPoints
-from server.sources.lab_volume import true_ground
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 from tests.server.sent import sent, sent_one

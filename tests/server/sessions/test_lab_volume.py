@@ -19,13 +19,13 @@ from mapper.core.limits import Limits
 from mapper.simulation.space import cast
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart
+from server.parts.volume import live_volume as lab_volume
+from server.parts.volume.look import normal_colors
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
 from server.sessions.parts import Volumetric
 from server.sessions.tick import TickResult
-from server.sources import lab_volume
 from server.sources.simulation import SimulationModel
-from server.sources.volume_look import normal_colors
 from server.stream.commands import TeleportCommand
 from server.stream.protocol import command_of, fields_of
 from tests.server.begin import new_simulation

@@ -13,10 +13,10 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
+from server.parts.slam.live import SlamView
+from server.parts.slam.live_slam import LiveSlam, live_slam
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
-from server.sources.live_slam import LiveSlam, live_slam
-from server.sources.slam_view import SlamView
 from server.sources.story import SimulationStory
 from tests.server.begin import new_simulation
 from tests.server.view import view_of

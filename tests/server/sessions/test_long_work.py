@@ -17,9 +17,9 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.parts.costmap.part import CostmapPart
+from server.parts.volume.part import VolumeView
 from server.sessions import SessionHost, SessionRegistry, long_work, requests
 from server.sources.simulation import SimulationModel
-from server.sources.volume_view import VolumeView
 from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually

@@ -11,9 +11,9 @@ from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes, read_graph
+from server.parts.slam.loop_hill import hill_of
+from server.parts.slam.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
-from server.sources.loop_hill import hill_of
-from server.sources.solved_graph import SolvedGraph
 from tests.mapper.slam.worlds import drive
 from tests.server.library.processing.slam_stand_ins import chain
 

@@ -22,7 +22,7 @@ from mapper.volume.scans.scan_sequence import ScanSequence, gather
 from mapper.volume.scans.sources import Insertion, insert_all, open_source
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.library.packs.volume import read_volume_pack, write_volume_pack
-from server.sources.cloud_points import CloudPoints
+from server.parts.volume.cloud_points import CloudPoints
 from tests.mapper.io.logs.recorded import written
 from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen

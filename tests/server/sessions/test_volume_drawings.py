@@ -8,9 +8,9 @@ import numpy as np
 
 from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.scans.scan_sequence import ScanSequence
+from server.parts.volume.drawings import VolumeDrawings
+from server.parts.volume.look import Look, normal_colors
 from server.sessions.drawings import Voxels
-from server.sources.volume_drawings import VolumeDrawings
-from server.sources.volume_look import Look, normal_colors
 
 
 class Shown:

@@ -7,10 +7,12 @@ from typing import Any
 from msgspec import UNSET
 
 from server.parts.costmap import messages as costmap_messages
+from server.parts.localization.messages import LocalizationMessage
 from server.parts.path.messages import PathMessage
 from server.parts.terrain import messages as terrain
+from server.parts.volume import messages as volume_messages
 from server.stream import message_parts as parts
-from server.stream import messages, navigation_messages, volume_messages
+from server.stream import messages
 from server.stream.protocol import SUBPROTOCOL
 
 COMMANDS: tuple[dict[str, Any], ...] = (
@@ -196,7 +198,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         blocks=[parts.Block([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0)], 0.25, 0.5)],
     ),
     messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
-    navigation_messages.LocalizationMessage(
+    LocalizationMessage(
         True,
         "moved",
         {"sigma_hit": 0.05},
@@ -212,9 +214,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.05,
         0.01,
     ),
-    navigation_messages.LocalizationMessage(
-        False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None
-    ),
+    LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
     volume_messages.Map3dMessage(
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),
@@ -293,7 +293,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     ),
     volume_messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
     volume_messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
-    navigation_messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
+    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
     messages.WorkingMessage(0.55, 0.2, "voxel"),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.parts.path.messages import GoalCommand
-from server.stream.commands import ParametersCommand, VoxelCommand
+from server.parts.volume.messages import VoxelCommand
+from server.stream.commands import ParametersCommand
 from server.stream.protocol import (
     ProtocolError,
     command_of,

@@ -150,7 +150,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     },
   ];
   return (
-    <ViewerFrame dock={<Dock label="About this puzzle" groups={groups} open={openGroup} />}>
+    <ViewerFrame class="puzzle-viewer" dock={<Dock label="About this puzzle" groups={groups} open={openGroup} />}>
       <header class="viewer-head">
         {onClose && <Button kind="quiet" icon="back" label="All puzzles" onClick={onClose} />}
         <h1>{now?.title ?? "…"}</h1>

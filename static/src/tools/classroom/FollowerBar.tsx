@@ -33,7 +33,7 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
       <aside class="class-bar-box" aria-label="Class">
         <div class="class-line">
           <p role="status">
-            The class has ended. <span class="quiet">What you see stays as it was.</span>
+            The class has ended. <span class="quiet">What you see no longer changes.</span>
           </p>
           <div class="actions">
             <Button href="/join">Join another class</Button>
@@ -115,6 +115,6 @@ function described(room: Classroom, isOwn: boolean): string {
   if (isPuzzlePage) return "The puzzle of the class.";
   if (isOwn) return hasRobot(room) ? "Your own world." : "Your own copy of the map.";
   if (room.state.value?.is_lecturer_away) return "The lecturer is away.";
-  if (room.drives.value) return "You drive the robot: click into a map, drag the robot, or use the arrow keys.";
+  if (room.drives.value) return "You drive the robot: drag it, press a place on a map, or use the arrow keys.";
   return "Following the lecturer.";
 }

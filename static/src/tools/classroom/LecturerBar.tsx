@@ -88,7 +88,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
                 </Button>
               )}
               <Button kind="danger" onClick={() => void end()}>
-                End and forget
+                End and delete results
               </Button>
               <Button
                 kind="quiet"
@@ -96,7 +96,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
                   isEnding.value = false;
                 }}
               >
-                Go on
+                Continue the class
               </Button>
             </>
           ) : (

@@ -117,7 +117,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   // A short free part, as on a phone, is narrower than the label, which would lie over the numbers of the axis.
   const missLabelX = Math.max((curve.left + freeTo) / 2, curve.left + HALF_CHARACTER * missText.length);
-  const windowTextY = Math.max(y(model.hit) - 13, curve.top + 12);
+  const windowTextY = Math.max(y(model.hit) - 13, curve.top + 1);
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;

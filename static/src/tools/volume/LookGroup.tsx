@@ -67,7 +67,7 @@ function Key({ colour, show, now, band }: KeyProps) {
   return colour === "class" ? <Classes /> : null;
 }
 
-/** Names and colours of the classes of ASPRS LAS 1.4; the colours are those of server/sources/volume_look.py. */
+/** Names and colours of the classes of ASPRS LAS 1.4; the colours are those of server/parts/volume/look.py. */
 const CLASSES = [
   ["not classified", "#969696"],
   ["ground", "#ac7842"],

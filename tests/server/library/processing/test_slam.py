@@ -21,9 +21,9 @@ from mapper.simulation.lidar import SensorConfig
 from server.library.packs.graph import read_graph
 from server.library.processing.log_jobs import packed
 from server.library.processing.slam import SlamJob, SlamOutcome, _slam, read_progress
+from server.parts.slam.loop_hill import hill_of
+from server.parts.slam.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
-from server.sources.loop_hill import hill_of
-from server.sources.solved_graph import SolvedGraph
 from tests.mapper.slam.worlds import drive, without_poses
 
 

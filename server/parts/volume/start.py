@@ -9,7 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.volume import OctreeFile
 from mapper.volume.mesh.faces import CENTRE
 from mapper.volume.scans.scan_sequence import ScanSequence, first_in_cubes
-from server.sources.volume_look import COLOURS, Look
+from server.parts.volume.look import COLOURS, Look
 
 RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS_A_VOXEL = 1.5  #: on average, at least, at the first resolution

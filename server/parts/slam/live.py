@@ -33,7 +33,7 @@ class SlamView(Part):
         if not mapper.faults.corrects_poses:
             self._graph = self._path = None
             return
-        from server.sources.live_slam import LiveSlam  # noqa: PLC0415 - imports SLAM, which few sessions need
+        from server.parts.slam.live_slam import LiveSlam  # noqa: PLC0415 - imports SLAM, which few sessions need
 
         recording = mapper.recordings[-1]
         corrector = mapper.pose_correction.corrector_of(recording)

@@ -15,10 +15,10 @@ from mapper.volume.mesh.faces import FaceRule, first_face
 from mapper.volume.occupancy.provenance import why_voxel
 from mapper.volume.occupancy.volume import centres_of, keys_of
 from mapper.volume.placed_scan import PlacedScan
+from server.parts.volume.chosen_voxel import ChosenVoxel
+from server.parts.volume.message_fields import update_fields, voxel_message
+from server.parts.volume.messages import VoxelCommand, VoxelRayCommand
 from server.sessions.tick import TickResult
-from server.sources.chosen_voxel import ChosenVoxel
-from server.sources.volume_messages import update_fields, voxel_message
-from server.stream.commands import VoxelCommand, VoxelRayCommand
 from server.stream.protocol import place_of
 
 if TYPE_CHECKING:

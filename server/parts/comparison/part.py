@@ -12,15 +12,14 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
+from server.parts.comparison.numbers import comparison_message
+from server.parts.comparison.second_map import SecondMapView
 from server.sessions.cell_questions import ExplainedMap
-from server.sessions.comparison_numbers import comparison_message
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
-from server.sessions.parts import Comparable
+from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
-from server.sources.log_recording import LogRecording
-from server.sources.second_map_view import SecondMapView
 from server.stream.layers import GridLayer
 from server.work.scheduler import checkpoint
 
@@ -28,7 +27,7 @@ from server.work.scheduler import checkpoint
 class LogComparison(Part, Comparable):
     """The second map of a log session, if there is one. ``message`` returns the ``parameters`` message."""
 
-    def __init__(self, host: ModelHost, recording: LogRecording, message: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, host: ModelHost, recording: Recording, message: Callable[[], dict[str, Any]]) -> None:
         self._host, self._recording, self._message = host, recording, message
         self._other: SecondMapView | None = None
         self._layer: GridLayer | None = None

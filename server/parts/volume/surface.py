@@ -24,16 +24,16 @@ from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from mapper.volume.surface.questions import first_surface, why_surface
 from mapper.volume.surface.replayed import SNAPSHOT_BYTES, MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE
+from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
+from server.parts.volume.message_fields import MOST_UPDATES
+from server.parts.volume.messages import VoxelCommand, VoxelRayCommand
 from server.sessions.drawings import Surface
 from server.sessions.tick import TickResult
-from server.sources.volume_look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
-from server.sources.volume_messages import MOST_UPDATES
-from server.stream.commands import VoxelCommand, VoxelRayCommand
 from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
+    from server.parts.volume.chosen_voxel import ChosenVoxel
     from server.sessions.hosting import ModelHost
-    from server.sources.chosen_voxel import ChosenVoxel
 
 MESH_S = 0.05  #: of meshing chunks, after which the others wait for the next tick
 SENDING_S = 0.1  #: for which other work waits after the mesh has changed: the changed triangles are sent first

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from server.sessions.beams import beam_segments
 from server.sessions.drawings import Drawing, GridColumns, RobotBody
 from server.sessions.view import RobotState
+from server.sources.beams import beam_segments
 
 
 def map_drawings(grid: OccupancyGrid, robot: RobotState, config: MappingConfig) -> list[Drawing]:

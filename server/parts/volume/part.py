@@ -18,21 +18,21 @@ from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chu
 from mapper.volume.mesh.files import glb_bytes, ply_bytes
 from mapper.volume.mesh.voxel_classes import Painted
 from mapper.volume.mesh.voxel_normals import painted_directions
-from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
+from server.parts.volume.chosen_voxel import ChosenVoxel
+from server.parts.volume.live_surface import LabSurface
+from server.parts.volume.live_volume import LabVolume, only_in_3d, points_of, true_ground
+from server.parts.volume.look import NORMAL_COLOURS
+from server.parts.volume.messages import Map3dCommand, VoxelCommand, VoxelRayCommand
+from server.parts.volume.parameters import HIGHEST, VolumeParameters
+from server.parts.volume.parameters import TABLE as MAP_3D
+from server.parts.volume.voxel_questions import VoxelQuestions
+from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
 from server.sessions.parts import Volumetric
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.sources.believed_pose import believed_now
-from server.sources.chosen_voxel import ChosenVoxel
-from server.sources.lab_surface import LabSurface
-from server.sources.lab_volume import LabVolume, only_in_3d, points_of, true_ground
-from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
-from server.sources.lab_volume_parameters import TABLE as MAP_3D
-from server.sources.volume_look import NORMAL_COLOURS
-from server.sources.voxel_questions import VoxelQuestions
-from server.stream.commands import Map3dCommand, RestartCommand, VoxelCommand, VoxelRayCommand, WorldCommand
+from server.stream.commands import RestartCommand, WorldCommand
 from server.stream.layers import GridLayer, Layer
 
 MOST_POINTS = 2000  #: of the newest scan that are drawn
@@ -190,6 +190,10 @@ class VolumeView(Part, Volumetric):
             raise ConfigError("map3d.off", "There is no 3D map: begin one first.")
         return self._map
 
+    def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
+        """Return the command that asks about the voxel that a line of sight meets."""
+        return VoxelRayCommand(origin, direction)
+
     def octree_bytes(self, kind: str) -> bytes:
         """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
         made = self._made()
@@ -252,7 +256,7 @@ class VolumeView(Part, Volumetric):
         mapper, problem = self._mapper, made.problem
         simulation = mapper.simulation
         if not mapper.hidden:
-            made.look(simulation.world, simulation.robot.pose, believed_now(mapper), simulation.time)
+            made.look(simulation.world, simulation.robot.pose, mapper.believed_now, simulation.time)
         for slots in made.catch_up(self._host.limits()):
             self._dirty.update(chunks_of(made.volume, slots))
             self._since += 1

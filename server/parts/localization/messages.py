@@ -1,4 +1,4 @@
-"""The messages of localization, map editing, a part of :mod:`server.stream.messages`."""
+"""The command and the message of a localization, as the stream has them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,21 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.message_parts import (
-    Pose,
-    Values,
-)
+from server.stream.message_parts import Pose, Values
+
+
+class LocalizeCommand(Struct, tag_field="type", tag="localize"):
+    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
+
+    value: Annotated[bool, Meta(description="whether it is localized")] = False
+    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
+    map: Annotated[
+        str,
+        Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
+    ] = "plan"
+    keep: Annotated[
+        bool, Meta(description="keep the particles of the filter that runs on this map, if there is one")
+    ] = False
 
 
 class LocalizationMessage(Struct, tag_field="type", tag="localization"):
@@ -35,14 +46,3 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     n_updates: Annotated[int, Meta(description="scans that were used")]
     error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
-
-
-class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
-    """Maps: the edits so far."""
-
-    n: Annotated[int, Meta(description="number of edits that are not undone")]
-    undone: Annotated[int, Meta(description="number of edits that are undone")]
-    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
-    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
-    speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
-    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]

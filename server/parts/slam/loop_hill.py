@@ -13,7 +13,7 @@ from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import Target
 from mapper.sensors.scan import ScanLog
 from mapper.slam.scan_store import scans_of
-from server.sources.solved_graph import SolvedGraph
+from server.parts.slam.solved_graph import SolvedGraph
 
 #: ± 1 m in cells of 5 cm, ± 20° in steps of 2°: 35,301 poses, a few hundredths of a second for a scan of 360 beams.
 WINDOW_M, CELL_M, WINDOW_RAD, STEP_RAD = 1.0, 0.05, math.radians(20.0), math.radians(2.0)

@@ -7,11 +7,12 @@ from typing import Any
 from msgspec import Struct
 
 from mapper.simulation.live_map import LiveMap
+from server.parts.localization.live_filter import LabLocalization
+from server.parts.localization.message_off import OFF
+from server.parts.localization.messages import LocalizeCommand
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
-from server.sources.lab_localization import LabLocalization
-from server.sources.localization_message import OFF
-from server.stream.commands import LocalizeCommand, RestartCommand, SensorCommand, TeleportCommand, WorldCommand
+from server.stream.commands import RestartCommand, SensorCommand, TeleportCommand, WorldCommand
 from server.stream.layers import Layer
 
 

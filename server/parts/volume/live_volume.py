@@ -20,7 +20,7 @@ from mapper.volume.blocks import BLOCK
 from mapper.volume.occupancy.volume import Inserted
 from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.scans.sources import Insertion
-from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
+from server.parts.volume.parameters import HIGHEST, VolumeParameters
 
 MOST_POINTS = 150_000  #: of the newest scans that are read as a cloud
 TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground

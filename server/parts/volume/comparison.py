@@ -14,8 +14,8 @@ from mapper.volume.scans.replayed import ReplayedVolume
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
+    from server.parts.volume.drawings import VolumeDrawings
     from server.sessions.tick import TickResult
-    from server.sources.volume_drawings import VolumeDrawings
 
 SLICE_S = 0.1  #: of making the other map, after which other work has its turn
 

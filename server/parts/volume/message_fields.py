@@ -15,8 +15,8 @@ from mapper.volume import OctreeFile
 from mapper.volume.occupancy.provenance import VoxelUpdate
 from mapper.volume.scans.replayed import ReplayedVolume
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.sources.volume_drawings import VolumeDrawings
-from server.sources.volume_look import HEIGHTS, LOOK_PARAMETERS, Look
+from server.parts.volume.drawings import VolumeDrawings
+from server.parts.volume.look import HEIGHTS, LOOK_PARAMETERS, Look
 
 MOST_UPDATES = 200  #: of a voxel that are sent
 

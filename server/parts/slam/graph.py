@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
+from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
-from server.sessions.parts import Graphed, GraphSource
+from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
-from server.sources.log_recording import LogRecording
-from server.sources.solved_graph import ShowGraph
 from server.stream.whole_layers import GraphLayer
 
 if TYPE_CHECKING:
-    from server.sources.solved_graph import SolvedGraph
+    from server.parts.slam.solved_graph import SolvedGraph
 
 LAYER = "graph"
 
@@ -29,7 +28,7 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
     Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
     """
     from server.library.packs.graph import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
-    from server.sources.solved_graph import SolvedGraph  # noqa: PLC0415
+    from server.parts.slam.solved_graph import SolvedGraph  # noqa: PLC0415
 
     graph, candidates = read_graph(data)
     if len(graph.nodes) and int(graph.nodes.max()) >= log.n_scans:
@@ -50,7 +49,7 @@ def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
 class LogGraph(Part, Graphed):
     """The graph of a log session's present trajectory, if it has one, and its layer."""
 
-    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+    def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
         self._newest: SolvedGraph | None = None  #: which the model may not show yet
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
@@ -89,7 +88,7 @@ class LogGraph(Part, Graphed):
 
     async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
         """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
-        from server.sources.loop_hill import hill_of  # noqa: PLC0415 - imports SLAM, which few sessions need
+        from server.parts.slam.loop_hill import hill_of  # noqa: PLC0415 - imports SLAM, which few sessions need
 
         async with self._changing:
             solved = await self._present(source)

@@ -14,11 +14,11 @@ from mapper.core.limits import Limits
 from mapper.sensors.depth_image import DepthImage
 from mapper.simulation.sensors_3d import Scan3D
 from mapper.volume.placed_scan import PlacedScan
+from server.parts.volume.live_volume import LabVolume, lab_limits
+from server.parts.volume.look import COLOURS, Look
+from server.parts.volume.parameters import HIGHEST, VolumeParameters
+from server.parts.volume.surface import VolumeSurface
 from server.sessions.drawings import Surface
-from server.sources.lab_volume import LabVolume, lab_limits
-from server.sources.lab_volume_parameters import HIGHEST, VolumeParameters
-from server.sources.volume_look import COLOURS, Look
-from server.sources.volume_surface import VolumeSurface
 
 FUSING_S = 0.05  #: of fusing scans in one tick, after which the others wait for the next one
 

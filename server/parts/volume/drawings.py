@@ -14,9 +14,8 @@ from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
 from mapper.volume.mesh.voxel_normals import painted_directions
 from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.sessions.drawings import Drawing, Points, Voxels
-from server.sources.chosen_voxel import HIT, ChosenVoxel
-from server.sources.volume_look import (
+from server.parts.volume.chosen_voxel import HIT, ChosenVoxel
+from server.parts.volume.look import (
     ADDED,
     BELIEF_RAMP,
     CLASS_COLOURS,
@@ -29,6 +28,7 @@ from server.sources.volume_look import (
     Look,
     ramp_of,
 )
+from server.sessions.drawings import Drawing, Points, Voxels
 
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer

@@ -12,13 +12,12 @@ from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
+from server.parts.localization.message_off import COLUMNS, OFF
 from server.sessions.commands import ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
-from server.sessions.parts import GraphSource, Localized
+from server.sessions.parts import GraphSource, Localized, Recording
 from server.sessions.tick import TickResult
-from server.sources.localization_message import COLUMNS, OFF
-from server.sources.log_recording import LogRecording
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
@@ -34,7 +33,7 @@ class LogLocalization(Part, Localized):
 
     commands = (ShowGivenMap, ShowCourse)
 
-    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+    def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
         self._changing = asyncio.Lock()  #: held while a course is read
         self._newest: tuple[str, Course] | None = None  #: which the model may not show yet

@@ -1,4 +1,4 @@
-"""The messages of maps in 3D: voxels and surfaces, a part of :mod:`server.stream.messages`."""
+"""The commands and the messages of a map in 3D, as the stream has them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from msgspec import Meta, Struct
 
 from server.stream.message_parts import (
     CellState,
+    Number,
     Parameter,
     Place,
     SurfaceUpdate,
@@ -16,6 +17,46 @@ from server.stream.message_parts import (
     VolumeChanges,
     VoxelUpdate,
 )
+
+
+class Map3dCommand(Struct, tag_field="type", tag="map3d"):
+    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
+
+    value: Annotated[bool, Meta(description="whether there is one")] = True
+    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
+
+
+class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
+    """Sessions in 3D: change what is shown, and how."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
+class SurfaceCommand(Struct, tag_field="type", tag="surface"):
+    """Sessions in 3D: change parameters of the surface, which is then made again."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
+class VoxelCommand(Struct, tag_field="type", tag="voxel"):
+    """Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none."""
+
+    x: Annotated[Number | None, Meta(description="x in the map frame, m")] = None
+    y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
+    z: Annotated[Number | None, Meta(description="z in the map frame, m")] = None
+
+
+class VoxelRayCommand(Struct, tag_field="type", tag="voxel_ray"):
+    """Sessions in 3D: ask for the first voxel that a line of sight meets; answered with `voxel`."""
+
+    origin: Annotated[tuple[Number, Number, Number], Meta(description="where it begins, m")]
+    direction: Annotated[tuple[Number, Number, Number], Meta(description="where it goes")]
+
+
+class VolumeKeepCommand(Struct, tag_field="type", tag="volume_keep"):
+    """Sessions in 3D: keep the present map to compare later ones with it, or end the comparison."""
+
+    value: Annotated[bool, Meta(description="whether to compare")] = True
 
 
 class Map3dMessage(Struct, tag_field="type", tag="map3d"):

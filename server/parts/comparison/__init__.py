@@ -1,0 +1,1 @@
+"""A second map of the same session."""

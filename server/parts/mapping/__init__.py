@@ -1,0 +1,1 @@
+"""The parameters of the map of a session, see :mod:`mapper.mapping`."""

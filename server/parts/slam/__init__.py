@@ -1,0 +1,1 @@
+"""SLAM of a session and its pose graph, see :mod:`mapper.slam`."""
