@@ -1,9 +1,10 @@
-"""Names of the parameters that Nav2 declares: of a costmap, its layers, AMCL, and what plans and follows paths here.
+"""Names of the parameters that Nav2 declares: of costmaps, layers, AMCL, and the servers that plan and follow paths.
 
 Source: the calls of declare_parameter, as they were in the main branch between Iron and Kilted, in navigation2's
 costmap_2d_ros.cpp, static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
-navfn_planner.cpp, nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that
-older and newer releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
+planner_server.cpp, controller_server.cpp and the parameter_handler.cpp of both, navfn_planner.cpp,
+nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that older and newer
+releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
 :mod:`mapper.localization.parameters` were compared with these too. A name that is in none of these tables gets a note
 and has no effect: rclcpp passes over values of parameters that no node declares.
 """
@@ -60,6 +61,20 @@ RENAMED = {
     "obstacle_range": ("obstacle_max_range", "Galactic"),
     "raytrace_range": ("raytrace_max_range", "Galactic"),
 }
+PLANNER_SERVER = _names(
+    "planner_plugins expected_planner_frequency costmap_update_timeout allow_partial_planning "
+    "action_server_result_timeout "  # up to Jazzy
+    "planner_plugin planner_plugin_ids planner_plugin_types"  # these up to Foxy
+)
+CONTROLLER_SERVER = _names(
+    "controller_plugins controller_frequency transform_tolerance min_x_velocity_threshold min_y_velocity_threshold "
+    "min_theta_velocity_threshold speed_limit_topic failure_tolerance use_realtime_priority publish_zero_velocity "
+    "costmap_update_timeout odom_topic odom_duration progress_checker_plugins goal_checker_plugins "
+    "action_server_result_timeout enable_stamped_cmd_vel "
+    "interpolate_curvature_after_goal max_robot_pose_search_dist prune_distance enforce_path_inversion "
+    "inversion_xy_tolerance inversion_yaw_tolerance path_handler_plugins "  # the path's handler, after Kilted
+    "progress_checker_plugin goal_checker_plugin controller_plugin_ids controller_plugin_types"  # older names
+)
 NAVFN = _names("plugin tolerance use_astar allow_unknown use_final_approach_orientation")
 PURSUIT = _names(
     "plugin desired_linear_vel max_linear_vel lookahead_dist min_lookahead_dist max_lookahead_dist lookahead_time "

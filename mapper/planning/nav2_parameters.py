@@ -13,13 +13,18 @@ import yaml
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter
-from mapper.io.nav2_declared import NAVFN, PURSUIT, undeclared
+from mapper.io.nav2_declared import CONTROLLER_SERVER, NAVFN, PLANNER_SERVER, PURSUIT, undeclared
+from mapper.io.nav2_declared import NODE as OF_EVERY_NODE
 from mapper.io.ros_parameters import find_node, parse_ros_parameters
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 NODE = "planner_server"
 CONTROLLER = "controller_server"
 _LISTS = {NODE: "planner_plugins", CONTROLLER: "controller_plugins"}
+#: The plugins of a node whose list is not in the file, and their types where they state none (planner_server.cpp,
+#: controller_server.cpp: default_ids_, default_types_).
+_DEFAULTS = {NODE: ("GridBased", "NavfnPlanner"), CONTROLLER: ("FollowPath", "DWBLocalPlanner")}
+_DECLARED = {NODE: PLANNER_SERVER | OF_EVERY_NODE, CONTROLLER: CONTROLLER_SERVER | OF_EVERY_NODE}
 _NAVFN = "nav2_navfn_planner::NavfnPlanner"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 _RENAMED = {"max_linear_vel": "desired_linear_vel"}  #: the name since the release after Kilted, and the one before
@@ -51,7 +56,8 @@ class Nav2Path:
 def parse_nav2_path(data: bytes) -> Nav2Path:
     """Return the first NavFn of ``planner_plugins`` and the first Regulated Pure Pursuit of ``controller_plugins``.
 
-    Nav2's defaults where the file has none; a name that Nav2 does not declare has a note. Raises :class:`ConfigError`,
+    Nav2's defaults where the file has none, of the lists of plugins too; a name that Nav2 does not declare has a note.
+    Raises :class:`ConfigError`,
     which names the parameter with its path, for an impossible value, and what
     :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
@@ -122,11 +128,13 @@ def _plugin(
     key = _LISTS[node]
     found = find_node(root, (node,), (key,))
     given = {**found[1]} if found else {}
-    names = given.get(key, [])
+    default, default_kind = _DEFAULTS[node]
+    names = given.get(key, [default])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ConfigError("nav2.plugins", f"{node}.{key} must be a list of names, not {names!r:.80}.")
     rows = {row.name: row for row in table}
-    own = next((name for name in names if _is(given.get(name), kind)), None)
+    usual = default_kind if names == [default] else ""
+    own = next((name for name in names if _is(given.get(name), kind, usual)), None)
     values: dict[str, Any] = {}
     for name, value in (given.pop(own) if own else {}).items():
         parameter = _RENAMED.get(name, name)
@@ -140,8 +148,12 @@ def _plugin(
             if name not in declared:
                 notes.append(undeclared(f"{node}.{own}", name, {*declared, *rows}))
     others |= {(node, str(name)): value for name, value in given.items()}
+    blocks = {name for name, value in given.items() if isinstance(value, dict)}  # of other plugins
+    known = _DECLARED[node]
+    notes += [undeclared(node, str(name), known) for name in given if name not in blocks and name not in known]
     return own, values
 
 
-def _is(block: object, kind: str) -> bool:
-    return isinstance(block, dict) and kind in str(block.get("plugin"))
+def _is(block: object, kind: str, usual: str) -> bool:
+    """Return whether a plugin's block is of a kind, which is the ``usual`` one where it states none."""
+    return isinstance(block, dict) and kind in str(block.get("plugin", usual))

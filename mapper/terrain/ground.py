@@ -1,7 +1,10 @@
-"""Ground points of a cloud by SMRF, the simple morphological filter.
+"""Ground points of a cloud by SMRF, the simple morphological filter, and two steps that check what it cuts off.
 
-Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
-LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013.
+Sources: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
+LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Segments that are judged by their sides:
+Sithole & Vosselman, Filtering of airborne laser scanner data based on segmented point clouds, 2005. Points that
+continue the ground: Axelsson, DEM generation from laser scanner data using adaptive TIN models, 2000, here by planes in
+place of triangles.
 """
 
 from __future__ import annotations
@@ -16,8 +19,20 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError, LimitError
+from mapper.terrain.kernels import extension, segments
 from mapper.terrain.kernels import ground as kernels
-from mapper.terrain.parameters import SWEEPS, GroundConfig
+from mapper.terrain.parameters import (
+    BLOCK,
+    LEAST_INTO,
+    MOST_DROPS,
+    PLANE_POINTS,
+    PLANE_REACH,
+    PLANE_SHARE,
+    RISE_SHARE,
+    STEEPEST,
+    SWEEPS,
+    GroundConfig,
+)
 
 MAX_CELLS = 1 << 22  #: of the filter's grid: 16 MB for each of its float32 arrays
 MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, which the time grows with
@@ -27,12 +42,14 @@ MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, which the time
 class Ground:
     """``is_ground`` (n,) for each point in the cloud's order, False for points that are not finite.
 
-    ``surface`` (rows, cols) float32 are the heights of the ground at the centres of cells of ``cell`` metres, above
-    ``corner`` (3,), the lowest corner of the cloud and the corner of cell (0, 0). ``left_out`` counts points that are
-    not finite.
+    ``is_unsure`` (n,) says where it may well be otherwise: the steps of the filter disagree, or a point is about as far
+    from the surface as ground may be. ``surface`` (rows, cols) float32 are the heights of the ground at the centres of
+    cells of ``cell`` metres, above ``corner`` (3,), the lowest corner of the cloud and the corner of cell (0, 0).
+    ``left_out`` counts points that are not finite.
     """
 
     is_ground: BoolArray
+    is_unsure: BoolArray
     surface: Float32Array
     corner: Float64Array
     cell: float
@@ -70,10 +87,10 @@ def find_ground(
             f"Discs of up to {radius} cells on {shape[1]} × {shape[0]} cells are more than the limit; "
             "take greater cells or a smaller window.",
         )
-    ground, surface = _filter(used, corner, shape, radius, config, progress or _no_progress)
-    is_ground = np.zeros(len(points), dtype=np.bool_)
-    is_ground[finite] = ground
-    return Ground(is_ground, surface, corner, config.cell, int(len(points) - len(used)))
+    ground, surface, unsure = _filter(used, corner, shape, radius, config, progress or _no_progress)
+    is_ground, is_unsure = np.zeros(len(points), dtype=np.bool_), np.zeros(len(points), dtype=np.bool_)
+    is_ground[finite], is_unsure[finite] = ground, unsure
+    return Ground(is_ground, is_unsure, surface, corner, config.cell, int(len(points) - len(used)))
 
 
 def finite_points(points: NDArray[np.floating[Any]]) -> tuple[BoolArray, Float64Array]:
@@ -126,19 +143,104 @@ def _no_progress(_: float) -> None:
 
 
 def objects(
-    heights: Float32Array, radius: int, slope: float, cell: float, progress: Callable[[float], None] = _no_progress
+    heights: Float32Array,
+    radius: int,
+    slope: float,
+    cell: float,
+    around: Float32Array | None = None,
+    share: float = 0.0,
+    progress: Callable[[float], None] = _no_progress,
 ) -> BoolArray:
-    """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope."""
+    """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope.
+
+    The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` (rows, cols) is 1.
+    """
     found = np.zeros(heights.shape, dtype=np.bool_)
+    more = np.zeros_like(heights) if around is None else around
     runs = np.empty((2, *heights.shape), dtype=np.float32)
     before, eroded, after = heights.copy(), np.empty_like(heights), np.empty_like(heights)
     for r in range(1, radius + 1):
         kernels.erode(before, r, 1.0, runs, eroded)
         kernels.erode(eroded, r, -1.0, runs, after)
-        kernels.mark_lowered(before, after, slope * r * cell, found)
+        kernels.mark_lowered(before, after, slope * r * cell, more, share * cell, found)
         before, after = after, before
         progress(r / radius)
     return found
+
+
+def slope_around(heights: Float32Array, left_out: BoolArray, radius: int, slope: float, cell: float) -> Float32Array:
+    """Return how steep the ground is around each cell (rows, cols): its mean slope within about ``radius`` cells.
+
+    It is that of the lowest of each block of cells, without those ``left_out`` (rows, cols), after discs of up to
+    ``radius`` cells have taken out the objects.
+    """
+    rows, cols = heights.shape
+    lowest = np.empty((-(-rows // BLOCK), -(-cols // BLOCK)), dtype=np.float32)
+    kernels.lowest_of_blocks(heights, left_out, BLOCK, lowest)
+    lowest = heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
+    reach, side = max(1, radius // BLOCK), BLOCK * cell
+    taken = objects(lowest, reach, slope, side)
+    surface = lowest if taken.all() else filled(np.where(taken, np.float32(np.nan), lowest))
+    steep, mean = np.empty_like(lowest), np.empty_like(lowest)
+    kernels.slope_of_surface(surface, side, steep)
+    kernels.mean_around(steep, reach, STEEPEST, mean)
+    return mean.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)[:rows, :cols]
+
+
+def heights_of_centres(points: Float64Array, heights: Float32Array, corner: Float64Array, cell: float) -> Float32Array:
+    """Return ``heights`` (rows, cols) of the lowest points of cells, moved along the slope to the cells' centres.
+
+    On a slope of 45° a point in a cell of 1 m is up to half a metre higher or lower than the centre.
+    """
+    lowest, moved = np.empty(heights.shape, dtype=np.int32), np.empty_like(heights)
+    extension.lowest_ground(points, np.ones(len(points), dtype=np.bool_), corner, cell, lowest)
+    kernels.move_to_centres(points, lowest, heights, corner, cell, moved)
+    return filled(moved)
+
+
+def given_back(heights: Float32Array, taken: BoolArray, cell: float, height: float) -> tuple[BoolArray, BoolArray]:
+    """Return which of the ``taken`` cells (rows, cols) are ground after all, and which others are in doubt.
+
+    Taken cells over which the surface goes on are one segment. It is ground if many of its sides go on into the ground
+    and few of them are a drop: crests and the edges of terraces, not roofs and bridges. In doubt are segments that do
+    go on into the ground somewhere.
+    """
+    parents = np.empty(heights.size, dtype=np.int32)
+    sides = np.empty((heights.size, 3), dtype=np.int32)
+    given, contested = np.empty_like(taken), np.empty_like(taken)
+    limits = STEEPEST * cell, height, RISE_SHARE
+    segments.join_cells(heights, taken, *limits, parents)
+    segments.count_sides(heights, taken, *limits, parents, sides)
+    segments.judge(taken, parents, sides, LEAST_INTO, MOST_DROPS, given, contested)
+    return given, contested
+
+
+def extended(
+    points: Float64Array,
+    ground: BoolArray,
+    corner: Float64Array,
+    shape: tuple[int, int],
+    cell: float,
+    height: float,
+    share: float,
+    times: int,
+) -> BoolArray:
+    """Return which points (n,) are ground once those that lie on the plane of the ground beside them are added.
+
+    Points may lie off the plane by ``height`` + ``share`` · slope, metres, and are added ``times`` times. Cells (rows,
+    cols) of ``cell`` metres hold one point on average or more.
+    """
+    ground, new = ground.copy(), np.empty(len(points), dtype=np.bool_)
+    lowest, near = np.empty(shape, dtype=np.int32), np.ones(shape, dtype=np.bool_)
+    limits = PLANE_REACH, PLANE_POINTS, STEEPEST, height, share
+    for _ in range(times):
+        extension.lowest_ground(points, ground, corner, cell, lowest)
+        extension.extend(points, ground, corner, cell, lowest, near, *limits, new)
+        if not new.any():
+            break
+        ground |= new
+        extension.mark_near(points, new, corner, cell, PLANE_REACH, near)
+    return ground
 
 
 def _filter(
@@ -148,23 +250,36 @@ def _filter(
     radius: int,
     config: GroundConfig,
     progress: Callable[[float], None],
-) -> tuple[BoolArray, Float32Array]:
-    ground = np.ones(len(points), dtype=np.bool_)
+) -> tuple[BoolArray, Float32Array, BoolArray]:
+    cell, passes = config.cell, round(config.passes)
+    ground, unsure = np.ones(len(points), dtype=np.bool_), np.empty(len(points), dtype=np.bool_)
     least, steep = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
-    kernels.lowest_of_cells(points, ground, corner, config.cell, least)
+    kernels.lowest_of_cells(points, ground, corner, cell, least)
     whole = filled(least)
     progress(0.1)
-    taken = objects(-whole, 1, config.low_slope, config.cell)
-    taken |= objects(whole, radius, config.slope, config.cell, lambda share: progress(0.1 + 0.6 * share))
-    known = np.where(taken, np.float32(np.nan), least)
+    low = objects(-whole, 1, config.low_slope, cell)
+    around = slope_around(whole, low, radius, config.slope, cell)
+    high = objects(
+        whole, radius, config.slope, cell, around, config.local_slope, lambda share: progress(0.1 + 0.5 * share)
+    )
+    centred = heights_of_centres(points, whole, corner, cell)
+    given, contested = given_back(centred, high, cell, config.height)
+    doubtful = given | contested
+    known = np.where((high & ~given) | low, np.float32(np.nan), least)
     surface = filled(whole if np.isnan(known).all() else known)
-    for i in range(round(config.passes)):
+    for i in range(passes):
         if i > 0:
             if not ground.any():
                 break
-            kernels.lowest_of_cells(points, ground, corner, config.cell, least)
+            kernels.lowest_of_cells(points, ground, corner, cell, least)
             surface = filled(least)
-        kernels.slope_of_surface(surface, config.cell, steep)
-        kernels.classify(points, corner, surface, steep, config.cell, config.height, config.scaling, ground)
-        progress(0.7 + 0.3 * (i + 1) / round(config.passes))
-    return ground, surface
+        kernels.slope_of_surface(surface, cell, steep)
+        kernels.classify(points, corner, surface, steep, doubtful, cell, config.height, config.scaling, ground, unsure)
+        progress(0.7 + 0.2 * (i + 1) / passes)
+    extents = shape[1] * cell, shape[0] * cell
+    wide = max(cell, math.sqrt(extents[0] * extents[1] / len(points)))
+    wide_shape = math.ceil(extents[1] / wide), math.ceil(extents[0] / wide)
+    limits = config.height, PLANE_SHARE * cell
+    whole_ground = extended(points, ground, corner, wide_shape, wide, *limits, round(config.extensions))
+    progress(1.0)
+    return whole_ground, surface, unsure | (whole_ground & ~ground)

@@ -7,21 +7,31 @@ from dataclasses import dataclass
 from mapper.core.parameter import check_fields, choice, number, table_of
 
 SWEEPS = 16  #: Jacobi sweeps at each level of the filling of cells without points
+BLOCK = 4  #: cells along the side of a block, whose lowest heights tell how steep it is around
+STEEPEST = 1.5  #: rise over run of ground that still goes on from cell to cell
+RISE_SHARE = 0.5  #: rises of neighbouring cells may differ by the height of the limit and this share of the rise
+LEAST_INTO, MOST_DROPS = 0.25, 0.6  #: of a segment's sides: into the ground, and of a drop, where it is given back
+PLANE_REACH, PLANE_POINTS = 3, 5  #: cells that the plane beside a point reaches, and points that it needs
+PLANE_SHARE = 0.3  #: points may lie off that plane by the height of the limit and this share of its rise over a cell
 
 
 @dataclass(frozen=True, slots=True)
 class GroundConfig:
     """Parameters of ground filtering; a value per row of ``GROUND_PARAMETERS``.
 
-    The first values are the one set of parameters that Pingel, Clarke & McBride (2013) give for all samples. Raises
-    :class:`mapper.core.errors.ConfigError` for an invalid value.
+    Of the first values cell, window, scaling and low slope are those that Pingel, Clarke & McBride (2013) give for all
+    samples. Raises :class:`mapper.core.errors.ConfigError` for an invalid value.
     """
 
     # fmt: off
     cell: float = number("cell", "ground", 1.0, "Side of the cells of the filter.", "m", 0.05, 20.0, 0.05)
-    slope: float = number("slope", "ground", 0.15, "Steepest ground, rise over run.", "", 0.01, 2.0, 0.01)
+    slope: float = number("slope", "ground", 0.12, "Steepest ground, rise over run.", "", 0.01, 2.0, 0.01)
+    local_slope: float = number(
+        "local slope", "ground", 0.5, "More for each disc where it is steep around, times that slope.",
+        "", 0.0, 2.0, 0.05,
+    )
     window: float = number("window", "ground", 18.0, "Radius of the largest disc.", "m", 0.1, 100.0, 0.1)
-    height: float = number("height", "ground", 0.5, "A ground point's distance from flat ground.", "m", 0.01, 5.0, 0.01)
+    height: float = number("height", "ground", 0.3, "A ground point's distance from flat ground.", "m", 0.01, 5.0, 0.01)
     scaling: float = number(
         "scaling", "ground", 1.25, "More distance where it is steep, times the slope.", "m", 0.0, 5.0, 0.05,
     )
@@ -31,6 +41,10 @@ class GroundConfig:
     passes: float = number(
         "passes", "ground", 2.0, "How often the surface is made; after the first time of ground points.",
         "", 1.0, 5.0, 1.0,
+    )
+    extensions: float = number(
+        "extensions", "ground", 2.0, "How often points are added that lie on the plane of the ground beside them.",
+        "", 0.0, 20.0, 1.0,
     )
     # fmt: on
 

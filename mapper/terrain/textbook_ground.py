@@ -1,4 +1,4 @@
-"""SMRF in plain NumPy, step by step; the kernels must return the same.
+"""SMRF and the two steps after it in plain NumPy, step by step; the kernels must return the same.
 
 Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
 LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Empty cells are filled here by Laplace's
@@ -7,13 +7,25 @@ equation, where the authors use a spring metaphor; the discs grow by one cell at
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray
-from mapper.terrain.parameters import SWEEPS
+from mapper.terrain.parameters import (
+    BLOCK,
+    LEAST_INTO,
+    MOST_DROPS,
+    PLANE_POINTS,
+    PLANE_REACH,
+    PLANE_SHARE,
+    RISE_SHARE,
+    STEEPEST,
+    SWEEPS,
+    GroundConfig,
+)
 
 Heights = NDArray[np.float32]
 
@@ -76,16 +88,21 @@ def opened(heights: Heights, radius: int) -> Heights:
     return -eroded(-eroded(heights, radius), radius)
 
 
-def objects(heights: Heights, radius: int, slope: float, cell: float) -> BoolArray:
+def objects(
+    heights: Heights, radius: int, slope: float, cell: float, around: Heights | None = None, share: float = 0.0
+) -> BoolArray:
     """Return the cells (rows, cols) of objects: those that an opening lowers by more than ``slope`` · r · ``cell``.
 
-    The disc grows from r = 1 to ``radius`` cells, and each opening is made of the one before.
+    The disc grows from r = 1 to ``radius`` cells, and each opening is made of the one before. A crest with flanks of
+    the slope s is lowered by s · ``cell`` more by each disc: so ``share`` · s · ``cell`` is added to the threshold,
+    where s is the slope ``around`` (rows, cols).
     """
     found = np.zeros(heights.shape, dtype=np.bool_)
     before = heights
     for r in range(1, radius + 1):
         after = opened(before, r)
-        found |= before - after > np.float32(slope * r * cell)
+        more = np.float32(share * cell) * (np.zeros_like(heights) if around is None else around)
+        found |= before - after > np.float32(slope * r * cell) + more
         before = after
     return found
 
@@ -131,32 +148,188 @@ def near_surface(
     return ground
 
 
-def ground_points(
-    points: NDArray[np.float64],
-    corner: NDArray[np.float64],
-    shape: tuple[int, int],
-    cell: float,
-    slope: float,
-    radius: int,
-    height: float,
-    scaling: float,
-    low_slope: float,
-    passes: int,
-) -> tuple[BoolArray, Heights]:
-    """Return which points (n,) are ground, and the surface (rows, cols) of the ground in metres above the corner.
+def slope_around(heights: Heights, left_out: BoolArray, radius: int, slope: float, cell: float) -> Heights:
+    """Return how steep the ground is around each cell (rows, cols), from the lowest of blocks of 4 × 4 cells.
 
-    Each pass after the first makes the surface of the lowest ground points of the pass before: what the discs cut off
-    a bank or a terrace comes back where it continues the surface.
+    Openings of these lowest heights take out the objects; the slopes of the rest are averaged within ``radius`` cells.
     """
+    rows, cols = heights.shape
+    lowest = np.full((-(-rows // BLOCK), -(-cols // BLOCK)), np.nan, dtype=np.float32)
+    for row, col in np.ndindex(rows, cols):
+        if not left_out[row, col]:
+            lowest[row // BLOCK, col // BLOCK] = np.fmin(lowest[row // BLOCK, col // BLOCK], heights[row, col])
+    lowest = heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
+    reach = max(1, radius // BLOCK)
+    taken = objects(lowest, reach, slope, BLOCK * cell)
+    surface = lowest if taken.all() else filled(np.where(taken, np.float32(np.nan), lowest))
+    steep = np.minimum(gradient(surface, BLOCK * cell), np.float32(STEEPEST)).astype(np.float64)
+    mean = np.empty_like(lowest)
+    for row, col in np.ndindex(lowest.shape):
+        near = steep[max(row - reach, 0) : row + reach + 1, max(col - reach, 0) : col + reach + 1]
+        mean[row, col] = sum(near.ravel().tolist()) / near.size
+    return np.asarray(mean[np.arange(rows)[:, None] // BLOCK, np.arange(cols) // BLOCK])
+
+
+def smaller_rise(before: float, after: float) -> float:
+    """Return the smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    return 0.0 if before * after <= 0.0 else min(before, after, key=abs)
+
+
+def heights_of_centres(
+    points: NDArray[np.float64], corner: NDArray[np.float64], whole: Heights, cell: float
+) -> Heights:
+    """Return the heights (rows, cols) that the lowest points of cells have once moved along the slope to the centres.
+
+    ``whole`` are the heights of the lowest points themselves, filled. The slope is the smaller one of both sides.
+    """
+    rows, cols = whole.shape
+    places: dict[tuple[int, int], tuple[float, float, float]] = {}
+    for i, (x, y, _) in enumerate(points - corner):
+        at = int(y / cell), int(x / cell)
+        if at not in places or points[i, 2] < places[at][2]:
+            places[at] = x / cell - (at[1] + 0.5), y / cell - (at[0] + 0.5), points[i, 2]
+    moved = np.full_like(whole, np.nan)
+    for (row, col), (x, y, _) in places.items():
+        z = float(whole[row, col])
+        down, up = float(whole[max(row - 2, 0), col]), float(whole[min(row + 2, rows - 1), col])
+        left, right = float(whole[row, max(col - 2, 0)]), float(whole[row, min(col + 2, cols - 1)])
+        moved[row, col] = z - 0.5 * (smaller_rise(z - left, right - z) * x + smaller_rise(z - down, up - z) * y)
+    return filled(moved)
+
+
+def goes_on(heights: list[np.float32], cell: float, height: float) -> bool:
+    """Whether a surface goes on smoothly over four cells in a line: the rises before, between and after two agree."""
+    first, rise, last = (b - a for a, b in itertools.pairwise(heights))
+    return all(
+        abs(other) <= np.float32(STEEPEST * cell)
+        and abs(rise - other) <= np.float32(height) + np.float32(RISE_SHARE) * abs(other)
+        for other in (first, last)
+    )
+
+
+def given_back(heights: Heights, taken: BoolArray, cell: float, height: float) -> tuple[BoolArray, BoolArray]:
+    """Return which ``taken`` cells (rows, cols) are ground after all, and which of the others are in doubt.
+
+    Taken cells over which the surface goes on are one segment. Of its sides some go on into the ground, some are a
+    drop, some rise to what is beside. Crests and edges of terraces have many of the first and few of the second.
+    """
+    rows, cols = heights.shape
+    sides = ((0, 1), (1, 0), (0, -1), (-1, 0))
+
+    def is_smooth(row: int, col: int, down: int, right: int) -> bool:
+        line = [(row + k * down, col + k * right) for k in (-1, 0, 1, 2)]
+        if not all(0 <= y < rows and 0 <= x < cols for y, x in line):
+            return False
+        return goes_on([heights[place] for place in line], cell, height)
+
+    def neighbours(row: int, col: int) -> list[tuple[int, int, int, int]]:
+        around = [(row + down, col + right, down, right) for down, right in sides]
+        return [(y, x, down, right) for y, x, down, right in around if 0 <= y < rows and 0 <= x < cols]
+
+    given, contested = np.zeros_like(taken), np.zeros_like(taken)
+    segments = np.zeros(heights.shape, dtype=np.int64)  # 0: none yet
+    for number, (first, left) in enumerate(np.argwhere(taken).tolist(), start=1):
+        if segments[first, left]:
+            continue
+        segments[first, left], cells = number, [(first, left)]
+        for row, col in cells:
+            for y, x, down, right in neighbours(row, col):
+                if taken[y, x] and not segments[y, x] and is_smooth(row, col, down, right):
+                    segments[y, x] = number
+                    cells.append((y, x))
+        n = into = drops = 0
+        for row, col in cells:
+            for y, x, down, right in neighbours(row, col):
+                if segments[y, x] == number:
+                    continue
+                n += 1
+                if not taken[y, x] and is_smooth(row, col, down, right):
+                    into += 1
+                elif heights[row, col] > heights[y, x]:
+                    drops += 1
+        is_ground = into > 0 and into >= LEAST_INTO * n and drops <= MOST_DROPS * n
+        for place in cells:
+            given[place], contested[place] = is_ground, into > 0 and not is_ground
+    return given, contested
+
+
+def continues(point: NDArray[np.float64], others: NDArray[np.float64], height: float, share: float) -> bool:
+    """Whether a ``point`` (3,) is within ``height`` + ``share`` · slope of the plane of ``others`` (m, 3)."""
+    if len(others) < PLANE_POINTS:
+        return False
+    local = others - point
+    centred = local - local.mean(axis=0)
+    across = centred[:, :2].T @ centred[:, :2]
+    if np.linalg.det(across) <= 1e-9 * across[0, 0] * across[1, 1]:
+        return False
+    away = local[:, :2].mean(axis=0)
+    if 1.0 / len(others) + away @ np.linalg.solve(across, away) > 1.0:  # the leverage of the point
+        return False
+    rises = np.linalg.solve(across, centred[:, :2].T @ centred[:, 2])
+    slope = float(np.hypot(*rises))
+    limit = height + share * slope
+    residual = float(((centred[:, 2] - centred[:, :2] @ rises) ** 2).sum())
+    is_on = abs(float(local[:, 2].mean() - away @ rises)) <= limit
+    return slope <= STEEPEST and is_on and residual <= limit**2 * (len(others) - 3)
+
+
+def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, height: float, share: float) -> BoolArray:
+    """Return which points (n,) that are not ground lie on the plane of the lowest ground points on one side of them.
+
+    ``points`` (n, 3) are in metres from the corner of the cells. Each side is a box of cells.
+    """
+    lowest: dict[tuple[int, int], int] = {}
+    for i in np.flatnonzero(ground).tolist():
+        place = int(points[i, 1] / cell), int(points[i, 0] / cell)
+        if place not in lowest or points[i, 2] < points[lowest[place], 2]:
+            lowest[place] = i
+    half, out = PLANE_REACH // 2, np.zeros(len(points), dtype=np.bool_)
+    along, across = range(PLANE_REACH + 1), range(-half, half + 1)
+    for i in np.flatnonzero(~ground).tolist():
+        row, col = int(points[i, 1] / cell), int(points[i, 0] / cell)
+        boxes = (
+            [(row + b, col - a) for a in along for b in across],
+            [(row + b, col + a) for a in along for b in across],
+            [(row - a, col + b) for a in along for b in across],
+            [(row + a, col + b) for a in along for b in across],
+        )
+        beside = [[lowest[place] for place in box if place in lowest] for box in boxes]
+        out[i] = any(continues(points[i], points[some], height, share) for some in beside)
+    return out
+
+
+def ground_points(
+    points: NDArray[np.float64], corner: NDArray[np.float64], shape: tuple[int, int], radius: int, config: GroundConfig
+) -> tuple[BoolArray, Heights, BoolArray]:
+    """Return which points (n,) are ground, the surface (rows, cols), and which points are unsure.
+
+    The surface of the ground is in metres above the corner. Each pass after the first makes it of the lowest ground
+    points of the pass before: what the discs cut off a bank or a terrace comes back where it continues the surface.
+    """
+    cell, height = config.cell, config.height
     least = lowest(points, corner, cell, shape)
     whole = filled(least)
-    taken = objects(-whole, 1, low_slope, cell) | objects(whole, radius, slope, cell) | np.isnan(least)
-    known = np.where(taken, np.float32(np.nan), least)
-    surface = filled(whole if np.isnan(known).all() else known)
-    ground = near_surface(points, corner, surface, cell, height, scaling)
-    for _ in range(passes - 1):
+    low = objects(-whole, 1, config.low_slope, cell)
+    around = slope_around(whole, low, radius, config.slope, cell)
+    high = objects(whole, radius, config.slope, cell, around, config.local_slope)
+    centred = heights_of_centres(points, corner, whole, cell)
+    given, contested = given_back(centred, high, cell, height)
+    taken = (high & ~given) | low | np.isnan(least)
+    surface = filled(whole if taken.all() else np.where(taken, np.float32(np.nan), least))
+    ground = near_surface(points, corner, surface, cell, height, config.scaling)
+    for _ in range(round(config.passes) - 1):
         if not ground.any():
             break
         surface = filled(lowest(points[ground], corner, cell, shape))
-        ground = near_surface(points, corner, surface, cell, height, scaling)
-    return ground, surface
+        ground = near_surface(points, corner, surface, cell, height, config.scaling)
+    local = points - corner
+    places = (local[:, 1] / cell).astype(int), (local[:, 0] / cell).astype(int)
+    strict, lenient = (
+        near_surface(points, corner, surface, cell, factor * height, factor * config.scaling) for factor in (0.5, 2.0)
+    )
+    unsure = (given | contested)[places] | (lenient & ~strict)
+    wide = max(cell, math.sqrt(shape[0] * cell * shape[1] * cell / len(points)))
+    for _ in range(round(config.extensions)):
+        new = continuing(local, ground, wide, height, PLANE_SHARE * cell)
+        ground, unsure = ground | new, unsure | new
+    return ground, surface, unsure

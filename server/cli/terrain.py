@@ -73,6 +73,7 @@ def terrain(
         "cloud": str(cloud),
         "points": len(read),
         "ground": int(ground.is_ground.sum()),
+        "unsure": int(ground.is_unsure.sum()),
         "left_out": ground.left_out,
         **found.counts(),
         **({} if right is None else {name: round(value, 2) for name, value in right.items()}),
@@ -84,7 +85,7 @@ def terrain(
         print_json(facts)
         return
     left_out = f", {ground.left_out} not finite" if ground.left_out else ""
-    typer.echo(f"{facts['points']} points, {facts['ground']} of them ground{left_out}")
+    typer.echo(f"{facts['points']} points, {facts['ground']} of them ground{left_out}; {facts['unsure']} are unsure")
     typer.echo(
         f"  patches of {config.patch:g} m: {facts['safe']} safe, {facts['unsafe']} unsafe, {facts['unknown']} unknown"
     )

@@ -39,25 +39,14 @@ def terrain_cases(draw: st.DrawFn) -> TerrainCase:
 
 def ground_by_kernel(case: TerrainCase) -> tuple[Any, ...]:
     found = find_ground(case.points, case.ground)
-    return found.is_ground, found.surface
+    return found.is_ground, found.surface, found.is_unsure
 
 
 def ground_by_textbook(case: TerrainCase) -> tuple[Any, ...]:
     config, corner = case.ground, case.points.min(axis=0)
     cols, rows = (int(side) + 1 for side in (np.ptp(case.points, axis=0)[:2] / config.cell))
     radius = min(math.ceil(config.window / config.cell), max(rows, cols))
-    return textbook_ground.ground_points(
-        case.points,
-        corner,
-        (rows, cols),
-        config.cell,
-        config.slope,
-        radius,
-        config.height,
-        config.scaling,
-        config.low_slope,
-        round(config.passes),
-    )
+    return textbook_ground.ground_points(case.points, corner, (rows, cols), radius, config)
 
 
 def patches_by_kernel(case: TerrainCase) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""Terrain: moments of a cloud, planes of all windows beside ``lstsq`` per patch, ground points of the ISPRS samples."""
+"""Terrain: moments, planes of all windows beside ``lstsq`` per patch, ground of ISPRS samples and simulated clouds."""
 
 from __future__ import annotations
 
@@ -6,13 +6,17 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mapper.core.array_types import BoolArray
 from mapper.io.clouds import read_cloud
 from mapper.terrain import Patches, agreement, find_ground
+from tests.airborne import SCENES, labelled_cloud
 
 SIDE, N_POINTS, N_LSTSQ = 400, 2_000_000, 2_000
 
@@ -64,22 +68,42 @@ def ground(rounds: int = 5) -> None:
     if not names:
         print("samp*-utm.pcd: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
         return
-    print("\n| sample | points | kappa | total error | type I | type II | ms of processor time |")
-    print("|---|---|---|---|---|---|---|")
-    kappas = []
+    samples = []
     for name in names:
         cloud, truth = (read_cloud(folder / f"{name}-utm{end}.pcd").points for end in ("", "-ground"))
         places = set(map(tuple, truth.tolist()))
+        samples.append((name, cloud, np.array([tuple(place) in places for place in cloud.tolist()])))
+    _print_agreement(samples, rounds)
+
+
+def simulated(seeds: int = 3, rounds: int = 2) -> None:
+    """Print how the ground of simulated clouds agrees with what they were made of: ``seeds`` clouds of each scene."""
+    _print_agreement(
+        ((f"{name}, {seed}", *labelled_cloud(name, seed)) for name in SCENES for seed in range(seeds)), rounds
+    )
+
+
+def _print_agreement(samples: Iterable[tuple[str, NDArray[Any], BoolArray]], rounds: int) -> None:
+    """Print a table of clouds: name, points (n, 3), which of them are ground."""
+    print(
+        "\n| cloud | points | kappa | total error | type I | type II | unsure | wrong of unsure | wrong of sure | ms |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    kappas = []
+    for name, cloud, truth in samples:
         found = find_ground(cloud)
-        right = agreement(found.is_ground, np.array([tuple(place) in places for place in cloud.tolist()]))
+        right = agreement(found.is_ground, truth)
         kappas.append(right["kappa"])
         took = cpu_s(lambda cloud=cloud: find_ground(cloud), rounds)  # type: ignore[misc]
         values = " | ".join(f"{right[key]:.1f}" for key in ("kappa", "total_error", "type_1", "type_2"))
-        print(f"| {name} | {len(cloud)} | {values} | {1e3 * took:.1f} |", flush=True)
-    print(f"mean kappa {np.mean(kappas):.1f}")
+        is_wrong, unsure = found.is_ground != truth, found.is_unsure
+        shares = " | ".join(f"{100 * some.mean():.1f}" for some in (unsure, is_wrong[unsure], is_wrong[~unsure]))
+        print(f"| {name} | {len(cloud)} | {values} | {shares} | {1e3 * took:.1f} |", flush=True)
+    print(f"mean kappa {np.mean(kappas):.1f}, least {min(kappas):.1f}; shares in percent, ms of processor time")
 
 
 def terrain() -> None:
     """Print all of the above."""
     patches()
     ground()
+    simulated()

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from tests.browser.lateness import late_script
 from tests.browser.looking import SECONDS, settled_digest, until
 from tests.browser.running import running_chromium, running_server
+from tests.browser.visits import MOST_KEPT, Motion, Visit, WatchedPage, visiting
 from tests.server.library.small_logs import carmen
 
 expect.set_options(timeout=SECONDS * 1000)
 
 SEED = 7  #: of the worlds that stand still; any will do
-SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -76,9 +74,12 @@ def server(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator
 # the whole run: while it runs, Playwright keeps an event loop in this thread, and asyncio tests need theirs.
 _open_chromium = ExitStack()
 _chromium: list[Browser] = []  # the one that runs, if one does
+_kept: list[Visit] = []  # of earlier tests in it, for later ones
+_VISIT = pytest.StashKey[Visit]()
 
 
 def _close_chromium() -> None:
+    _kept.clear()
     _chromium.clear()
     _open_chromium.close()
 
@@ -103,49 +104,8 @@ def browser(request: pytest.FixtureRequest) -> Browser:
     return _chromium[0]
 
 
-class WatchedPage:
-    """A page whose console errors, uncaught exceptions and requests to other hosts are kept for the test to judge."""
-
-    def __init__(self, context: BrowserContext, server: str) -> None:
-        self.page: Page = context.new_page()
-        self.problems: list[str] = []
-        self._server = server
-        self.page.on("console", self._console)
-        self.page.on("pageerror", lambda error: self.problems.append(f"uncaught: {error}"))
-        self.page.on("request", lambda request: self._request(request.url))
-
-    def _console(self, message: ConsoleMessage) -> None:
-        if message.type == "error":
-            where = message.location  # of a request that failed: its address
-            self.problems.append(f"console: {message.text} ({where['url']}:{where['lineNumber']}, on {self.page.url})")
-
-    def _request(self, url: str) -> None:
-        if not url.startswith((self._server, self._server.replace("http", "ws", 1), "data:", "blob:", "about:")):
-            self.problems.append(f"asked another host: {url}")
-
-
-@contextmanager
-def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserContext]:
-    """Yield a fresh visitor's browser that asks for less motion.
-
-    What sessions they begin end with them: many tests must not fill the server.
-    """
-    still = {"viewport": {"width": 1440, "height": 900}, "reduced_motion": "reduce"}
-    context = browser.new_context(**(still | options))
-    context.set_default_timeout(SECONDS * 1000)
-    if script := late_script():
-        context.add_init_script(script)
-    yield context
-    for page in context.pages:
-        page.close()
-    # The service closes connections that were idle for 5 s, perhaps just now: such a request is sent again.
-    for session in context.request.get(f"{server}/api/sessions", max_retries=2).json()["sessions"]:
-        context.request.delete(f"{server}/api/sessions/{session['id']}", max_retries=2)
-    context.close()
-
-
 @pytest.fixture
-def motion(request: pytest.FixtureRequest) -> str:
+def motion(request: pytest.FixtureRequest) -> Motion:
     """Return what the visitor's browser asks for: less motion, save in tests that are marked ``moving``.
 
     What moves by itself takes most of the processor and is of no use to other tests.
@@ -154,33 +114,34 @@ def motion(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def context(browser: Browser, server: str, motion: str, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
+def context(browser: Browser, server: str, motion: Motion, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
     """Return a fresh visitor's browser, at the size that an indirect parameter names."""
-    size = getattr(request, "param", "desktop")
-    width, height = SIZES[size]
-    phone = size == "phone"
-    with visiting(
-        browser,
-        server,
-        viewport={"width": width, "height": height},
-        has_touch=phone,
-        is_mobile=phone,
-        reduced_motion=motion,
-    ) as context:
-        yield context
+    window = (server, str(getattr(request, "param", "desktop")), motion)
+    kept = next((one for one in _kept if one.window == window), None)
+    if kept is not None:
+        _kept.remove(kept)
+    visit = request.node.stash[_VISIT] = kept or Visit(browser, *window)
+    failed = request.session.testsfailed
+    yield visit.context
+    if request.session.testsfailed == failed and visit.begin_again():
+        _kept.append(visit)
+    else:
+        visit.end()
+    while len(_kept) > MOST_KEPT:
+        _kept.pop(0).end()
 
 
 @pytest.fixture
-def visitor(browser: Browser, server: str, motion: str) -> Iterator[BrowserContext]:
+def visitor(browser: Browser, server: str, motion: Motion) -> Iterator[BrowserContext]:
     """Return the browser of another visitor."""
     with visiting(browser, server, reduced_motion=motion) as context:
         yield context
 
 
 @pytest.fixture
-def watched(context: BrowserContext, server: str) -> Iterator[WatchedPage]:
+def watched(context: BrowserContext, request: pytest.FixtureRequest) -> Iterator[WatchedPage]:
     """Return a page on which any console error or uncaught exception fails the test at its end."""
-    page = WatchedPage(context, server)
+    page = request.node.stash[_VISIT].watched()
     yield page
     assert page.problems == []
 

@@ -1,6 +1,6 @@
-"""A class in Chromium: a lecturer, ten followers, a question and its reveal, a copy, a broken connection, the end.
+"""A class in Chromium: a lecturer, followers, a question and its reveal, a copy, a broken connection, the end.
 
-Two predictions of the lecture in ``make test``, all in ``make test-long``.
+Four followers and two predictions of the lecture in ``make test``, ten and all in ``make test-long``.
 """
 
 from __future__ import annotations
@@ -15,28 +15,28 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
-from tests.browser.conftest import WatchedPage, standing_world, visiting
+from tests.browser.conftest import standing_world
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_map, await_true, map_digest, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_wrong
 from tests.browser.test_targets import small
+from tests.browser.visits import WatchedPage, visiting
 from tests.marks import also_long
 
-FOLLOWERS = 10
 CELL = [3.5, 2.5]
 
 
 @pytest.fixture
-def phones(browser: Browser, server: str) -> Iterator[list[Page]]:
-    """Return the pages of ten followers, each in a browser of its own."""
+def phones(browser: Browser, server: str, request: pytest.FixtureRequest) -> Iterator[list[Page]]:
+    """Return the pages of as many followers as an indirect parameter says, each in a browser of its own."""
     with ExitStack() as stack:
         watched = [
             WatchedPage(stack.enter_context(visiting(browser, server, viewport={"width": 390, "height": 844})), server)
-            for _ in range(FOLLOWERS)
+            for _ in range(request.param)
         ]
         yield [one.page for one in watched]
-        assert [one.problems for one in watched] == [[]] * FOLLOWERS
+        assert [one.problems for one in watched] == [[]] * len(watched)
 
 
 def opened(page: Page, server: str, path: str) -> str:
@@ -60,10 +60,12 @@ def ended(page: Page) -> None:
     expect(page.get_by_role("complementary", name="Class")).to_have_count(0)
 
 
-def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
+@pytest.mark.parametrize("phones", [4, *also_long(10)], indirect=True)
+def test_followers_answer_and_two_of_them_follow_into_the_lab(
     page: Page, context: BrowserContext, phones: list[Page], server: str
 ) -> None:
-    result = f"{FOLLOWERS} answered. Yes: 7; No: 3"
+    followers = len(phones)
+    result = f"{followers} answered. Yes: {followers - 3}; No: 3"
     code = opened(page, server, "/logs.html")
     for i, phone in enumerate(phones):
         if i:
@@ -76,7 +78,7 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
             phone.get_by_role("button", name="Join").click()
         expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
     lecturers = page.get_by_role("complementary", name="Class")
-    expect(lecturers).to_contain_text(f"{FOLLOWERS} here")
+    expect(lecturers).to_contain_text(f"{followers} here")
 
     # a poll that is made on the spot
     page.get_by_role("button", name="Ask", exact=True).click()
@@ -84,15 +86,15 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
     form.get_by_role("textbox", name="Question").fill("Is the door open?")
     form.get_by_role("button", name="Ask", exact=True).click()
     for i, phone in enumerate(phones):
-        phone.get_by_role("button", name="A Yes" if i < 7 else "B No").click()
-    expect(lecturers).to_contain_text(f"{FOLLOWERS} of {FOLLOWERS} answered")
+        phone.get_by_role("button", name="A Yes" if i < followers - 3 else "B No").click()
+    expect(lecturers).to_contain_text(f"{followers} of {followers} answered")
     for one in (page, phones[0]):  # with the question on both
         nothing_wrong(one)
         assert small(one) == []
     expect(lecturers.get_by_role("list", name=result)).to_have_count(0)  # the lecturer's screen is projected
     page.get_by_role("button", name="Show answers").click()
     expect(lecturers.get_by_role("list", name=result)).to_be_visible()
-    expect(phones[0].get_by_role("list", name=f"{FOLLOWERS} answered")).to_have_count(0)  # not before the reveal
+    expect(phones[0].get_by_role("list", name=f"{followers} answered")).to_have_count(0)  # not before the reveal
     page.get_by_role("button", name="Reveal").click()
     for phone in phones:
         expect(phone.get_by_role("list", name=result)).to_be_visible()

@@ -107,7 +107,7 @@ class Received:
         return {secret for text in self.texts for one in unpacked(text) for secret in secrets if secret in one}
 
 
-@pytest.mark.parametrize("makes_link", [False, True], ids=["link", "arranged"])
+@pytest.mark.parametrize("makes_link", [True, *also_long(False)], ids=["arranged", "link"])
 def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
     page: Page, context: BrowserContext, visitor: BrowserContext, server: str, *, makes_link: bool
 ) -> None:

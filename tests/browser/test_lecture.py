@@ -8,10 +8,10 @@ from itertools import product
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.conftest import SIZES
 from tests.browser.lecturing import never_idle, open_lecture
 from tests.browser.looking import await_true, until
 from tests.browser.stillness import AWAITED, FOUND, HOLD, JUMP, LET_GO, OFF, STILL_WITHIN, WATCH
+from tests.browser.visits import SIZES
 from tests.marks import also_long_rows
 
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.

@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Page, WebSocket, expect
 
 from server.scenes.pacing import DRAWN, MOST_AHEAD
-from tests.browser.conftest import SIZES
 from tests.browser.looking import await_map, frame, open_group, until
+from tests.browser.visits import SIZES
 
 pytestmark = pytest.mark.moving
 

@@ -8,8 +8,9 @@ from typing import Literal
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
-from tests.browser.conftest import standing_world, visiting
+from tests.browser.conftest import standing_world
 from tests.browser.looking import await_map, frame, painted, settled_digest, until
+from tests.browser.visits import visiting
 
 # Chromium without a graphics card names SwiftShader as its card, which the pages know: here they do not.
 CARD = """(() => {

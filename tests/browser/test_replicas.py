@@ -20,10 +20,10 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from tests.browser.conftest import visiting
 from tests.browser.looking import await_map, await_true, frame, open_group, settled_digest, told, until
 from tests.browser.running import free_port
 from tests.browser.test_class import shows_cell
+from tests.browser.visits import visiting
 from tests.haproxy import running_haproxy
 from tests.server.library.postgresql import running_postgresql
 from tests.server.library.small_logs import carmen

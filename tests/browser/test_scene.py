@@ -9,8 +9,8 @@ from playwright.sync_api import Browser, expect
 
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion
 from server.sources.simulation import SimulationModel
-from tests.browser.conftest import visiting
 from tests.browser.looking import until
+from tests.browser.visits import visiting
 from tests.server.service import running, settings_for
 
 

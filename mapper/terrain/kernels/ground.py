@@ -30,6 +30,37 @@ def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array,
 
 
 @jit
+def smaller_rise(before: float, after: float) -> float:
+    """The smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
+    if before * after <= 0.0:
+        return 0.0
+    return before if abs(before) < abs(after) else after
+
+
+@jit
+def move_to_centres(
+    points: Float64Array, lowest: NDArray[np.int32], heights: Heights, corner: Float64Array, cell: float, out: Heights
+) -> None:
+    """Write the heights that the ``lowest`` points of cells have at the cells' centres; NaN where a cell has none.
+
+    ``heights`` are those of the filled cells. The slope is the smaller one of both sides, over two cells.
+    """
+    rows, cols = heights.shape
+    for row in range(rows):
+        for col in range(cols):
+            i = lowest[row, col]
+            if i < 0:
+                out[row, col] = np.nan
+                continue
+            z = float(heights[row, col])
+            up, down = float(heights[min(row + 2, rows - 1), col]), float(heights[max(row - 2, 0), col])
+            right, left = float(heights[row, min(col + 2, cols - 1)]), float(heights[row, max(col - 2, 0)])
+            x = (points[i, 0] - corner[0]) / cell - (col + 0.5)
+            y = (points[i, 1] - corner[1]) / cell - (row + 0.5)
+            out[row, col] = z - 0.5 * (smaller_rise(z - left, right - z) * x + smaller_rise(z - down, up - z) * y)
+
+
+@jit
 def halve(heights: Heights, out: Heights) -> None:
     """Write the mean of the known cells of each 2 × 2 into ``out`` (⌈rows / 2⌉, ⌈cols / 2⌉), NaN where none is."""
     rows, cols = heights.shape
@@ -46,31 +77,29 @@ def halve(heights: Heights, out: Heights) -> None:
 
 @jit
 def smooth_unknown(heights: Heights, coarse: Heights, sweeps: int, other: Heights, out: Heights) -> None:
-    """Fill the NaN of ``heights`` from the filled ``coarse`` and smooth what was filled; ``other`` is scratch."""
+    """Fill the NaN of ``heights`` from the filled ``coarse`` and smooth what was filled; ``other`` is scratch.
+
+    Known cells are written again in each sweep: so a row is gone over without branches, many cells at a time.
+    """
     rows, cols = heights.shape
-    n = 0
-    for row in range(rows):
-        for col in range(cols):
-            if math.isnan(heights[row, col]):
-                n += 1
-    places = np.empty((n, 2), dtype=np.int64)
-    n = 0
     for row in range(rows):
         for col in range(cols):
             z = heights[row, col]
-            if math.isnan(z):
-                places[n, 0], places[n, 1] = row, col
-                n += 1
-                z = coarse[row // 2, col // 2]
-            out[row, col] = z
-            other[row, col] = z
+            out[row, col] = coarse[row // 2, col // 2] if math.isnan(z) else z
     for sweep in range(sweeps):
         before, after = (out, other) if sweep % 2 == 0 else (other, out)
-        for i in range(n):
-            row, col = places[i]
-            up, down = before[max(row - 1, 0), col], before[min(row + 1, rows - 1), col]
-            left, right = before[row, max(col - 1, 0)], before[row, min(col + 1, cols - 1)]
-            after[row, col] = ((up + down) + (left + right)) * np.float32(0.25)
+        for row in range(rows):
+            up, down, here = before[max(row - 1, 0)], before[min(row + 1, rows - 1)], before[row]
+            known, written = heights[row], after[row]
+            for side in range(2):
+                col = 0 if side == 0 else cols - 1
+                left, right = here[max(col - 1, 0)], here[min(col + 1, cols - 1)]
+                mean = ((up[col] + down[col]) + (left + right)) * np.float32(0.25)
+                written[col] = mean if math.isnan(known[col]) else known[col]
+            for col in range(1, cols - 1):
+                mean = ((up[col] + down[col]) + (here[col - 1] + here[col + 1])) * np.float32(0.25)
+                z = known[col]
+                written[col] = z if z == z else mean  # noqa: PLR0124 - NaN; the test that compilers vectorise
     if sweeps % 2 == 1:
         out[:] = other
 
@@ -115,12 +144,44 @@ def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Height
 
 
 @jit
-def mark_lowered(before: Heights, after: Heights, threshold: float, out: BoolArray) -> None:
-    """Set ``out`` where a cell was lowered by more than ``threshold``."""
-    least = np.float32(threshold)
+def mark_lowered(
+    before: Heights, after: Heights, threshold: float, around: Heights, factor: float, out: BoolArray
+) -> None:
+    """Set ``out`` where a cell was lowered by more than ``threshold`` + ``factor`` · ``around``, the slope there."""
+    least, more = np.float32(threshold), np.float32(factor)
     for row in range(before.shape[0]):
         for col in range(before.shape[1]):
-            out[row, col] |= before[row, col] - after[row, col] > least
+            out[row, col] |= before[row, col] - after[row, col] > least + more * around[row, col]
+
+
+@jit
+def lowest_of_blocks(heights: Heights, left_out: BoolArray, side: int, out: Heights) -> None:
+    """Write the least of each block of ``side`` × ``side`` cells into ``out`` (⌈rows / side⌉, ⌈cols / side⌉).
+
+    Cells that are ``left_out`` (rows, cols) do not count; NaN where a block has no others.
+    """
+    out[:] = np.nan
+    for row in range(heights.shape[0]):
+        for col in range(heights.shape[1]):
+            y, x = row // side, col // side
+            if not left_out[row, col] and not out[y, x] <= heights[row, col]:
+                out[y, x] = heights[row, col]
+
+
+@jit
+def mean_around(values: Heights, reach: int, most: float, out: Heights) -> None:
+    """Write the mean of the values, none of them above ``most``, within ``reach`` cells along rows and columns."""
+    rows, cols = values.shape
+    greatest = np.float32(most)
+    for row in range(rows):
+        first, last = max(row - reach, 0), min(row + reach, rows - 1)
+        for col in range(cols):
+            left, right = max(col - reach, 0), min(col + reach, cols - 1)
+            total = 0.0
+            for y in range(first, last + 1):
+                for x in range(left, right + 1):
+                    total += min(values[y, x], greatest)
+            out[row, col] = total / ((last - first + 1) * (right - left + 1))
 
 
 @jit
@@ -144,12 +205,18 @@ def classify(
     corner: Float64Array,
     surface: Heights,
     steep: Heights,
+    doubtful: BoolArray,
     cell: float,
     height: float,
     scaling: float,
     out: BoolArray,
+    unsure: BoolArray,
 ) -> None:
-    """Write which points are within ``height`` + ``scaling`` · slope of the surface, above or below it."""
+    """Write which points are within ``height`` + ``scaling`` · slope of the surface, above or below it.
+
+    ``unsure`` are those of which a limit of half or of twice the size would say otherwise, and those in cells that are
+    ``doubtful`` (rows, cols).
+    """
     rows, cols = surface.shape
     for i in range(len(points)):
         u = min(max((points[i, 0] - corner[0]) / cell - 0.5, 0.0), cols - 1.0)
@@ -162,4 +229,7 @@ def classify(
         away = abs((points[i, 2] - corner[2]) - ((1.0 - t) * low + t * high))
         low = (1.0 - s) * steep[row, col] + s * steep[row, right]
         high = (1.0 - s) * steep[up, col] + s * steep[up, right]
-        out[i] = away <= height + scaling * ((1.0 - t) * low + t * high)
+        limit = height + scaling * ((1.0 - t) * low + t * high)
+        out[i] = away <= limit
+        own = doubtful[int((points[i, 1] - corner[1]) / cell), int((points[i, 0] - corner[0]) / cell)]
+        unsure[i] = own or 0.5 * limit < away <= 2.0 * limit

@@ -35,7 +35,8 @@ SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7)
 FINEST = 0.2  #: metres: a robot stands on as much; of a cloud that is small itself, a twentieth of its longer side
 LEAST_ACROSS = 10  #: patches along the longer side of a cloud, at first
 LARGEST_INDOORS = 0.3  #: metres: side of patches of clouds for which cells and discs are as in a room
-SHOWN = ("costs", "costmap", "slope", "roughness", "step")
+SHOWN = ("costs", "costmap", "slope", "roughness", "step", "unsure")
+MOST_UNSURE = 0.5  #: share of the points of a patch that is shown darkest
 #: In a room cells, discs and patches are smaller than outdoors.
 _INDOORS = {
     "cell": 0.15, "window": 2.0, "height": 0.06, "scaling": 0.1, "slope": 0.3,
@@ -51,7 +52,8 @@ def _label(row: Parameter) -> Parameter:
 TABLE: tuple[Parameter, ...] = (
     Parameter(
         "shown", "Over the map", "terrain_view", "choice", "costs",
-        "Costs of the classes, the costmap with inflation, or one property of the patches, from light to dark.",
+        "Costs of the classes, the costmap with inflation, or one property of the patches, from light to dark; unsure: "
+        "the share of points that the ground filter may have wrong.",
         choices=SHOWN,
     ),
     *(_label(row) for row in PATCH_PARAMETERS),
@@ -112,7 +114,8 @@ class Assessed:
     """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent.
 
     ``ground_points`` (m, 3) are those that are ground, ``is_fitted`` (m,) says which of them planes are fitted to,
-    ``index`` finds those of a patch.
+    ``index`` finds those of a patch. ``unsure`` counts the points that the ground filter is not sure of,
+    ``unsure_shares`` (rows, cols) is their share of the points of a patch, NaN where it has none.
     ``level`` and ``reach`` are those of the quadtree and of the window.
     """
 
@@ -121,6 +124,8 @@ class Assessed:
     ground_points: Float64Array
     is_fitted: BoolArray
     index: PointIndex
+    unsure: int
+    unsure_shares: Float32Array
     level: int
     reach: int
     kappa: float | None
@@ -134,6 +139,7 @@ class Assessed:
             "slope": (np.degrees(planes[..., 5]), 2.0 * config.max_slope),
             "roughness": (planes[..., 4], 2.0 * config.max_roughness),
             "step": (self.terrain.steps, 2.0 * config.max_step),
+            "unsure": (self.unsure_shares, MOST_UNSURE),
         }[name]
         return values.astype(np.float32), most
 
@@ -189,11 +195,10 @@ def assessed(
     if len(points) < 3:
         return None
     config, values = parameters.patches, parameters.values
-    is_ground = (
-        find_ground(points, parameters.ground, progress=progress).is_ground
-        if values["filter"]
-        else np.ones(len(points), np.bool_)
-    )
+    is_ground, is_unsure = np.ones(len(points), np.bool_), np.zeros(len(points), np.bool_)
+    if values["filter"]:
+        found = find_ground(points, parameters.ground, progress=progress)
+        is_ground, is_unsure = found.is_ground, found.is_unsure
     right = {} if truth is None else agreement(is_ground, truth)
     x0, y0, x1, y1 = bounds
     rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # of a wall one, too
@@ -211,11 +216,15 @@ def assessed(
         joined = joined.parents()
     is_fitted = fitted(ground_points, joined, config)
     every, ground = empty.with_points(points), empty.with_points(ground_points[is_fitted])
+    doubtful = empty.with_points(points[is_unsure])
     for _ in range(level):
-        every, ground = every.parents(), ground.parents()
+        every, ground, doubtful = every.parents(), ground.parents(), doubtful.parents()
     terrain = assess(ground, config, occupied=every, reach=reach)
+    counts = every.moments[..., 0]
+    shares = np.where(counts > 0.0, doubtful.moments[..., 0] / np.maximum(counts, 1.0), np.nan).astype(np.float32)
     return Assessed(
-        terrain, len(points), ground_points, is_fitted, PointIndex(ground_points, terrain.patches), level, reach,
+        terrain, len(points), ground_points, is_fitted, PointIndex(ground_points, terrain.patches),
+        int(is_unsure.sum()), shares, level, reach,
         right.get("kappa"), right.get("total_error"), _costmap_of(terrain),
     )  # fmt: skip
 

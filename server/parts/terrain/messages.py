@@ -63,6 +63,7 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
     values: Annotated[Values, Meta(description="its parameters")]
     points: Annotated[int, Meta(description="points that it is made of")]
     ground: Annotated[int, Meta(description="those that the filter takes for ground")]
+    unsure: Annotated[int, Meta(description="points of which the filter is not sure")]
     left_out: Annotated[int, Meta(description="ground points that RANSAC leaves out of the planes")]
     kappa: Annotated[
         float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")

@@ -172,6 +172,7 @@ class TerrainPart(Part):
             values=dict((self._parameters or self._first).values),
             points=0 if found is None else found.points,
             ground=0 if found is None else len(found.ground_points),
+            unsure=0 if found is None else found.unsure,
             left_out=0 if found is None else int((~found.is_fitted).sum()),
             kappa=_rounded(None if found is None else found.kappa),
             total_error=_rounded(None if found is None else found.total_error),

@@ -727,6 +727,8 @@ export interface TerrainMessage {
   readonly points: number;
   /** those that the filter takes for ground */
   readonly ground: number;
+  /** points of which the filter is not sure */
+  readonly unsure: number;
   /** ground points that RANSAC leaves out of the planes */
   readonly left_out: number;
   /** Cohen's kappa of ground and objects, %; null: the truth is not known */
@@ -1985,6 +1987,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     values: isValues,
     points: isInteger,
     ground: isInteger,
+    unsure: isInteger,
     left_out: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),

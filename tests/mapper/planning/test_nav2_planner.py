@@ -41,6 +41,29 @@ def test_navfns_parameters_are_read() -> None:
     assert parse_nav2_path(b"amcl: {ros__parameters: {alpha1: 0.1}}") == Nav2Path()
 
 
+def test_without_a_list_the_planner_is_nav2s_own_default() -> None:
+    """planner_server.cpp: default_ids_ and default_types_; the default follower is DWB, which is not built here."""
+    text = "planner_server: {ros__parameters: {GridBased: {tolerance: 0.2}}}\n"
+    found = parse_nav2_path(
+        f"{text}controller_server: {{ros__parameters: {{FollowPath: {{max_vel_x: 1.0}}}}}}".encode()
+    )
+    assert (found.planner.tolerance, found.planner_name, found.pursuit) == (0.2, "GridBased", PursuitConfig())
+    assert found.unused == ("controller_server.FollowPath",)
+    other = parse_nav2_path(text.replace("GridBased:", "planner_plugins: [A], A:").encode())
+    assert other.planner == PlannerConfig()
+
+
+def test_names_that_the_servers_do_not_declare_have_a_note() -> None:
+    text = FILE.replace("expected_planner_frequency", "expected_planer_frequency")
+    text += CONTROLLER.replace(
+        "    progress_checker_plugins", "    bond_heartbeat_period: 0.1\n    hurry: 1\n    progress_checker_plugins"
+    )
+    (planner, controller) = parse_nav2_path(text.encode()).notes
+    assert "planner_server: Nav2" in planner
+    assert "(did you mean 'expected_planner_frequency'?)" in planner
+    assert "controller_server: Nav2 (Foxy to Kilted) declares no parameter 'hurry'" in controller
+
+
 def test_the_speed_has_two_names() -> None:
     text = "controller_server: {ros__parameters: {controller_plugins: [F], F: {plugin: RegulatedPurePursuitController, "
     for name in ("max_linear_vel", "desired_linear_vel"):

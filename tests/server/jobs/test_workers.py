@@ -21,7 +21,7 @@ from server.library.processing.reader import Reader
 from server.storage import StorageError
 from tests.server.library.processing.slam_stand_ins import ThreadWorker
 from tests.server.library.small_logs import carmen
-from tests.server.service import eventually
+from tests.server.service import PATIENCE_S, eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 ROOT = Path(__file__).parents[3]
@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[3]
 async def reader(tmp_path: Path) -> AsyncIterator[Reader]:
     (tmp_path / "leases").mkdir()
     worker = ExecutorWorker(ThreadPoolExecutor(1), tmp_path / "leases")
-    reader = Reader(timeout_s=60.0, memory_bytes=2 << 30, worker=worker)
+    reader = Reader(timeout_s=PATIENCE_S, memory_bytes=2 << 30, worker=worker)
     yield reader
     await reader.close()
     assert list((tmp_path / "leases").iterdir()) == []
@@ -100,7 +100,7 @@ async def test_a_job_is_limited_in_memory_and_time(tmp_path: Path) -> None:
     with pytest.raises(LimitError) as caught:
         await short.read(source, None)
     assert caught.value.code == "log.time"
-    small = Reader(timeout_s=60.0, memory_bytes=100 << 20, worker=worker)
+    small = Reader(timeout_s=PATIENCE_S, memory_bytes=100 << 20, worker=worker)
     with pytest.raises((LimitError, ReadError)) as told:
         await small.read(source, None)
     assert told.value.code in ("log.memory", "log.reader_died")

@@ -15,6 +15,7 @@ from server.library.limits import LibraryLimits
 from server.library.processing.reader import Reader
 from server.settings import Settings
 from tests.server.library.postgresql import Cluster, running_postgresql
+from tests.server.service import PATIENCE_S
 
 
 @pytest.fixture(scope="session")
@@ -34,8 +35,8 @@ def settings(tmp_path: Path) -> Settings:
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def reader() -> AsyncIterator[Reader]:
-    limits = LibraryLimits()
-    reader = Reader(timeout_s=limits.read_timeout_s, memory_bytes=limits.read_memory_bytes)
+    # A visitor's log has two minutes, in which a busy machine may not even have started the process that reads.
+    reader = Reader(timeout_s=PATIENCE_S, memory_bytes=LibraryLimits().read_memory_bytes)
     yield reader
     await reader.close()
 

@@ -224,6 +224,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         {"patch": 0.25},
         900,
         700,
+        40,
         12,
         91.5,
         3.25,
@@ -249,7 +250,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ),
         None,
     ),
-    terrain.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
+    terrain.TerrainMessage(False, {}, 0, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
     costmap_messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

@@ -121,7 +121,8 @@ interface NumbersProps {
 const many = (n: number): string => n.toLocaleString("en");
 
 function Numbers({ message, isFile, rows }: NumbersProps) {
-  const { points, ground, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } = message;
+  const { points, ground, unsure, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } =
+    message;
   if (problem !== null) return <p role="alert">{problem}</p>;
   const names = before?.changed.map((name) => rows.find((row) => row.name === name)?.label ?? name).join(", ");
   return (
@@ -136,8 +137,9 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
         </p>
       )}
       <p class="quiet">
-        {many(ground)} of {many(points)} points are classified as ground.
-        {left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
+        {many(ground)} of {many(points)} points are classified as ground
+        {unsure > 0 && `; ${many(unsure)} points may well be wrong: choose “unsure” over the map to see where they are`}
+        .{left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: Cohen’s κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}

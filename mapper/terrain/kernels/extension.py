@@ -1,0 +1,142 @@
+"""Points that continue the plane of the ground on one side of them, as the edge of a terrace or a crest does.
+
+:func:`mapper.terrain.textbook_ground.continuing` is the same in plain NumPy.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.jit import jit
+
+
+@jit
+def lowest_ground(
+    points: Float64Array, ground: BoolArray, corner: Float64Array, cell: float, out: NDArray[np.int32]
+) -> None:
+    """Write the index of the lowest ground point of each cell (rows, cols), −1 where none is."""
+    out[:] = -1
+    for i in range(len(points)):
+        if ground[i]:
+            row, col = int((points[i, 1] - corner[1]) / cell), int((points[i, 0] - corner[0]) / cell)
+            other = out[row, col]
+            if other < 0 or points[i, 2] < points[other, 2]:
+                out[row, col] = i
+
+
+@jit
+def mark_near(
+    points: Float64Array, new: BoolArray, corner: Float64Array, cell: float, reach: int, out: BoolArray
+) -> None:
+    """Write which cells (rows, cols) are within ``reach`` cells of that of a new point."""
+    out[:] = False
+    for i in range(len(points)):
+        if new[i]:
+            row, col = int((points[i, 1] - corner[1]) / cell), int((points[i, 0] - corner[0]) / cell)
+            out[max(row - reach, 0) : row + reach + 1, max(col - reach, 0) : col + reach + 1] = True
+
+
+@jit
+def continues(
+    points: Float64Array,
+    i: int,
+    lowest: NDArray[np.int32],
+    box: tuple[int, int, int, int],
+    need: int,
+    most: float,
+    height: float,
+    share: float,
+) -> bool:
+    """Whether point ``i`` lies on the plane of the lowest ground points of a box of cells: first and last row and col.
+
+    The plane is fitted by least squares to ``need`` points or more. It must not be steeper than ``most``, its residual
+    and the point's distance must be at most ``height`` + ``share`` · slope, and the point's leverage at most 1: the
+    plane is not known worse there than one of the ground points.
+    """
+    first, last = max(box[0], 0), min(box[1], lowest.shape[0] - 1)
+    left, right = max(box[2], 0), min(box[3], lowest.shape[1] - 1)
+    n = 0
+    for row in range(first, last + 1):
+        for col in range(left, right + 1):
+            n += 1 if lowest[row, col] >= 0 else 0
+    if n < need:
+        return False
+    sx = sy = sz = xx = xy = yy = xz = yz = zz = 0.0
+    for row in range(first, last + 1):
+        for col in range(left, right + 1):
+            j = lowest[row, col]
+            if j >= 0:
+                x, y, z = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+                sx += x
+                sy += y
+                sz += z
+                xx += x * x
+                xy += x * y
+                yy += y * y
+                xz += x * z
+                yz += y * z
+                zz += z * z
+    mx, my, mz = sx / n, sy / n, sz / n
+    xx, xy, yy = xx - mx * sx, xy - mx * sy, yy - my * sy
+    xz, yz, zz = xz - mx * sz, yz - my * sz, zz - mz * sz
+    det = xx * yy - xy * xy
+    if det <= 1e-9 * xx * yy:
+        return False
+    if 1.0 / n + (mx * mx * yy - 2.0 * mx * my * xy + my * my * xx) / det > 1.0:
+        return False
+    a, b = (xz * yy - yz * xy) / det, (yz * xx - xz * xy) / det
+    slope = math.sqrt(a * a + b * b)
+    limit = height + share * slope
+    if slope > most or abs(mz - a * mx - b * my) > limit:
+        return False
+    return zz - a * xz - b * yz <= limit * limit * (n - 3)
+
+
+@jit
+def extend(
+    points: Float64Array,
+    ground: BoolArray,
+    corner: Float64Array,
+    cell: float,
+    lowest: NDArray[np.int32],
+    near: BoolArray,
+    reach: int,
+    need: int,
+    most: float,
+    height: float,
+    share: float,
+    out: BoolArray,
+) -> None:
+    """Write which points that are not ground, in cells that are ``near``, continue it from one of four sides.
+
+    The box of a side begins with the point's cell, reaches ``reach`` cells away and half of that to both sides. The
+    ground point of the point's own cell is in each of them: a point that is further above or below it than any plane
+    with such a residual leads to is left out at once.
+    """
+    half = reach // 2
+    limit = height + share * most
+    furthest = math.sqrt(2.0) * cell * most + limit * (1.0 + math.sqrt(float((reach + 1) * (2 * half + 1))))
+    for i in range(len(points)):
+        out[i] = False
+        if ground[i]:
+            continue
+        row, col = int((points[i, 1] - corner[1]) / cell), int((points[i, 0] - corner[0]) / cell)
+        own = lowest[row, col]
+        if not near[row, col] or (own >= 0 and abs(points[i, 2] - points[own, 2]) > furthest):
+            continue
+        for side in range(4):
+            if side == 0:
+                box = (row - half, row + half, col - reach, col)
+            elif side == 1:
+                box = (row - half, row + half, col, col + reach)
+            elif side == 2:
+                box = (row - reach, row, col - half, col + half)
+            else:
+                box = (row, row + reach, col - half, col + half)
+            if continues(points, i, lowest, box, need, most, height, share):
+                out[i] = True
+                break

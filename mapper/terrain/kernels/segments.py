@@ -1,0 +1,127 @@
+"""Smooth segments of the cells that discs cut off; those that go on smoothly into the ground are given back.
+
+:func:`mapper.terrain.textbook_ground.given_back` is the same in plain NumPy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import BoolArray
+from mapper.core.jit import jit
+
+Heights = NDArray[np.float32]
+
+
+@jit
+def root_of(parents: NDArray[np.int32], cell: int) -> int:
+    """The first cell of a segment; the way to it is made shorter."""
+    while parents[cell] != cell:
+        parents[cell] = parents[parents[cell]]
+        cell = int(parents[cell])
+    return cell
+
+
+@jit
+def goes_on(
+    heights: Heights, row: int, col: int, down: int, right: int, most: float, height: float, share: float
+) -> bool:
+    """Whether the surface goes on from a cell to the next: the rises before, between and after the two agree.
+
+    ``most`` is the greatest rise from cell to cell, metres; rises may differ by ``height`` + ``share`` · rise.
+    """
+    rows, cols = heights.shape
+    before, left = row - down, col - right
+    after, far = row + 2 * down, col + 2 * right
+    if before < 0 or left < 0 or before >= rows or left >= cols:
+        return False
+    if after < 0 or far < 0 or after >= rows or far >= cols:
+        return False
+    first = heights[row, col] - heights[before, left]
+    rise = heights[row + down, col + right] - heights[row, col]
+    last = heights[after, far] - heights[row + down, col + right]
+    steepest, base, factor = np.float32(most), np.float32(height), np.float32(share)
+    return bool(
+        abs(first) <= steepest
+        and abs(last) <= steepest
+        and abs(rise - first) <= base + factor * abs(first)
+        and abs(rise - last) <= base + factor * abs(last)
+    )
+
+
+@jit
+def join_cells(
+    heights: Heights, taken: BoolArray, most: float, height: float, share: float, parents: NDArray[np.int32]
+) -> None:
+    """Join taken cells (rows, cols) to segments over which the surface goes on; ``parents`` (rows · cols,)."""
+    rows, cols = heights.shape
+    for i in range(rows * cols):
+        parents[i] = i
+    for row in range(rows):
+        for col in range(cols):
+            if not taken[row, col]:
+                continue
+            for side in range(2):
+                down, right = (0, 1) if side == 0 else (1, 0)
+                y, x = row + down, col + right
+                if y >= rows or x >= cols or not taken[y, x]:
+                    continue
+                if goes_on(heights, row, col, down, right, most, height, share):
+                    a, b = root_of(parents, row * cols + col), root_of(parents, y * cols + x)
+                    parents[max(a, b)] = min(a, b)
+
+
+@jit
+def count_sides(
+    heights: Heights,
+    taken: BoolArray,
+    most: float,
+    height: float,
+    share: float,
+    parents: NDArray[np.int32],
+    sides: NDArray[np.int32],
+) -> None:
+    """Count the sides of each segment in ``sides`` (rows · cols, 3): all, those into the ground, those of a drop."""
+    rows, cols = heights.shape
+    sides[:] = 0
+    for row in range(rows):
+        for col in range(cols):
+            if not taken[row, col]:
+                continue
+            segment = root_of(parents, row * cols + col)
+            for side in range(4):
+                down = 1 if side == 0 else (-1 if side == 1 else 0)
+                right = 1 if side == 2 else (-1 if side == 3 else 0)
+                y, x = row + down, col + right
+                if y < 0 or x < 0 or y >= rows or x >= cols:
+                    continue
+                if taken[y, x] and root_of(parents, y * cols + x) == segment:
+                    continue
+                sides[segment, 0] += np.int32(1)
+                if not taken[y, x] and goes_on(heights, row, col, down, right, most, height, share):
+                    sides[segment, 1] += np.int32(1)
+                elif heights[row, col] > heights[y, x]:
+                    sides[segment, 2] += np.int32(1)
+
+
+@jit
+def judge(
+    taken: BoolArray,
+    parents: NDArray[np.int32],
+    sides: NDArray[np.int32],
+    least_into: float,
+    most_drops: float,
+    given: BoolArray,
+    contested: BoolArray,
+) -> None:
+    """Write which taken cells are given back, and which are not though some of their sides go on into the ground."""
+    rows, cols = taken.shape
+    for row in range(rows):
+        for col in range(cols):
+            given[row, col] = contested[row, col] = False
+            if taken[row, col]:
+                segment = root_of(parents, row * cols + col)
+                n, into, drops = sides[segment, 0], sides[segment, 1], sides[segment, 2]
+                given[row, col] = into > 0 and into >= least_into * n and drops <= most_drops * n
+                contested[row, col] = into > 0 and not given[row, col]
