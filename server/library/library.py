@@ -64,6 +64,7 @@ from server.settings import Settings
 from server.storage import private_folder
 
 if TYPE_CHECKING:
+    from mapper.io.contents.raw_message import RawMessage
     from mapper.io.costmaps import CostmapStream
     from server.library.packs.volume import VolumeSource
 
@@ -391,3 +392,9 @@ class Library:
     ) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
         return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns, address=address)
+
+    async def message(
+        self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int, *, address: str = ""
+    ) -> RawMessage:
+        """Return the fields of a message in a log of ``owner``; see :meth:`MomentPictures.message`."""
+        return await self._pictures.message(self.get(owner, log_id), visitor, topic, at_ns, address=address)

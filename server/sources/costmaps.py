@@ -9,6 +9,7 @@ import numpy as np
 from msgspec import Struct
 
 from mapper.costmap import NO_INFORMATION
+from mapper.io.logs.summary import start_s
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.parts import Costed, Viewed
@@ -50,6 +51,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         self._topic = topic
         stream = self._streams[topic]
         stamps = np.maximum.accumulate(stream.received_ns)
+        self._start_s = start_s(stamps)
         self._times = (stamps - stamps[0]).astype(np.float64) * 1e-9
         self._time, self._index = 0.0, 1
         self._show()
@@ -108,6 +110,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
                 "duration_s": float(self._times[-1]),
                 "format": "costmaps",
                 "notes": [],
+                "start_s": self._start_s,
             }
         }
 
@@ -117,8 +120,16 @@ class CostmapsModel(SessionModel, Costed, Viewed):
             geometry.cell_to_world(((geometry.rows - 1) / 2, (geometry.cols - 1) / 2)).round(3).tolist()
             for geometry in self._streams[self._topic].geometries
         ]
-        stamps = np.round(self._times, 2).tolist()
-        return [{"type": "trajectory", "name": self._topic, "every": 1, "poses": middles, "stamps": stamps}]
+        return [
+            {
+                "type": "trajectory",
+                "name": self._topic,
+                "frame": next(iter(self._streams[self._topic].frames), None),
+                "every": 1,
+                "poses": middles,
+                "stamps": np.round(self._times, 3).tolist(),
+            }
+        ]
 
     def frame(self) -> dict[str, Any]:
         """Return the time of the present costmap."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
+from mapper.io.logs.summary import start_s
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
@@ -272,6 +273,7 @@ class LogModel(SessionModel):
                 "duration_s": float(recording.recorded[-1]),
                 "format": log.format,
                 "notes": list(log.notes),
+                "start_s": start_s(log.stamps_ns),
             },
         }
 
@@ -288,11 +290,19 @@ class LogModel(SessionModel):
 
     def _trajectory_message(self) -> dict[str, Any]:
         recording = self.recording
-        poses = recording.log.trajectory(recording.trajectory).poses
+        trajectory = recording.log.trajectory(recording.trajectory)
+        poses = trajectory.poses
         every = -(-len(poses) // MAX_PATH_POINTS)
         path = np.round(poses[::every, :2], 3).tolist()
-        stamps = np.round(recording.recorded[::every], 1).tolist()
-        return {"type": "trajectory", "name": recording.trajectory, "every": every, "poses": path, "stamps": stamps}
+        stamps = np.round(recording.recorded[::every], 3).tolist()
+        return {
+            "type": "trajectory",
+            "name": recording.trajectory,
+            "frame": trajectory.frame_id,
+            "every": every,
+            "poses": path,
+            "stamps": stamps,
+        }
 
     def frame(self) -> dict[str, Any]:
         """Return the robot's pose at the newest scan."""

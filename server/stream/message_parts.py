@@ -98,6 +98,9 @@ class LogInfo(Part):
     ]
     format: Annotated[str, Meta(description="file format of the log")]
     notes: Annotated[list[str], Meta(description="remarks of the reader, one sentence each")]
+    start_s: Annotated[
+        float | None, Meta(description="earliest stamp, s since 1970; null for a clock that began elsewhere")
+    ]
 
 
 class Edits(Part):

@@ -143,6 +143,7 @@ class Trajectory(Struct, tag_field="type", tag="trajectory"):
     """Log sessions: the robot's path. Sent at the start and after a change of the trajectory."""
 
     name: Annotated[str, Meta(description="name of the trajectory")]
+    frame: Annotated[str | None, Meta(description="frame of the poses and of the map; null where the log names none")]
     every: Annotated[int, Meta(description="a point for each `every`-th scan")]
     poses: Annotated[list[Point], Meta(description="position of the base at those scans")]
     stamps: Annotated[list[float], Meta(description="recorded time at those scans, from the first scan, s")]

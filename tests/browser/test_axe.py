@@ -247,7 +247,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str, every: int) ->
     page.reload()
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
-    open_group(page, "Findings")
+    open_group(page, "Overview")
     doctor = page.get_by_role("region", name="Log doctor")
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)
     for _ in open_groups(page, every):

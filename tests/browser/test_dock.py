@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group
+from tests.browser.looking import centre, open_group, until
 from tests.browser.text_boxes import hidden_texts
 
 
@@ -22,10 +22,11 @@ def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
     page.keyboard.press("ArrowRight")
     expect(sections.first).to_be_focused()
     # One tab is in the order of the page, the open one; after it comes what it opened.
+    page.keyboard.press("ArrowRight")
     page.keyboard.press("Tab")
     expect(page.locator(".dock-group:not([hidden])")).to_be_focused()
     # Of a section of several groups it is their tabs; the section opens again at the group that was open last.
-    sections.nth(2).focus()
+    sections.first.focus()
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
     groups = page.locator(".dock-subtabs").get_by_role("tab")
@@ -33,9 +34,42 @@ def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
     expect(groups.last).to_be_focused()
     page.keyboard.press("Tab")
     expect(page.locator(".dock-group:not([hidden])")).to_be_focused()
+    sections.last.click()
     sections.first.click()
-    sections.nth(2).click()
     expect(groups.last).to_have_attribute("aria-selected", "true")
+
+
+def test_the_column_is_resized_and_hidden(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    stage = page.locator(".viewer-map")
+    border = page.get_by_role("separator", name="Size of the column")
+    border.wait_for()
+
+    def width() -> float:
+        box = stage.bounding_box()
+        assert box is not None
+        return box["width"]
+
+    first = width()
+    border.press("PageUp")
+    until("a narrower map", lambda: width() < first - 50)
+    x, y = centre(border)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 200, y, steps=4)
+    page.mouse.up()
+    until("a wider map", lambda: width() > first)
+    page.get_by_role("button", name="Hide the column").click()
+    expect(page.locator(".dock")).to_be_hidden()
+    window = page.viewport_size
+    assert window is not None
+    until("a map as wide as the window", lambda: width() > 0.9 * window["width"])
+    page.reload()  # the browser keeps it
+    page.get_by_role("button", name="Show the column").click()
+    border.press("Enter")
+    until("the first size", lambda: abs(width() - first) < 1)
+    expect(page.get_by_role("tabpanel", name="Overview")).to_be_visible()
 
 
 def test_a_window_of_200_percent_has_the_tabs(open_lab: Callable[..., Page]) -> None:

@@ -17,7 +17,7 @@ def opened(page: Page, server: str, name: str, data: bytes) -> None:
     """Upload a log and open its map, which does not play: drawing it takes more time than healing it."""
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
-    expect(page.get_by_role("tab", name="Doctor")).to_be_visible()
+    expect(page.get_by_role("tab", name="Heal")).to_be_visible()
     # While it plays, the doctor waits.
     count = frame(page)["count"]
     page.evaluate("count => gridbloom.connection.store.send({ type: 'step', scans: count })", count)
@@ -38,8 +38,7 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     expect(offer).to_contain_text("The poses drift")
     assert stage.bounding_box() == before_offer
     # The doctor's finding offers it too.
-    doctor = open_group(page, "Findings")
-    doctor.get_by_role("button", name=re.compile("Show .* findings?|Examine")).click()
+    doctor = open_group(page, "Overview")
     finding = doctor.locator('[data-check="walls.drift"]')
     expect(finding).to_contain_text("gridbloom slam")
     expect(finding.get_by_role("button", name="Heal its poses")).to_be_visible()

@@ -21,6 +21,7 @@ from tests.browser.looking import (
     frame,
     map_bytes,
     map_digest,
+    open_group,
     painted,
     settled_digest,
     until,
@@ -164,6 +165,7 @@ def test_going_back_makes_the_earlier_map_again(intel: Page) -> None:
 def test_the_map_is_recomputed_while_a_handle_moves(intel: Page) -> None:
     seek_to_end(intel)
     before = map_digest(intel)
+    open_group(intel, "Settings")
     handle = intel.locator("figure.profile").get_by_role("slider", name="Max range", exact=True)
     drag(intel, handle.locator(".handle-grab"), -200, 0)
     until("the map to follow", lambda: map_digest(intel) != before)

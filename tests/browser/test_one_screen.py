@@ -103,7 +103,7 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(tmp_path / "robot.mcap")
     await_map(page)
-    expect(page.get_by_role("tab", name="Doctor")).to_be_visible()
+    expect(page.get_by_role("tab", name="Overview")).to_be_visible()
     screen = Screen(page, ".viewer .picture", ".dock-group, .viewer-transport, .viewer-map")
     turns = turns_at(looks)
     for size, scheme in looks:

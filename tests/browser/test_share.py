@@ -29,6 +29,10 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     page.evaluate("(look) => gridbloom.connection.store.setView(look)", look)
     shown = settled_digest(page)
 
+    notes = open_group(page, "Notes")
+    notes.get_by_label("New note").fill("look at this wall")
+    notes.get_by_role("button", name="Add note").click()
+    expect(notes.locator(".note.chosen")).to_contain_text("look at this wall")
     shared = open_group(page, "Share")
     shared.get_by_role("button", name="Create link").click()
     row = shared.get_by_role("listitem")
@@ -48,11 +52,17 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     assert (seen["x"], seen["y"]) == (look["x"], look["y"])
     assert abs(seen["scale"] / look["scale"] - 1.0) < 0.2, "the head of their page is lower"
     expect(guest.get_by_role("heading", level=1)).to_have_text("mine.log")
+    expect(guest.get_by_role("tabpanel", name="Notes")).to_be_visible()
     open_group(guest, "Download")
     expect(guest.get_by_role("link", name="yaml")).to_be_visible()
     absent = guest.get_by_role("tab", name="Share"), guest.get_by_role("link", name="mcap")
     for one in (*absent, guest.get_by_role("button", name="All logs")):
         expect(one).to_have_count(0)
+    # It opens where its sender was: at the notes, with the text of the chosen one over the map.
+    card = guest.get_by_role("complementary", name="Note")
+    expect(card).to_contain_text("look at this wall")
+    card.get_by_role("button", name="Close the note").click()
+    expect(card).to_have_count(0)
     # It is theirs to play with.
     guest.get_by_role("button", name="Forward one scan").click()
     until("one scan more", lambda: frame(guest)["index"] == 26)

@@ -104,6 +104,7 @@ def test_two_fingers_zoom_the_map_and_one_moves_it(viewer: Page, fingers: Finger
 
 
 def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -> None:
+    open_group(viewer, "Settings")
     handle = viewer.locator("input").and_(viewer.get_by_role("slider", name="Max range", exact=True))
     handle.scroll_into_view_if_needed()
     expect(viewer.locator(".viewer-map")).to_be_in_viewport(ratio=0.95)

@@ -74,6 +74,18 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
         return None
 
 
+def definition_in_bag(file: Source, topic: str) -> str | None:
+    """Return the definition of the messages of a topic, as the index at the end of a bag states it; None for none."""
+    try:
+        with opened(file) as stream:
+            for fields, content in _index_records(stream):
+                if fields[b"op"] == CONNECTION and printable(topic_and_type(fields, content)[0]) == topic:
+                    return fields_of(content).get(b"message_definition", b"").decode("utf-8", "replace") or None
+    except (CutError, DamagedError, StopIteration, KeyError, ReadError):
+        pass
+    return None
+
+
 def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:
     kinds, chunks = _read_index(stream, topic)
     best: tuple[int, _Chunk, int, int] | None = None  # time, chunk, connection, offset
@@ -94,22 +106,27 @@ def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedM
     return IndexedMessage(time, kinds[connection], _message(stream, chunk, connection, time, offset, limits))
 
 
-def _read_index(stream: BinaryIO, topic: str) -> tuple[dict[int, str], list[_Chunk]]:
-    """Return the type of each connection of a topic, and the chunks that have messages of one."""
+def _index_records(stream: BinaryIO) -> Iterator[tuple[Fields, bytes]]:
+    """Yield header and content of each record at the end of a bag."""
     start = stream.read(len(VERSION) + MAX_FIRST_RECORD_BYTES)
     if not start.startswith(VERSION):
         raise DamagedError
-    fields, _ = next(records(start, len(VERSION)))
-    if fields[b"op"] != BAG_HEADER or len(fields[b"index_pos"]) != 8:
+    fields, _ = next(records(start, len(VERSION)), ({}, b""))
+    if fields.get(b"op") != BAG_HEADER or len(fields.get(b"index_pos", b"")) != 8:
         raise DamagedError
     (at,) = U64.unpack(fields[b"index_pos"])
     size = stream.seek(0, 2)
     if not len(VERSION) < at < size or size - at > MAX_INDEX_BYTES:
         raise DamagedError
     stream.seek(at)
+    yield from records(stream.read(size - at))
+
+
+def _read_index(stream: BinaryIO, topic: str) -> tuple[dict[int, str], list[_Chunk]]:
+    """Return the type of each connection of a topic, and the chunks that have messages of one."""
     kinds: dict[int, str] = {}
     chunks = []
-    for fields, content in records(stream.read(size - at)):
+    for fields, content in _index_records(stream):
         if fields[b"op"] == CONNECTION:
             key = connection_of(fields)
             name, kind = topic_and_type(fields, content)

@@ -14,7 +14,8 @@ from mcap.reader import SeekingReader
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.contents.bag_index import indexed_message
+from mapper.io.contents.bag_index import definition_in_bag, indexed_message
+from mapper.io.contents.definitions import MAX_BYTES
 from mapper.io.logs.archives.archive import Member, Source
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import opened
@@ -34,6 +35,15 @@ class FoundMessage:
     type: str
     cdr: bool
     data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """How the messages of a topic are to be read, as the recording says: encodings, and the definition of the type."""
+
+    message_encoding: str
+    definition_encoding: str
+    definition: str
 
 
 class _PastError(Exception):
@@ -102,6 +112,43 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
         if first is not None:
             return _unpacked(first, limits)
     raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
+
+
+def stated_in(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> Stated | None:
+    """Return how the recording at ``path`` says that messages of ``topic`` are to be read; None where it does not.
+
+    Raises :class:`ReadError` as reading it does.
+    """
+    files, kind = parts_of(path, limits)
+    if not isinstance(kind, Container):
+        return None
+    for file in files:
+        stated = _stated_in_file(file, kind, topic, limits)
+        if stated is not None:
+            return stated
+    return None
+
+
+def _stated_in_file(file: Source, kind: Container, topic: str, limits: Limits) -> Stated | None:
+    if kind is mcap_file.MCAP:
+        try:
+            with opened(file) as stream:
+                summary = SeekingReader(stream, record_size_limit=limits.max_chunk_bytes).get_summary()
+        except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file
+            return None
+        for channel in () if summary is None else summary.channels.values():
+            schema = summary.schemas.get(channel.schema_id) if summary else None
+            if printable(channel.topic) == topic:
+                text = "" if schema is None else schema.data[:MAX_BYTES].decode("utf-8", "replace")
+                return Stated(channel.message_encoding, "" if schema is None else schema.encoding, text)
+        return None
+    if kind is ros1_bag.ROS1_BAG:
+        definition = definition_in_bag(file, topic)
+        return None if definition is None else Stated("ros1", "ros1msg", definition)
+    if kind is ros2_db3.ROS2_DB3:
+        row = ros2_db3.definition_row(file, topic, limits)
+        return None if row is None else Stated("cdr", *row)
+    return None
 
 
 def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:

@@ -122,14 +122,19 @@ def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
     return span_ns.astype(np.float64) * 1e-9
 
 
+def start_s(stamps_ns: NDArray[np.int64]) -> float | None:
+    """Return the earliest stamp in seconds since 1970; None for a clock that began elsewhere, and without stamps."""
+    start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
+    return start if EPOCH_S[0] < start < EPOCH_S[1] else None
+
+
 def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSummary:
     pauses = np.diff(seconds)
     usual = float(np.median(pauses[pauses > 0.0])) if (pauses > 0.0).any() else 0.0
     gaps = are_gaps(pauses)
     longest = int(np.argmax(pauses)) if gaps.any() else -1
-    start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
     return TimeSummary(
-        start_s=start if EPOCH_S[0] < start < EPOCH_S[1] else None,
+        start_s=start_s(stamps_ns),
         rate_hz=1.0 / usual if usual > 0.0 else None,
         gaps=int(np.count_nonzero(gaps)),
         longest_gap_s=float(pauses[longest]) if gaps.any() else 0.0,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
@@ -51,6 +51,10 @@ class _Held:
         name = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
         firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
         return firsts[0] - self.origin_ns if firsts else 0
+
+    def recorded_ns(self, seconds: float) -> int:
+        """Return when a message was recorded at a moment: later than the stamp of the scan of that moment."""
+        return min(max(self.origin_ns + self.recorded_ahead_ns + round(seconds * 1e9), 0), LAST_NS)
 
     def seconds(self, stamp_ns: int) -> float:
         return round((stamp_ns - self.origin_ns) * 1e-9, 6)
@@ -242,17 +246,54 @@ async def picture(
     held = await _held(request, sessions, library, visitor, session_id)
     if not any(one.name == topic and one.type in PICTURED for one in held.contents.topics):
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
-    # Messages are found by when they were recorded, which is later than their scans' own stamps.
     ahead_ns = held.recorded_ahead_ns
     owner = _owner(sessions, library, session_id)
-    at_ns = held.origin_ns + ahead_ns + round(at * 1e9)
-    at_ns = min(max(at_ns, 0), LAST_NS)
     address = client_address(request)
-    making = library.picture(owner, held.recording.log_id, visitor, topic, at_ns, address=address)
+    making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
     found = await while_connected(request, making)
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)
+
+
+@dataclass(frozen=True, slots=True)
+class MessageAnswer:
+    """A message of a recording: topic, type, size, and the ``fields`` by name, as ``ros2 topic echo`` has them.
+
+    ``seconds`` is when it was recorded, from the log's first scan; ``stamp_ns`` the same since 1970, as text, as JSON's
+    numbers are not exact there. Arrays are cut after their first elements, with a text that says how many follow.
+    """
+
+    topic: str
+    type: str
+    seconds: float
+    stamp_ns: str
+    bytes: int
+    fields: dict[str, Any]
+
+
+@router.get("/{session_id}/contents/message")
+@guests_may(GuestRight.LINKED_SESSION)
+async def message(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    session_id: str,
+    topic: Annotated[str, Query(max_length=400)],
+    at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
+) -> MessageAnswer:
+    """Return the newest message on a topic at a moment, by the definition that the recording carries."""
+    held = await _held(request, sessions, library, visitor, session_id)
+    if not any(one.name == topic for one in held.contents.topics):
+        raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
+    owner, ahead_ns = _owner(sessions, library, session_id), held.recorded_ahead_ns
+    making = library.message(
+        owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=client_address(request)
+    )
+    found = await while_connected(request, making)
+    seconds = held.seconds(found.stamp_ns - ahead_ns)
+    return MessageAnswer(topic, found.type, seconds, str(found.stamp_ns), found.bytes, found.tree)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Values
+from mapper.io.logs.summary import recorded_seconds
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
@@ -25,8 +26,8 @@ EventKind = Literal["pushed", "slipped", "lifted", "clock"]
 class FindingAnswer:
     """A finding of an examination; ``sensor`` is empty in a log of one, ``possible``: too uncertain for a fact.
 
-    ``sure`` is 0 to 1, ``scans`` are numbers from 0, and ``parameters`` the values of mapping parameters that would
-    help.
+    ``sure`` is 0 to 1, ``scans`` are numbers from 0, ``seconds`` their times, ``parameters`` values of mapping
+    parameters that would help.
     """
 
     check: str
@@ -37,6 +38,7 @@ class FindingAnswer:
     parameters: Values | None
     sensor: str
     possible: bool
+    seconds: list[float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,8 @@ async def doctor(
 ) -> DoctorAnswer:
     """Return the diagnosis of the session's log with its current trajectory, and the events of its recording.
 
+    ``seconds`` of a finding are those of its ``scans`` in recorded time, from the log's first scan.
+
     The examination ends when every client that waits for it has disconnected.
     """
     recording = sessions.get(session_id).model.find(Recording)
@@ -93,8 +97,12 @@ async def doctor(
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
         found = await while_connected(request, recording.examined())
+    seconds = recorded_seconds(recording.log)
     return DoctorAnswer(
         trajectory=trajectory,
-        findings=[FindingAnswer(**finding.public()) for finding in found.findings],
+        findings=[
+            FindingAnswer(**finding.public(), seconds=[round(float(seconds[scan]), 3) for scan in finding.scans])
+            for finding in found.findings
+        ],
         events=[LogEvent(**event.public()) for event in found.events],
     )

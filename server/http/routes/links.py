@@ -48,6 +48,16 @@ class Look(BaseModel):
     height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
 
 
+class Shown(BaseModel):
+    """What else of the page its sender saw."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    group: str | None = Field(None, max_length=40, description="The open group of controls.")
+    note: str | None = Field(None, max_length=100, description="Id of the chosen note.")
+    layout: str | None = Field(None, max_length=2000, description="The views beside the map, as the page writes them.")
+
+
 class NewLink(BaseModel):
     """A link to what a session shows now."""
 
@@ -55,6 +65,7 @@ class NewLink(BaseModel):
 
     session: str = Field(max_length=100, description="Id of a session of a log.")
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
+    shown: Shown | None = Field(None, description="What else of the page is seen.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +129,14 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer
     async with session.locked():
         navigation = model.history()
     count = model.progress[1]
-    view = {"view": asdict(seen), "look": look, "count": count, "changed": changed, "navigation": navigation}
+    view = {
+        "view": asdict(seen),
+        "look": look,
+        "shown": None if wanted.shown is None else wanted.shown.model_dump(),
+        "count": count,
+        "changed": changed,
+        "navigation": navigation,
+    }
     return _public(sessions, await library.links.make(session.owner, record, view))
 
 
@@ -156,10 +174,14 @@ async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str
 
 @dataclass(frozen=True, slots=True)
 class SharedAnswer:
-    """A link as everyone who has it sees it; ``look`` is the visible part of the map, null for all of it."""
+    """A link as everyone who has it sees it; ``look`` is the visible part of the map, null for all of it.
+
+    ``shown`` is what else its sender saw, null of a link that tells nothing of it.
+    """
 
     title: str
     look: Look | None
+    shown: Shown | None
 
 
 @router.get("/api/shared/{token}")
@@ -167,8 +189,10 @@ class SharedAnswer:
 async def shared(library: Logs, token: str) -> SharedAnswer:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    look = link.view["look"]
-    return SharedAnswer(_record_name(library, link), None if look is None else Look(**look))
+    look, shown = link.view["look"], link.view.get("shown")
+    return SharedAnswer(
+        _record_name(library, link), None if look is None else Look(**look), None if shown is None else Shown(**shown)
+    )
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)

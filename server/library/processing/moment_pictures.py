@@ -1,4 +1,4 @@
-"""Pictures of the images and clouds in recordings, decoded in a process with limits: what is decoded, others wrote."""
+"""Pictures and trees of messages in recordings, decoded in a process with limits: what is decoded, others wrote."""
 
 from __future__ import annotations
 
@@ -6,15 +6,21 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from mapper.core.errors import MapperError
 from server.jobs.outcome import outcome_of
-from server.jobs.process import BoundedJob
+from server.jobs.process import BoundedJob, WorkerJob
 from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.processing.reading_jobs import without_paths
 from server.work.fair_lock import FairLock
+
+if TYPE_CHECKING:
+    from mapper.io.contents.raw_message import RawMessage
+
+T = TypeVar("T")
 
 TIMEOUT_S = 60.0  #: of one picture, and of processor time
 BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
@@ -31,8 +37,8 @@ class MomentPicture:
 
 
 @dataclass(frozen=True, slots=True)
-class PictureJob(BoundedJob):
-    """Make a picture of the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
+class _MomentJob(BoundedJob):
+    """A job on the newest message of ``topic`` in ``source`` at or before ``at_ns``, time of recording."""
 
     source: str
     topic: str
@@ -40,6 +46,11 @@ class PictureJob(BoundedJob):
     timeout_s: float
     cpu_s: float
     memory_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class PictureJob(_MomentJob):
+    """Make a picture of such a message."""
 
     @property
     def work(self) -> Callable[[PictureJob], MomentPicture]:
@@ -61,8 +72,32 @@ def _picture(job: PictureJob) -> MomentPicture:
     return MomentPicture(*picture_of(found.type, found.data, cdr=found.cdr), found.stamp_ns)
 
 
+@dataclass(frozen=True, slots=True)
+class MessageJob(_MomentJob):
+    """Return the fields of such a message."""
+
+    @property
+    def work(self) -> Callable[[MessageJob], RawMessage]:
+        """The function that does it."""
+        return message_job
+
+
+def message_job(job: MessageJob) -> RawMessage:
+    """Do the job. Raises as :func:`picture_job`."""
+    return job.bounded(lambda: _message(job))
+
+
+def _message(job: MessageJob) -> RawMessage:
+    from mapper.io.contents.raw_message import raw_message  # noqa: PLC0415 - as for pictures
+
+    return raw_message(Path(job.source), job.topic, job.at_ns)
+
+
 class MomentPictures:
-    """Makes one picture at a time, of waiting addresses and visitors in rotation. Used from the event loop only."""
+    """Makes one picture or tree at a time, of waiting addresses and visitors in rotation.
+
+    Used from the event loop only.
+    """
 
     def __init__(self, catalogue: Catalogue) -> None:
         self._catalogue = catalogue
@@ -76,9 +111,24 @@ class MomentPictures:
 
         Its process is ended when this is cancelled. Raises what it raised.
         """
+        return await self._done(PictureJob, record, visitor, topic, at_ns, address)
+
+    async def message(self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = "") -> RawMessage:
+        """Return the newest message of ``topic`` at or before ``at_ns``, as :meth:`picture` does."""
+        return await self._done(MessageJob, record, visitor, topic, at_ns, address)
+
+    async def _done(
+        self,
+        kind: Callable[[str, str, int, float, float, int], WorkerJob[T]],
+        record: Record,
+        visitor: str,
+        topic: str,
+        at_ns: int,
+        address: str,
+    ) -> T:
         async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
-            job = PictureJob(str(source), topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
+            job = kind(str(source), topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
             try:
                 return await outcome_of(self._worker, job)
             except MapperError as error:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mapper.core.array_types import Float32Array, Float64Array
+from mapper.io.logs.summary import start_s
 from mapper.volume import OctreeFile
 from mapper.volume.occupancy.provenance import VoxelUpdate
 from mapper.volume.scans.replayed import ReplayedVolume
@@ -72,6 +73,7 @@ def log_fields(source: ScanSequence | OctreeFile, log_id: str, topic: str | None
         "duration_s": 0.0 if scans is None or not scans.stamps_ns.any() else duration_s,
         "format": f"OctoMap {source.kind}" if isinstance(source, OctreeFile) else source.kind,
         "notes": list(source.notes),
+        "start_s": None if scans is None else start_s(scans.stamps_ns),
     }
 
 

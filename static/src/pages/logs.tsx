@@ -22,6 +22,7 @@ import { Opening } from "./logs/Opening";
 import { Guest } from "./logs/share/Guest";
 import { linkOf } from "./logs/share/links";
 import { Viewer } from "./logs/Viewer";
+import { LAYOUT } from "./logs/views/useLayout";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
 
@@ -74,6 +75,9 @@ function go({ log, topic, session, kind = null, volume = null, up = null }: Plac
   if (volume !== null) query.set("volume", volume);
   if (volume !== null && up !== null) query.set("up", up);
   if (session && kind) query.set("kind", kind);
+  // The layout of the views belongs to the log that the address names.
+  const views = replace ? new URLSearchParams(location.search).get(LAYOUT) : null;
+  if (views) query.set(LAYOUT, views);
   // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);

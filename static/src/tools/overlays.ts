@@ -7,6 +7,7 @@ import { costsOver, paintNavigation, watchNavigation } from "./costmap/paint";
 import { paintScanPair } from "./heal/paint";
 import { paintGivenPose, paintLocalization } from "./localization/paint";
 import { map3dOver, watchMap3d } from "./map3d/over";
+import { paintMeasuring, watchMeasuring } from "./measure/paint";
 import { paintPatch, watchPatch } from "./terrain/overlay";
 import { paintWhy } from "./why/paint";
 
@@ -27,4 +28,5 @@ export const OVERLAYS: readonly Overlay[] = [
   { watch: (store) => void store.scanPair.value, paint: paintScanPair },
   { watch: (store) => void [store.explainedCell.value, store.selectedContribution.value], paint: paintWhy },
   { watch: watchPatch, paint: paintPatch },
+  { watch: watchMeasuring, paint: paintMeasuring },
 ];

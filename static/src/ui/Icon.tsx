@@ -34,6 +34,12 @@ const PATHS = {
   grip: "M9 6v.1M15 6v.1M9 12v.1M15 12v.1M9 18v.1M15 18v.1",
   pen: "M4 20l1-4L16 5l3 3L8 19zM14 7l3 3",
   plus: "M12 5v14M5 12h14",
+  viewOne: "M3 5h18v14H3z",
+  viewsBeside: "M3 5h18v14H3zM12 5v14",
+  viewsAbove: "M3 5h18v14H3zM3 12h18",
+  viewsFour: "M3 5h18v14H3zM12 5v14M3 12h18",
+  ruler: "M3 15.5L15.5 3l5.5 5.5L8.5 21zM7 11.5l2 2M10 8.5l3 3M13 5.5l2 2",
+  area: "M5 6l13-2 2 13-11 3zM5 6v.1M18 4v.1M20 17v.1M9 20v.1",
   slides: "M3 5h18v11H3zM12 16v4M8 20h8",
   people:
     "M9 5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 1 0 0-7M2.5 20a6.5 6.5 0 0 1 13 0M15.5 5.4a3.5 3.5 0 0 1 0 6.2M18 14.5a6.5 6.5 0 0 1 3.5 5.5",

@@ -8,6 +8,8 @@ export interface TimelineMark {
   readonly index: number;
   readonly label: string;
   readonly chosen: boolean;
+  /** What it marks: a place above the bar for a note, below it for the rest. */
+  readonly kind: "note" | "event";
 }
 
 interface TimelineProps {
@@ -37,7 +39,7 @@ export function Timeline({ marks = [], onMark, ...bar }: TimelineProps) {
         <button
           key={mark.id}
           type="button"
-          class={mark.chosen ? "timeline-mark chosen" : "timeline-mark"}
+          class={`timeline-${mark.kind === "note" ? "mark" : mark.kind} ${mark.chosen ? "chosen" : ""}`}
           style={{ left: `${placeOf(mark.index, bar.count) * 100}%` }}
           aria-label={mark.label}
           title={mark.label}

@@ -202,7 +202,7 @@ export interface FilterHistory {
 
 /**
  * A finding of an examination; `sensor` is empty in a log of one, `possible`: too uncertain for a fact. `sure` is 0 to
- * 1, `scans` are numbers from 0, and `parameters` the values of mapping parameters that would help.
+ * 1, `scans` are numbers from 0, `seconds` their times, `parameters` values of mapping parameters that would help.
  */
 export interface FindingAnswer {
   readonly check: string;
@@ -213,6 +213,7 @@ export interface FindingAnswer {
   readonly parameters: Readonly<Record<string, boolean | number | string>> | null;
   readonly sensor: string;
   readonly possible: boolean;
+  readonly seconds: readonly number[];
 }
 
 /**
@@ -547,6 +548,20 @@ export interface MergeStatus {
   readonly stage: string | null;
 }
 
+/**
+ * A message of a recording: topic, type, size, and the `fields` by name, as `ros2 topic echo` has them. `seconds` is
+ * when it was recorded, from the log's first scan; `stamp_ns` the same since 1970, as text, as JSON's numbers are not
+ * exact there. Arrays are cut after their first elements, with a text that says how many follow.
+ */
+export interface MessageAnswer {
+  readonly topic: string;
+  readonly type: string;
+  readonly seconds: number;
+  readonly stamp_ns: string;
+  readonly bytes: number;
+  readonly fields: Readonly<Record<string, unknown>>;
+}
+
 /** A cause of a spoiled map, and its name for people. */
 export interface NamedCause {
   readonly name: string;
@@ -850,15 +865,29 @@ export interface SessionList {
   readonly sessions: readonly SessionAnswer[];
 }
 
-/** A link as everyone who has it sees it; `look` is the visible part of the map, null for all of it. */
+/**
+ * A link as everyone who has it sees it; `look` is the visible part of the map, null for all of it. `shown` is what
+ * else its sender saw, null of a link that tells nothing of it.
+ */
 export interface SharedAnswer {
   readonly title: string;
   readonly look: Look | null;
+  readonly shown: Shown | null;
 }
 
 /** The title of a puzzle that a visitor made. */
 export interface SharedPuzzle {
   readonly title: string;
+}
+
+/** What else of the page its sender saw. */
+export interface Shown {
+  /** The open group of controls. */
+  readonly group: string | null;
+  /** Id of the chosen note. */
+  readonly note: string | null;
+  /** The views beside the map, as the page writes them. */
+  readonly layout: string | null;
 }
 
 /** What SLAM has made of a log: `trajectory` is its name; figures of the map before and after it. */
@@ -1070,6 +1099,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
   "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
+  "GET /api/sessions/{session_id}/contents/message": MessageAnswer;
   "GET /api/sessions/{session_id}/contents/series": SeriesAnswer;
   "GET /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;
   "GET /api/sessions/{session_id}/doctor": DoctorAnswer;

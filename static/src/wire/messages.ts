@@ -92,6 +92,8 @@ export interface LogInfo {
   readonly format: string;
   /** remarks of the reader, one sentence each */
   readonly notes: readonly string[];
+  /** earliest stamp, s since 1970; null for a clock that began elsewhere */
+  readonly start_s: number | null;
 }
 
 /** kind of content of a layer */
@@ -561,6 +563,8 @@ export interface Trajectory {
   readonly type: "trajectory";
   /** name of the trajectory */
   readonly name: string;
+  /** frame of the poses and of the map; null where the log names none */
+  readonly frame: string | null;
   /** a point for each `every`-th scan */
   readonly every: number;
   /** position of the base at those scans */
@@ -1626,6 +1630,7 @@ const isLogInfo: Check = isObject({
   duration_s: isNumber,
   format: isText,
   notes: isListOf(isText),
+  start_s: oneOf(isNumber, isNull),
 });
 const isLayerKind: Check = isLiteral("graph", "grid", "path", "points");
 const isLayerInfo: Check = isObject({
@@ -1869,6 +1874,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   trajectory: {
     name: isText,
+    frame: oneOf(isText, isNull),
     every: isInteger,
     poses: isListOf(isPoint),
     stamps: isListOf(isNumber),

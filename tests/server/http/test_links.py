@@ -131,7 +131,7 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
 
     guest = browser(guest=True)
     assert guest.get(link["address"]).status_code in (200, 404), "404 where the pages are not built"
-    assert guest.get(f"/api{link['address']}").json() == {"title": "run.log", "look": look}
+    assert guest.get(f"/api{link['address']}").json() == {"title": "run.log", "look": look, "shown": None}
     own = guest.post(f"/api{link['address']}/sessions").json()["id"]
     async with stream(service, own, guest) as socket:
         watcher = Watcher(socket)
@@ -257,7 +257,11 @@ async def test_a_guest_sees_this_costmap_of_a_recording_until_the_link_is_revoke
     assert link["changed"] == []
 
     guest = browser(guest=True)
-    assert (await ask(guest, "get", f"/api{link['address']}")).json() == {"title": "costs.mcap", "look": look}
+    assert (await ask(guest, "get", f"/api{link['address']}")).json() == {
+        "title": "costs.mcap",
+        "look": look,
+        "shown": None,
+    }
     begun = (await ask(guest, "post", f"/api{link['address']}/sessions")).json()
     assert (begun["kind"], begun["index"], begun["count"], begun["playing"]) == ("costmaps", 6, 9, False)
     own = begun["id"]

@@ -135,6 +135,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
             0.0,
             "CARMEN",
             ["No times."],
+            1_760_000_000.25,
         ),
     ),
     messages.LayersMessage(
@@ -177,7 +178,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         beam_width=0.26,
         range_max=4.0,
     ),
-    messages.Trajectory("odometry", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
+    messages.Trajectory("odometry", "odom", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
     messages.Trajectories([parts.TrajectoryInfo("SLAM", "poses corrected by SLAM")]),
     messages.NotesMessage(1_700_000_000.25),
     messages.ParametersMessage({"window": 0.2}, None),

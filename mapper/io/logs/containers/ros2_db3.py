@@ -34,6 +34,7 @@ from mapper.io.logs.recording.transcoding import Transcoding
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
+DEFINITIONS = {"message_definitions": {"topic_type", "encoding", "encoded_message_definition"}}  #: since ROS 2 Iron
 
 
 def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
@@ -199,9 +200,26 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     return row[0], str(row[1]), row[2]
 
 
-def _check_tables(connection: sqlite3.Connection) -> None:
+def definition_row(file: Source, topic: str, limits: Limits) -> tuple[str, str] | None:
+    """Return encoding and text of the definition of a topic's messages; None in bags before ROS 2 Iron."""
+    connection, _, _ = _opened(file, limits, None)
+    try:
+        _check_tables(connection, TABLES | DEFINITIONS)
+        row = connection.execute(
+            "SELECT encoding, encoded_message_definition FROM message_definitions JOIN topics "
+            "ON topic_type = type WHERE name = ? LIMIT 1",
+            (topic,),
+        ).fetchone()
+    except (sqlite3.Error, UnicodeDecodeError, ReadError):
+        return None
+    finally:
+        connection.close()
+    return (row[0], row[1]) if row and all(isinstance(one, str) for one in row) else None
+
+
+def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = TABLES) -> None:
     """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
-    for table, needed in TABLES.items():
+    for table, needed in tables.items():
         found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
         # A view, a virtual table or a computed column would run what the file says.
         if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):

@@ -14,6 +14,7 @@ import { useComparison } from "./compare/useComparison";
 import { MapStage } from "./MapStage";
 import { Settings } from "./Settings";
 import { TrajectoryChoice } from "./trajectories/TrajectoryChoice";
+import { ViewerFrame } from "./ViewerFrame";
 
 const live = signal<Live | null>(null);
 
@@ -67,7 +68,17 @@ function SessionOfClass({ session }: { readonly session: Live }) {
     },
   ];
   return (
-    <div class={`viewer ${isFollowing ? "is-following" : ""}`}>
+    <ViewerFrame
+      class={isFollowing ? "is-following" : ""}
+      dock={
+        <Dock
+          label="About this log"
+          groups={isOwn ? [...groups, ...own] : groups}
+          open={openGroup}
+          isInert={isFollowing}
+        />
+      }
+    >
       <header class="viewer-head">
         <h1>{store.hello.value?.title ?? "…"}</h1>
       </header>
@@ -80,12 +91,6 @@ function SessionOfClass({ session }: { readonly session: Live }) {
           picture.current = made;
         }}
       />
-      <Dock
-        label="About this log"
-        groups={isOwn ? [...groups, ...own] : groups}
-        open={openGroup}
-        isInert={isFollowing}
-      />
-    </div>
+    </ViewerFrame>
   );
 }

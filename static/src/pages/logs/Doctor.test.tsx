@@ -5,7 +5,7 @@ import { afterEach, expect, test } from "vitest";
 import { Store } from "../../store/store";
 import type { LogEvent } from "../../wire/http";
 import type { Command } from "../../wire/protocol";
-import { Events } from "./Doctor";
+import { Events, measureOf } from "./Doctor";
 
 afterEach(() => render(null, document.body));
 
@@ -33,4 +33,13 @@ test("going to an event pauses a log that plays", () => {
   act(() => render(<Events events={[PUSH]} store={store} />, document.body));
   document.querySelector("button")?.click();
   expect(sent).toEqual([{ type: "pause" }, { type: "seek", index: 367 }]);
+});
+
+test("an event is measured in metres, degrees or seconds", () => {
+  const of = (change: Partial<LogEvent>): string => measureOf({ ...PUSH, ...change });
+  expect(of({})).toBe("0.40 m left");
+  expect(of({ direction: null, distance_m: 0.01, turned_rad: -Math.PI / 6 })).toBe("30°");
+  expect(of({ kind: "slipped", direction: "behind" })).toBe("0.40 m");
+  expect(of({ kind: "clock", step_s: -1.5 })).toBe("−1.50 s");
+  expect(of({ kind: "lifted", distance_m: null })).toBe("");
 });

@@ -4,22 +4,23 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { whenIdle } from "../../ui/browser/whenIdle";
 import { Icon } from "../../ui/Icon";
-import { Panel } from "../../ui/Panel";
+import { signed, written } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import type { DoctorAnswer, FindingAnswer, LogEvent } from "../../wire/http";
 import type { Making } from "../making";
-import { confidenceLabel, examine, findingsLabel, isLongEnough, utcLabel, wellLabel } from "./doctor";
+import { confidenceLabel, examine, isLongEnough, wellLabel } from "./doctor";
 import "./doctor.css";
 import { standsStill } from "./heal/standsStill";
 import { trajectoryLabel } from "./library/describeLog";
+import { shownTime } from "./time/shownTime";
 
 type State =
   | { readonly kind: "idle" }
   | { readonly kind: "busy" }
   | { readonly kind: "cancelled" }
   | { readonly kind: "failed"; readonly why: string }
-  | { readonly kind: "done"; readonly examination: DoctorAnswer; readonly isShown: boolean };
+  | { readonly kind: "done"; readonly examination: DoctorAnswer };
 
 const IDLE_MS = 2000;
 const FIRST_NOTES = 3; // number of notes that are shown without unfolding
@@ -33,7 +34,7 @@ export interface DoctorState {
   readonly state: Signal<State>;
   /** How far an examination is; null for none, or before that is known. */
   readonly progress: Signal<Making | null>;
-  readonly run: (isShown: boolean) => Promise<void>;
+  readonly run: () => Promise<void>;
   readonly cancel: () => void;
 }
 
@@ -53,12 +54,10 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
   });
   useSignalEffect(() => {
     const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
-    return isToDo && isLongEnough(store.hello.peek()?.log ?? null)
-      ? whenIdle(IDLE_MS, () => void run(false))
-      : undefined;
+    return isToDo && isLongEnough(store.hello.peek()?.log ?? null) ? whenIdle(IDLE_MS, () => void run()) : undefined;
   });
   const ending = useRef<AbortController | null>(null);
-  const run = async (isShown: boolean): Promise<void> => {
+  const run = async (): Promise<void> => {
     const own = new AbortController();
     ending.current = own;
     state.value = { kind: "busy" };
@@ -68,7 +67,7 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
       };
       const examination = await examine(session, show, own.signal);
       const isOfNow = examination.trajectory === store.trajectory.peek()?.name;
-      state.value = isOfNow ? { kind: "done", examination, isShown } : { kind: "idle" };
+      state.value = isOfNow ? { kind: "done", examination } : { kind: "idle" };
     } catch (error) {
       if (own.signal.aborted) return;
       const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
@@ -91,6 +90,11 @@ export function findingsBadge({ state }: DoctorState): string | null {
   return count > 0 ? String(count) : null;
 }
 
+/** The events of a log that was examined. */
+export function eventsOf({ state }: DoctorState): readonly LogEvent[] {
+  return state.value.kind === "done" ? state.value.examination.events : [];
+}
+
 /** The check whose finding SLAM remedies. */
 const DRIFT = "walls.drift";
 
@@ -108,10 +112,8 @@ interface DoctorProps {
 }
 
 /**
- * The log doctor: problems of a log, where they are, how certain, and what to do about them.
- *
- * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
- * so that nothing on the page moves without a click. That there are none is said in its place.
+ * The log doctor: what happened in a log, its problems, where they are, how certain, and what to do about them. It is
+ * the last of its group, so that nothing else moves when the examination, which begins by itself, is over.
  */
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
   const now = state.value;
@@ -119,11 +121,9 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
   const isWell = now.kind === "done" && now.examination.findings.length === 0 && !hasEvents;
   const stands = standsStill(store.trajectory.value?.poses ?? []);
   const [result, about] = isWell ? wellLabel(trajectoryLabel(now.examination.trajectory), stands) : ["", ""];
-  const showsFindings = now.kind === "done" && now.isShown && !isWell;
+  const findings = now.kind === "done" ? now.examination.findings : [];
   return (
-    <Panel title="Log doctor">
-      <Notes notes={store.hello.value?.log?.notes ?? []} />
-      {!showsFindings && <p class="quiet">Checks {CHECKED}.</p>}
+    <section class="doctor" aria-label="Log doctor">
       <div class="doctor-result" role="status">
         {isWell && (
           <p class="doctor-well">
@@ -133,45 +133,58 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
             </span>
           </p>
         )}
-        {now.kind === "done" && !isWell && !showsFindings && (
-          <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
-            {findingsLabel(now.examination)}
-          </Button>
+        {hasEvents && <Events events={now.examination.events} store={store} />}
+        {findings.length > 0 && (
+          <section aria-label="Findings">
+            <h4>Findings</h4>
+            <ul class="findings">
+              {findings.map((finding) => (
+                <FindingItem
+                  key={`${finding.check} ${finding.sensor}`}
+                  finding={finding}
+                  store={store}
+                  {...(onHeal ? { onHeal } : {})}
+                />
+              ))}
+            </ul>
+          </section>
         )}
         {now.kind !== "done" && (
-          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void run(true)}>
+          <Button icon="target" disabled={now.kind === "busy"} onClick={() => void run()}>
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
         )}
         {now.kind === "cancelled" && <p class="quiet">Cancelled.</p>}
-        {now.kind !== "cancelled" && !showsFindings && (
+        {now.kind !== "cancelled" && now.kind !== "done" && (
           <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
         )}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
-        {showsFindings && now.examination.findings.length > 0 && (
-          <ul class="findings" aria-label="Findings">
-            {now.examination.findings.map((finding) => (
-              <FindingItem
-                key={`${finding.check} ${finding.sensor}`}
-                finding={finding}
-                store={store}
-                {...(onHeal ? { onHeal } : {})}
-              />
-            ))}
-          </ul>
-        )}
-        {showsFindings && hasEvents && <Events events={now.examination.events} store={store} />}
       </div>
-    </Panel>
+      <Notes notes={store.hello.value?.log?.notes ?? []} />
+      <p class="quiet">Checks {CHECKED}.</p>
+    </section>
   );
 }
 
+/** Kinds of events in a word. */
 const EVENTS: Readonly<Record<LogEvent["kind"], string>> = {
   pushed: "Pushed",
   slipped: "Slipped",
   lifted: "Lifted",
   clock: "Clock set",
 };
+
+/** How far an event moved the robot, or set the clock, in a word or two; "" where that is not known. */
+export function measureOf({ kind, distance_m, direction, turned_rad, step_s }: LogEvent): string {
+  if (kind === "clock") return `${signed(step_s, 2)} s`;
+  if (distance_m === null) return "";
+  if (kind === "slipped") return `${written(distance_m, 2)} m`; // of its wheels, not of the robot
+  if (direction === null && turned_rad !== null) return `${written((Math.abs(turned_rad) * 180) / Math.PI, 0)}°`;
+  return [`${written(distance_m, 2)} m`, direction].filter(Boolean).join(" ");
+}
+
+/** An event in a few words. */
+export const eventLabel = (event: LogEvent): string => [EVENTS[event.kind], measureOf(event)].filter(Boolean).join(" ");
 
 /** What happened while the log was recorded, each with a button that goes to the scan before it. */
 export function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
@@ -181,21 +194,34 @@ export function Events({ events, store }: { readonly events: readonly LogEvent[]
       <ul>
         {events.map((event) => (
           <li key={`${event.kind} ${event.seconds}`} data-event={event.kind}>
-            <Button kind="quiet" label={`Go to ${event.time}`} onClick={() => store.goTo(event.scan + 1)}>
-              {event.time}
-            </Button>
+            <TimeButton store={store} seconds={event.seconds} scan={event.scan} />
             <p>
-              <span class="finding-sure">{EVENTS[event.kind]}</span> {event.sentence}
-              {event.utc !== null && (
-                <time class="quiet number" dateTime={event.utc}>
-                  {utcLabel(event.utc)}
-                </time>
-              )}
+              <span class="finding-sure">
+                {EVENTS[event.kind]} <span class="number">{measureOf(event)}</span>
+              </span>
+              <span class="quiet">{event.sentence}</span>
             </p>
           </li>
         ))}
       </ul>
     </section>
+  );
+}
+
+interface TimeButtonProps {
+  readonly store: Store;
+  readonly seconds: number;
+  /** Number of the scan there, from 0. */
+  readonly scan: number;
+}
+
+/** A moment as a button that goes there; of a log without times the number of the scan. */
+function TimeButton({ store, seconds, scan }: TimeButtonProps) {
+  const text = (store.hello.value?.log?.duration_s ?? 0) > 0 ? shownTime(store, seconds) : `scan ${scan + 1}`;
+  return (
+    <Button kind="quiet" label={`Go to ${text}`} onClick={() => store.goTo(scan + 1)}>
+      <span class="number">{text}</span>
+    </Button>
   );
 }
 
@@ -270,10 +296,8 @@ function FindingItem({ finding, store, onHeal }: FindingProps) {
             {tried ? "Applied to the map" : "Apply to the map"}
           </Button>
         )}
-        {scans.slice(0, 6).map((scan) => (
-          <Button key={scan} kind="quiet" label={`Go to scan ${scan + 1}`} onClick={() => store.goTo(scan + 1)}>
-            scan {scan + 1}
-          </Button>
+        {scans.slice(0, 6).map((scan, n) => (
+          <TimeButton key={scan} store={store} seconds={finding.seconds[n] ?? 0} scan={scan} />
         ))}
       </div>
     </li>

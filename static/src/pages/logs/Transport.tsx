@@ -1,13 +1,18 @@
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { clock } from "../../ui/numbers";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
+import type { LogEvent } from "../../wire/http";
 import type { Trajectory } from "../../wire/protocol";
+import { eventLabel } from "./Doctor";
+import { isTyping } from "./isTyping";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
+import { Moment } from "./time/Moment";
+import { secondsAt } from "./time/scanTimes";
+import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
@@ -17,22 +22,27 @@ function speeds(now: number, [low, high]: readonly [number, number]): readonly n
   return [...new Set([...round, now])].sort((a, b) => a - b);
 }
 
-/** Recorded time in seconds when `index` scans are in the map. */
-const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
-  stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
-
 /** The notes that have a time, for the seek bar. */
 function marksOf(state: NotesState | undefined, trajectory: Trajectory | null, count: number): TimelineMark[] {
   return (state?.notes.value ?? []).flatMap((note) => {
     const index = scanOf(note, trajectory, count);
     return index === null
       ? []
-      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: state?.chosen.value === note.id }];
+      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: state?.chosen.value === note.id, kind: "note" }];
   });
 }
 
-const isTyping = (target: EventTarget | null): boolean =>
-  target instanceof Element && target.closest("input, select, button, a, summary, textarea, [role=slider]") !== null;
+const EVENT = "event ";
+
+/** The events of the log, for the seek bar; their ids are their scans. */
+const eventMarks = (store: Store, events: readonly LogEvent[]): TimelineMark[] =>
+  events.map((event) => ({
+    id: `${EVENT}${event.scan + 1}`,
+    index: event.scan + 1,
+    label: `${eventLabel(event)}, ${shownTime(store, event.seconds)}`,
+    chosen: false,
+    kind: "event",
+  }));
 
 interface TransportProps {
   readonly store: Store;
@@ -41,12 +51,13 @@ interface TransportProps {
   readonly notes?: NotesState;
   /** Called when a note's mark was pressed. */
   readonly onNote?: () => void;
+  readonly events?: readonly LogEvent[];
   /** The plots below it, of a log of scans. */
   readonly plots?: TimelinePlotsState;
 }
 
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store, unit = "scan", notes, onNote, plots }: TransportProps) {
+export function Transport({ store, unit = "scan", notes, onNote, events = [], plots }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -64,7 +75,8 @@ export function Transport({ store, unit = "scan", notes, onNote, plots }: Transp
   const index = frame?.index ?? 0;
   const duration = hello?.log?.duration_s ?? 0;
   const trajectory = store.trajectory.value;
-  const timeAt = duration > 0 && trajectory ? (at: number): string => clock(stampAt(trajectory, at)) : undefined;
+  const timeAt =
+    duration > 0 && trajectory ? (at: number): string => shownTime(store, secondsAt(trajectory, at)) : undefined;
   const speed = frame?.speed ?? 1;
   return (
     <section class="viewer-transport" aria-label="Playback">
@@ -96,24 +108,21 @@ export function Transport({ store, unit = "scan", notes, onNote, plots }: Transp
         onPoint={(at) => {
           if (plots) plots.onTimeline.value = at;
         }}
-        marks={marksOf(notes, trajectory, count)}
+        marks={[...marksOf(notes, trajectory, count), ...eventMarks(store, events)]}
         onMark={(id) => {
+          if (id.startsWith(EVENT)) store.goTo(Number(id.slice(EVENT.length)));
           const note = notes?.notes.peek()?.find((one) => one.id === id);
           if (!notes || !note) return;
           onNote?.();
           goToNote(store, notes, note);
         }}
       />
-      <output class="viewer-position" aria-live="off" data-index={index} data-count={count}>
-        <span>
+      <div class="viewer-position">
+        <output aria-live="off" data-index={index} data-count={count}>
           {index} of {count}
-        </span>
-        {duration > 0 && frame && (
-          <span>
-            {clock(frame.stamp)} of {clock(duration)}
-          </span>
-        )}
-      </output>
+        </output>
+        {duration > 0 && frame && <Moment store={store} seconds={frame.stamp} duration={duration} />}
+      </div>
       <label class="speed">
         <span class="visually-hidden">Speed</span>
         <select

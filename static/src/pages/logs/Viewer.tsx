@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { useTool } from "../../tools/costmap/mapTool";
+import { MapTools } from "../../tools/measure/MapTools";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Overview } from "../../tools/picture/Overview";
@@ -10,18 +11,21 @@ import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
+import { written } from "../../ui/stage/layout";
+import { Stage } from "../../ui/stage/Stage";
 import { toast } from "../../ui/Toast";
 import type { TrajectoryErrors } from "../../wire/http";
 import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
-import { useDoctor } from "./Doctor";
-import { groupsOf } from "./groups";
+import { eventsOf, useDoctor } from "./Doctor";
+import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
 import { HealOffer } from "./heal/HealOffer";
 import { useHealing } from "./heal/healing";
 import { useLocalizing } from "./localize/localizing";
+import { NoteCard } from "./notes/NoteCard";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { TimelinePlots } from "./plots/TimelinePlots";
@@ -30,6 +34,10 @@ import { useSensor } from "./sensor/useSensor";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedView";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
+import { showColumn, ViewerFrame } from "./ViewerFrame";
+import { LayoutChoice } from "./views/LayoutChoice";
+import { useLayout } from "./views/useLayout";
+import { kindsFor, viewsOf } from "./views/views";
 
 interface ViewerProps {
   readonly session: string;
@@ -47,6 +55,7 @@ interface ViewerProps {
 /** The view of one log: its map, playback, parameters, downloads. */
 export function Viewer({ session, onClose, onGone, reopens = false, onSensor = () => undefined, guest }: ViewerProps) {
   const picture = useRef<Picture | null>(null);
+  const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
@@ -54,13 +63,19 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const healing = useHealing(store, session, guest !== undefined);
   const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
-  const notes = useNotes(session, store);
+  const notes = useNotes(session, store, guest?.shown?.note);
   const plots = useTimelinePlots();
+  const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
+  const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
+  const topic = useSignal(""); // whose messages are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
-  const openGroup = useOpenGroup(store, "settings");
+  const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
+  const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
+  if (openGroup.value !== SHARE) lastGroup.current = openGroup.value;
   const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
   useClass(live, { page: "logs", group: openGroup });
   const openNotes = (): void => {
+    showColumn();
     openGroup.value = "notes";
   };
   useSignalEffect(() => {
@@ -95,43 +110,81 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
   const onHeal = (): void => {
+    showColumn();
     openGroup.value = "heal";
     void healing.begin();
   };
+  const map = () => (
+    <div class="viewer-map">
+      <BeliefView
+        store={store}
+        comparison={comparison}
+        takesTap={(point) =>
+          localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+        }
+        onPicture={(made) => {
+          picture.current = made;
+        }}
+      />
+      <BothMaps store={store} comparison={comparison} />
+      <ErrorPaths store={store} errors={trajectoryErrors} />
+      <NotePins store={store} state={notes} onOpen={openNotes} />
+      {isGuest && <NoteCard state={notes} />}
+      <MapTools store={store} stage={stage} />
+      <Overview store={store} />
+      {!hello && !trouble.value && (
+        <p class="viewer-over" role="status">
+          Opening the log …
+        </p>
+      )}
+      {trouble.value && (
+        <p class="viewer-over" role="status">
+          <Icon name="warning" /> {trouble.value}
+        </p>
+      )}
+      <ComputingMap store={store} />
+    </div>
+  );
   return (
-    <div class="viewer">
+    <ViewerFrame
+      dock={
+        <Dock
+          label="About this log"
+          groups={groupsOf({
+            store,
+            session,
+            isGuest,
+            log,
+            comparison,
+            doctor,
+            healing,
+            localizing,
+            sensor,
+            notes,
+            trajectoryErrors,
+            openGroup,
+            topic,
+            onHeal,
+            sharedView: () => sharedViewOf(store, picture),
+            shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
+          })}
+          open={openGroup}
+        />
+      }
+    >
       <Head store={store} onClose={onClose}>
+        <LayoutChoice layout={layout} kinds={kinds} />
         {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
       </Head>
-      <div class="viewer-stage">
-        <div class="viewer-map">
-          <BeliefView
-            store={store}
-            comparison={comparison}
-            takesTap={(point) =>
-              localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
-            }
-            onPicture={(made) => {
-              picture.current = made;
-            }}
-          />
-          <BothMaps store={store} comparison={comparison} />
-          <ErrorPaths store={store} errors={trajectoryErrors} />
-          <NotePins store={store} state={notes} onOpen={openNotes} />
-          <Overview store={store} />
-          {!hello && !trouble.value && (
-            <p class="viewer-over" role="status">
-              Opening the log …
-            </p>
-          )}
-          {trouble.value && (
-            <p class="viewer-over" role="status">
-              <Icon name="warning" /> {trouble.value}
-            </p>
-          )}
-          <ComputingMap store={store} />
-        </div>
-        <Transport store={store} notes={notes} onNote={openNotes} plots={plots} />
+      <div class="viewer-stage" ref={stage}>
+        <Stage
+          views={viewsOf({ store, session, topic }, isGuest, map)}
+          layout={layout.value}
+          onLayout={(next) => {
+            layout.value = next;
+          }}
+        />
+        <Transport store={store} notes={notes} onNote={openNotes} events={eventsOf(doctor)} plots={plots} />
         {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
         <div class="viewer-readout">
           {comparison.isOn.value ? (
@@ -141,26 +194,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           )}
         </div>
       </div>
-      <Dock
-        label="About this log"
-        groups={groupsOf({
-          store,
-          session,
-          isGuest,
-          log,
-          comparison,
-          doctor,
-          healing,
-          localizing,
-          sensor,
-          notes,
-          trajectoryErrors,
-          openGroup,
-          onHeal,
-          sharedView: () => sharedViewOf(store, picture),
-        })}
-        open={openGroup}
-      />
-    </div>
+    </ViewerFrame>
   );
 }

@@ -46,18 +46,3 @@ export function confidenceLabel({ sure, possible }: Pick<FindingAnswer, "sure" |
   if (sure >= 0.95) return "certain";
   return sure >= 0.8 ? "very likely" : "likely";
 }
-
-/** The label of the button that shows the findings and events, of which there are some. */
-export function findingsLabel({ findings, events }: Pick<DoctorAnswer, "findings" | "events">): string {
-  const counted = (count: number, name: string): string => `${count} ${name}${count === 1 ? "" : "s"}`;
-  const parts = [
-    ...(findings.length > 0 ? [counted(findings.length, "finding")] : []),
-    ...(events.length > 0 ? [counted(events.length, "event")] : []),
-  ];
-  return `Show ${parts.join(" and ")}`;
-}
-
-/** A time in UTC, as `2025-10-09T08:54:33.390Z`, for a reader. */
-export function utcLabel(utc: string): string {
-  return `${utc.replace("T", " ").replace("Z", "")} UTC`;
-}

@@ -15,16 +15,19 @@ import { FrameTree } from "./contents/FrameTree";
 import { Pictures } from "./contents/Pictures";
 import { Plots } from "./contents/Plots";
 import { Topics } from "./contents/Topics";
-import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
+import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
 import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
+import { Messages } from "./messages/Messages";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
+import { Overview } from "./overview/Overview";
 import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
+import type { Shown } from "./share/links";
 import { Share } from "./share/Share";
 import { TerrainChoice } from "./TerrainChoice";
 import { Trajectories } from "./trajectories/Trajectories";
@@ -46,6 +49,8 @@ export interface LogView {
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  /** The topic whose messages are shown. */
+  readonly topic: Signal<string>;
   /** Begin to heal the log's poses, and open the group that shows it. */
   readonly onHeal: () => void;
   readonly notes: NotesState;
@@ -53,6 +58,8 @@ export interface LogView {
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
+  /** What else of the page a link shows. */
+  readonly shown: () => Shown;
 }
 
 interface Group {
@@ -69,27 +76,25 @@ interface Group {
 const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
 const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 
+/** The group that a log opens on. */
+export const OVERVIEW = "overview";
+/** The group of links. */
+export const SHARE = "share";
+
 const GROUPS: readonly Group[] = [
   {
-    id: "settings",
-    title: "Settings",
-    keeps: true,
-    content: ({ store, sensor, isGuest }) => <Settings store={store} sensor={isGuest ? null : sensor} />,
-  },
-  { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
-  {
-    id: "doctor",
-    title: "Findings",
-    section: "Doctor",
+    id: OVERVIEW,
+    title: "Overview",
+    section: "Log",
     badge: ({ doctor }) => findingsBadge(doctor),
     content: ({ store, doctor, onHeal, isGuest }) => (
-      <Doctor store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
+      <Overview store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
     ),
   },
   {
     id: "heal",
     title: "Heal",
-    section: "Doctor",
+    section: "Log",
     isThere: ({ log }) => log !== null,
     badge: ({ healing }) => healing.badge.value,
     content: ({ store, session, healing, comparison, isGuest }) => (
@@ -99,12 +104,27 @@ const GROUPS: readonly Group[] = [
   {
     id: "compare",
     title: "Compare",
-    section: "Doctor",
+    section: "Log",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
+  {
+    id: "trajectories",
+    title: "Trajectories",
+    section: "Log",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
+  {
+    id: "settings",
+    title: "Settings",
+    keeps: true,
+    content: ({ store, sensor, isGuest }) => <Settings store={store} sensor={isGuest ? null : sensor} />,
+  },
+  { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
   {
     id: "localize",
     title: "Localize",
@@ -133,9 +153,24 @@ const GROUPS: readonly Group[] = [
     id: "topics",
     title: "Topics",
     section: "Data",
-    content: ({ session, sensor, log, isGuest }) => (
-      <Topics key={log?.topic} session={session} sensor={isGuest ? null : sensor} log={log} />
+    content: ({ session, sensor, log, isGuest, topic, openGroup }) => (
+      <Topics
+        key={log?.topic}
+        session={session}
+        sensor={isGuest ? null : sensor}
+        log={log}
+        onMessages={(name) => {
+          topic.value = name;
+          openGroup.value = "messages";
+        }}
+      />
     ),
+  },
+  {
+    id: "messages",
+    title: "Messages",
+    section: "Data",
+    content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
   },
   {
     id: "pictures",
@@ -156,14 +191,6 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
   },
   {
-    id: "trajectories",
-    title: "Trajectories",
-    section: "Data",
-    content: ({ store, session, isGuest, trajectoryErrors }) => (
-      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
-    ),
-  },
-  {
     id: "notes",
     title: "Notes",
     section: "Data",
@@ -177,11 +204,11 @@ const GROUPS: readonly Group[] = [
     content: ({ session }) => <Scene session={session} />,
   },
   {
-    id: "share",
+    id: SHARE,
     title: "Link",
     section: "Share",
     isThere: ({ isGuest, log }) => !isGuest && log !== null,
-    content: ({ session, sharedView }) => <Share session={session} sharedView={sharedView} />,
+    content: ({ session, sharedView, shown }) => <Share session={session} sharedView={sharedView} shown={shown} />,
   },
   {
     id: "download",

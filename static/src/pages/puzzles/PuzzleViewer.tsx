@@ -13,6 +13,7 @@ import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
 import { MapStage } from "../logs/MapStage";
 import { Settings } from "../logs/Settings";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
+import { ViewerFrame } from "../logs/ViewerFrame";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
 import { leadsToCase, percent, progressText } from "./attempt";
@@ -150,7 +151,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     },
   ];
   return (
-    <div class="viewer puzzle-viewer">
+    <ViewerFrame class="puzzle-viewer" dock={<Dock label="About this puzzle" groups={groups} open={openGroup} />}>
       <header class="viewer-head">
         {onClose && <Button kind="quiet" icon="back" label="All puzzles" onClick={onClose} />}
         <h1>{now?.title ?? "…"}</h1>
@@ -175,7 +176,6 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
           picture.current = made;
         }}
       />
-      <Dock label="About this puzzle" groups={groups} open={openGroup} />
-    </div>
+    </ViewerFrame>
   );
 }

@@ -23,6 +23,7 @@ import { KINDS } from "../../wire/kinds";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { GIVEN_MAP } from "../localization/model";
+import { measuringTool } from "../measure/tool";
 import { OVERLAYS } from "../overlays";
 import { paintSteps } from "../steps/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -54,6 +55,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
     <LinkedPicture
       store={store}
       label="The robot's map. Shift and arrow keys move the cell cursor, question mark explains the value of its cell, Escape removes the cursor; plus and minus zoom, 0 shows everything."
+      tool={useMemo(() => measuringTool(store), [store])}
       onTap={(point) => {
         if (!takesTap?.(point)) (onTap ?? ((at) => pin(store, at)))(point);
       }}

@@ -20,6 +20,8 @@ export interface PictureTool {
   draws(): boolean;
   /** A stroke from `from` so far to `to`, null where it was cancelled. */
   stroke(from: Point | null, to: Point | null, isDone: boolean): void;
+  /** A tap or click; true where it was meant for the tool. */
+  tap?(point: Point): boolean;
   /** A key of the focused picture; true where it was meant for the tool. */
   key(key: string): boolean;
 }
@@ -38,7 +40,7 @@ interface LinkedPictureProps {
   readonly onPicture?: (picture: Picture) => void;
   /** Whether the editing tools work in this picture. */
   readonly draws?: boolean;
-  /** A tool that takes the drags in this picture while it `draws`, and its keys first. */
+  /** A tool that takes the drags in this picture while it `draws`, and its taps and keys first. */
   readonly tool?: PictureTool;
   readonly children?: ComponentChildren;
 }
@@ -98,7 +100,7 @@ export function LinkedPicture({
         },
         tap: (x, y) => {
           const point = inWorld(x, y);
-          if (point && !useTool(store, point)) onTap(point);
+          if (point && !tool?.tap?.(point) && !useTool(store, point)) onTap(point);
         },
         explain: (x, y) => {
           const point = inWorld(x, y);

@@ -30,13 +30,15 @@ export function Pictures({ store, session }: PicturesProps) {
 interface Shown {
   readonly address: string;
   readonly seconds: number;
+  readonly isCloud: boolean;
 }
 
 /** Fetch a picture. Throws an error with the server's message if it is refused. */
 async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown> {
   const answer = await fetched(address, { signal });
   const seconds = Number(answer.headers.get("X-Picture-Seconds"));
-  return { address: URL.createObjectURL(await answer.blob()), seconds };
+  const picture = await answer.blob();
+  return { address: URL.createObjectURL(picture), seconds, isCloud: picture.type === "image/png" };
 }
 
 function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: readonly string[] }) {
@@ -78,8 +80,8 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
         <figure>
           <img src={shown.address} alt={`${topic.value} at ${shown.seconds.toFixed(2)} s`} />
           <figcaption class="quiet">
-            {topic.value}, {signed(shown.seconds - at)} s from the moment of the map. A cloud is drawn from above, x up
-            and y to the left; lighter is higher.
+            {signed(shown.seconds - at)} s from the moment of the map
+            {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}
           </figcaption>
         </figure>
       )}

@@ -1,10 +1,11 @@
 import { Button } from "../../../ui/Button";
-import { bytes, clock } from "../../../ui/numbers";
+import { bytes } from "../../../ui/numbers";
 import type { ContentsAnswer, TopicAnswer } from "../../../wire/http";
 import type { LogInfo } from "../../../wire/protocol";
 import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
+import { timeText } from "../time/timeText";
 import { rateLabel } from "./contents";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
@@ -15,15 +16,22 @@ interface TopicsProps {
   readonly sensor: SensorState | null;
   /** The log of the session; null until it is known. */
   readonly log: LogInfo | null;
+  /** Show the messages of a topic. */
+  readonly onMessages: (topic: string) => void;
 }
 
 /** Every topic of a recording with its type, count, rate, span and size; those of sensors can be mapped. */
-export function Topics({ session, sensor, log }: TopicsProps) {
+export function Topics({ session, sensor, log, onMessages }: TopicsProps) {
   return (
     <WhenKnown session={session}>
       {(contents) => (
         <>
-          <Table contents={contents} sensor={sensor} mapped={log?.topic.split(SENSOR_SEPARATOR) ?? []} />
+          <Table
+            contents={contents}
+            sensor={sensor}
+            mapped={log?.topic.split(SENSOR_SEPARATOR) ?? []}
+            onMessages={onMessages}
+          />
           {sensor && <SensorProgress sensor={sensor} />}
         </>
       )}
@@ -40,9 +48,10 @@ interface TableProps {
   readonly sensor: SensorState | null;
   /** The topics that the map is made of. */
   readonly mapped: readonly string[];
+  readonly onMessages: (topic: string) => void;
 }
 
-function Table({ contents, sensor, mapped }: TableProps) {
+function Table({ contents, sensor, mapped, onMessages }: TableProps) {
   const { topics, notes } = contents;
   if (topics.length === 0) {
     return <p class="quiet">A log of this kind contains only scans and poses: there is no list of topics.</p>;
@@ -71,6 +80,7 @@ function Table({ contents, sensor, mapped }: TableProps) {
               topic={topic}
               whole={wholeSpan(topics)}
               isMapped={mapped.includes(topic.name)}
+              onMessages={() => onMessages(topic.name)}
               sensor={isSensor(topic) && (mapped.length > 1 || !mapped.includes(topic.name)) ? sensor : null}
             />
           ))}
@@ -102,15 +112,18 @@ interface RowProps {
   readonly isMapped: boolean;
   /** Maps the topic by itself; null where no map can be made of it. */
   readonly sensor: SensorState | null;
+  readonly onMessages: () => void;
 }
 
-function Row({ topic, whole, isMapped, sensor }: RowProps) {
+function Row({ topic, whole, isMapped, sensor, onMessages }: RowProps) {
   const { name, type, messages, rate_hz, first_s, last_s } = topic;
   const hasSpan = first_s !== null && last_s !== null;
   return (
     <tr>
       <th scope="row">
-        <span class="topic-name">{name}</span>
+        <button type="button" class="topic-name" aria-label={`Messages on ${name}`} onClick={onMessages}>
+          {name}
+        </button>
         <span class="quiet">
           {type}
           {isMapped && <strong class="topic-mapped"> · mapped</strong>}
@@ -118,11 +131,11 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
         {hasSpan && whole > 0 && (
           <span
             class="topic-span"
-            title={`${clock(first_s)} to ${clock(last_s)} of the recording`}
+            title={`${timeText(first_s)} to ${timeText(last_s)} of the recording`}
             style={{ "--from": first_s / whole, "--to": last_s / whole }}
           >
             <span class="visually-hidden">
-              from {clock(first_s)} to {clock(last_s)}
+              from {timeText(first_s)} to {timeText(last_s)}
             </span>
           </span>
         )}

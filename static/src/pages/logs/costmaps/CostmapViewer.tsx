@@ -19,6 +19,7 @@ import "../../../tools/costmap/costmap.css";
 import "./costmaps.css";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
+import { ViewerFrame } from "../ViewerFrame";
 
 interface CostmapViewerProps {
   readonly session: string;
@@ -64,7 +65,29 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
     content: () => <ShareCostmap store={store} session={session} sharedView={() => sharedViewOf(store, picture)} />,
   };
   return (
-    <div class="viewer">
+    <ViewerFrame
+      dock={
+        <Dock
+          label="About these costmaps"
+          groups={[
+            { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
+            ...(guest ? [] : [share]),
+            {
+              id: "download",
+              title: "Download",
+              keeps: true,
+              badge: null,
+              content: () => (
+                <Panel title="Download this costmap">
+                  <CostFiles session={session} />
+                </Panel>
+              ),
+            },
+          ]}
+          open={openGroup}
+        />
+      }
+    >
       <header class="viewer-head">
         {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
         <h1>{hello?.title ?? "…"}</h1>
@@ -89,26 +112,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
           <CostReadout store={store} />
         </div>
       </div>
-      <Dock
-        label="About these costmaps"
-        groups={[
-          { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
-          ...(guest ? [] : [share]),
-          {
-            id: "download",
-            title: "Download",
-            keeps: true,
-            badge: null,
-            content: () => (
-              <Panel title="Download this costmap">
-                <CostFiles session={session} />
-              </Panel>
-            ),
-          },
-        ]}
-        open={openGroup}
-      />
-    </div>
+    </ViewerFrame>
   );
 }
 

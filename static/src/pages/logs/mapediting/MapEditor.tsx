@@ -11,6 +11,7 @@ import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
+import { ViewerFrame } from "../ViewerFrame";
 import { MapReadout } from "./MapReadout";
 import { Saving } from "./Saving";
 
@@ -41,7 +42,24 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
     );
   }
   return (
-    <div class="viewer">
+    <ViewerFrame
+      dock={
+        <Dock
+          label="Edit this map"
+          groups={[
+            { id: "edit", title: "Edit", keeps: true, badge: null, content: () => <Editing store={store} /> },
+            {
+              id: "save",
+              title: "Save",
+              keeps: true,
+              badge: null,
+              content: () => <Saving store={store} session={session} />,
+            },
+          ]}
+          open={openGroup}
+        />
+      }
+    >
       <header class="viewer-head">
         <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
         <h1>{hello?.title ?? "…"}</h1>
@@ -70,21 +88,7 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
           <MapReadout store={store} />
         </div>
       </div>
-      <Dock
-        label="Edit this map"
-        groups={[
-          { id: "edit", title: "Edit", keeps: true, badge: null, content: () => <Editing store={store} /> },
-          {
-            id: "save",
-            title: "Save",
-            keeps: true,
-            badge: null,
-            content: () => <Saving store={store} session={session} />,
-          },
-        ]}
-        open={openGroup}
-      />
-    </div>
+    </ViewerFrame>
   );
 }
 

@@ -2,9 +2,10 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
-import { clock, written } from "../../../ui/numbers";
+import { written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
 import type { NoteAnswer } from "../../../wire/http";
+import { shownTime } from "../time/shownTime";
 import { type Pin, scanOf } from "./noteRecords";
 import "./notes.css";
 import type { NotesState } from "./useNotes";
@@ -84,8 +85,12 @@ function Item({ note, store, state, onEdit }: ItemProps) {
     <div class={isChosen ? "note chosen" : "note"} ref={item}>
       <p class="note-text">{note.text}</p>
       <div class="note-foot">
-        <Button kind="quiet" label={`Go to this note: ${pinLabel(note)}`} onClick={() => goToNote(store, state, note)}>
-          {pinLabel(note)}
+        <Button
+          kind="quiet"
+          label={`Go to this note: ${pinLabel(store, note)}`}
+          onClick={() => goToNote(store, state, note)}
+        >
+          {pinLabel(store, note)}
         </Button>
         {onEdit && (
           <>
@@ -100,9 +105,9 @@ function Item({ note, store, state, onEdit }: ItemProps) {
   );
 }
 
-function pinLabel({ at_s, scan, x, y }: Pin): string {
-  const time = at_s === null ? [] : [at_s > 0 ? clock(at_s) : `scan ${scan}`];
-  const place = x === null || y === null ? [] : [`${written(x, 1)}, ${written(y, 1)} m`];
+function pinLabel(store: Store, { at_s, scan, x, y }: Pin): string {
+  const time = at_s === null ? [] : [at_s > 0 ? shownTime(store, at_s) : `scan ${scan}`];
+  const place = x === null || y === null ? [] : [`${written(x, 2)}, ${written(y, 2)} m`];
   return [...time, ...place].join(" · ");
 }
 
@@ -158,13 +163,17 @@ function Editor({ store, state, note, onDone }: EditorProps) {
         }}
       />
       <ToggleOf
-        label={hasTime.value && note?.at_s != null ? `At ${clock(note.at_s)}` : `At this moment, ${momentLabel(store)}`}
+        label={
+          hasTime.value && note?.at_s != null
+            ? `At ${shownTime(store, note.at_s)}`
+            : `At this moment, ${momentLabel(store)}`
+        }
         signal={hasTime}
       />
       <ToggleOf
         label={
           hasPlace.value && pin.x !== null && pin.y !== null
-            ? `At ${written(pin.x, 1)}, ${written(pin.y, 1)} m on the map`
+            ? `At ${written(pin.x, 2)}, ${written(pin.y, 2)} m on the map`
             : "At the cell that I click on the map"
         }
         signal={hasPlace}
@@ -186,5 +195,5 @@ function Editor({ store, state, note, onDone }: EditorProps) {
 function momentLabel(store: Store): string {
   const frame = store.frame.value;
   if (!frame) return "…";
-  return (store.hello.value?.log?.duration_s ?? 0) > 0 ? clock(frame.stamp) : `scan ${frame.index}`;
+  return (store.hello.value?.log?.duration_s ?? 0) > 0 ? shownTime(store, frame.stamp) : `scan ${frame.index}`;
 }

@@ -4,6 +4,7 @@ import { type Pin, scanOf } from "./noteRecords";
 
 const trajectory = (every: number, stamps: readonly number[]): Trajectory => ({
   type: "trajectory",
+  frame: null,
   name: "scan",
   every,
   poses: [],

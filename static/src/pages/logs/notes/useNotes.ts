@@ -16,10 +16,10 @@ export interface NotesState {
   readonly remove: (id: string) => Promise<boolean>;
 }
 
-/** The notes on the log of a session, fetched again whenever one has changed. */
-export function useNotes(session: string, store: Store): NotesState {
+/** The notes on the log of a session, fetched again whenever one has changed; `first` is the id of the one chosen at first. */
+export function useNotes(session: string, store: Store, first: string | null = null): NotesState {
   const notes = useSignal<readonly NoteAnswer[] | null>(null);
-  const chosen = useSignal<string | null>(null);
+  const chosen = useSignal<string | null>(first);
   const failure = useSignal<string | null>(null);
   const attempt = async (work: () => Promise<unknown>): Promise<boolean> => {
     try {

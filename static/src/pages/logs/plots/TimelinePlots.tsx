@@ -5,13 +5,13 @@ import { useEffect, useId, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
-import { clock } from "../../../ui/numbers";
 import { ask } from "../../../wire/ask";
 import type { ScanSeries } from "../../../wire/http";
 import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { Strip } from "./LazyStrip";
 import "./plots.css";
+import { shownTime } from "../time/shownTime";
 import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
 
@@ -132,7 +132,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const place =
     at === null
       ? ""
-      : `${axis === "time" ? `${clock(at)}, ` : ""}scan ${scanAt(at)}${isBetween ? ", in a gap of the recording" : ""}`;
+      : `${axis === "time" ? `${shownTime(store, at)}, ` : ""}scan ${scanAt(at)}${isBetween ? ", in a gap of the recording" : ""}`;
   const inWords = visible.map(({ column }) => `${column.label} ${valueText(column, column.values[row])}`).join("; ");
   return (
     <section class="timeline-plots" aria-label="Plots over the log">

@@ -4,6 +4,7 @@ import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, zoomedSpan }
 
 const trajectory = (stamps: number[], every = 1): Trajectory => ({
   type: "trajectory",
+  frame: null,
   name: "odom",
   every,
   poses: stamps.map(() => [0, 0] as const),

@@ -61,7 +61,7 @@ export function Guest({ token }: { token: string }) {
       key={session.id}
       session={session.id}
       onGone={() => void open()}
-      guest={{ view: view.look, onEnded: () => void checkLink() }}
+      guest={{ view: view.look, shown: view.shown, onEnded: () => void checkLink() }}
     />
   );
 }

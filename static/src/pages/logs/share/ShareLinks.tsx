@@ -5,13 +5,15 @@ import type { SharedView } from "../../../render/view";
 import { Button } from "../../../ui/Button";
 import { confirm } from "../../../ui/Dialog";
 import { Panel } from "../../../ui/Panel";
-import { described, type Link, linksOf, makeLink, revokeLink } from "./links";
+import { described, type Link, linksOf, makeLink, revokeLink, type Shown } from "./links";
 import "./share.css";
 
 interface ShareLinksProps {
   readonly session: string;
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
+  /** What else of the page a link shows. */
+  readonly shown?: () => Shown;
   /** What the session shows one after the other. */
   readonly unit?: "scan" | "costmap";
   /** What a link opens, and what its guests may do. */
@@ -38,7 +40,7 @@ const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
 /** Creates links to this view, lists and revokes one's own. */
-export function ShareLinks({ session, sharedView, unit = "scan", text, children }: ShareLinksProps) {
+export function ShareLinks({ session, sharedView, shown, unit = "scan", text, children }: ShareLinksProps) {
   const links = useSignal<readonly Link[] | null>(null);
   const failure = useSignal<string | null>(null);
   const said = useSignal("");
@@ -62,7 +64,7 @@ export function ShareLinks({ session, sharedView, unit = "scan", text, children 
   };
   const make = (): Promise<void> =>
     attempt(async () => {
-      const link = await makeLink(session, sharedView());
+      const link = await makeLink(session, sharedView(), shown?.() ?? null);
       links.value = [link, ...(links.peek() ?? [])];
       // The comparison is in the fragment of the address.
       await copy(absolute(link) + location.hash, "Link copied.");

@@ -3,16 +3,16 @@
 import type { SharedView } from "../../../render/view";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
 import { ask } from "../../../wire/ask";
-import type { LinkAnswer as Link, SessionAnswer, SharedAnswer } from "../../../wire/http";
+import type { LinkAnswer as Link, SessionAnswer, SharedAnswer, Shown } from "../../../wire/http";
 import { followMaking, newName } from "../../making";
 import { trajectoryLabel } from "../library/describeLog";
 import { opening } from "../library/library";
 
-export type { Link };
+export type { Link, Shown };
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
-export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
-  ask("POST /api/links", {}, { body: { session, look } });
+export const makeLink = (session: string, look: SharedView | null, shown: Shown | null = null): Promise<Link> =>
+  ask("POST /api/links", {}, { body: { session, look, shown } });
 
 /** The links to the log of a session that its visitor has made, the newest first. */
 export const linksOf = async (session: string): Promise<readonly Link[]> =>

@@ -4,10 +4,12 @@ import type { RefObject } from "preact";
 import type { Picture } from "../../../render/picture/Picture";
 import { framed, type SharedView } from "../../../render/view";
 import type { Store } from "../../../store/store";
+import type { Shown } from "./links";
 
 /** A visitor with a shared link: the initial view, and a callback for the end of the session. */
 export interface GuestOfLink {
   readonly view: SharedView | null;
+  readonly shown?: Shown | null;
   readonly onEnded: () => void;
 }
 

@@ -7,6 +7,7 @@ import { Icon } from "../../../ui/Icon";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { Transport } from "../Transport";
+import { ViewerFrame } from "../ViewerFrame";
 import { VolumeFacts } from "./VolumeFacts";
 import { volumeGroups } from "./volumeGroups";
 
@@ -45,7 +46,11 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
   }
   const count = store.frame.value?.count ?? 1;
   return (
-    <div class="viewer">
+    <ViewerFrame
+      dock={
+        <Dock label="About this map" groups={volumeGroups({ store, session, log, onCompare, onUp })} open={openGroup} />
+      }
+    >
       <header class="viewer-head">
         <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
         <h1>{hello?.title ?? "…"}</h1>
@@ -65,7 +70,6 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
           <VolumeFacts store={store} />
         </div>
       </div>
-      <Dock label="About this map" groups={volumeGroups({ store, session, log, onCompare, onUp })} open={openGroup} />
-    </div>
+    </ViewerFrame>
   );
 }

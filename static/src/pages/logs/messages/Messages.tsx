@@ -1,0 +1,147 @@
+/** The newest message of a topic at the moment that the log is at, as a tree of its fields. */
+
+import { type Signal, useSignal } from "@preact/signals";
+import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
+import { bytes, signed } from "../../../ui/numbers";
+import { toast } from "../../../ui/Toast";
+import { addressOf, answerAt } from "../../../wire/ask";
+import type { MessageAnswer } from "../../../wire/http";
+import { useAtMoment } from "../contents/useAtMoment";
+import { WhenKnown } from "../contents/useContents";
+import { shownTime } from "../time/shownTime";
+import { isBranch, partsOf, scalar, type Tree, yamlOf } from "./yaml";
+import "./messages.css";
+
+const MESSAGE = "GET /api/sessions/{session_id}/contents/message";
+
+interface MessagesProps {
+  readonly store: Store;
+  readonly session: string;
+  /** The topic that is shown; "" for the first. */
+  readonly topic: Signal<string>;
+}
+
+export function Messages({ store, session, topic }: MessagesProps) {
+  return (
+    <WhenKnown session={session}>
+      {({ topics }) => {
+        const names = topics.map(({ name }) => name);
+        const chosen = names.includes(topic.value) ? topic.value : (names[0] ?? "");
+        if (chosen === "") return <p class="quiet">A log of this kind has no messages of ROS.</p>;
+        return (
+          <div class="messages">
+            <label class="field">
+              <span class="field-label">Topic</span>
+              <select
+                class="select"
+                value={chosen}
+                onChange={(event) => {
+                  topic.value = event.currentTarget.value;
+                }}
+              >
+                {topics.map(({ name, type }) => (
+                  <option key={name} value={name} selected={name === chosen}>
+                    {name} ({type.replace(/^.*\//, "")})
+                  </option>
+                ))}
+              </select>
+            </label>
+            <OfTopic key={chosen} store={store} session={session} topic={chosen} />
+          </div>
+        );
+      }}
+    </WhenKnown>
+  );
+}
+
+function OfTopic({ store, session, topic }: Omit<MessagesProps, "topic"> & { readonly topic: string }) {
+  const found = useAtMoment<MessageAnswer>(
+    store,
+    (at) => addressOf(MESSAGE, { session_id: session }, { topic, at }),
+    (address, ending) => answerAt(MESSAGE, address, { ending }),
+  );
+  const open = useSignal<ReadonlySet<string>>(new Set(["header", "header.stamp"]));
+  if (found.kind === "failed") return <p role="alert">{found.why}</p>;
+  if (found.kind === "none") {
+    return (
+      <div class="progress waiting wide" role="status" aria-label="The message is being read">
+        <span />
+      </div>
+    );
+  }
+  const message = found.value;
+  const fields = message.fields as { readonly [name: string]: Tree };
+  const copy = async (text: string, what: string): Promise<void> => {
+    try {
+      await navigator.clipboard.writeText(text);
+      toast(`Copied as ${what}.`);
+    } catch {
+      toast("The browser does not allow copying here.", "error");
+    }
+  };
+  const at = store.frame.value?.stamp ?? 0;
+  return (
+    <>
+      <p class="quiet">
+        {message.type}, {bytes(message.bytes)}, recorded at {shownTime(store, message.seconds)} (
+        {signed(message.seconds - at, 3)} s)
+      </p>
+      <div class="actions">
+        <Button kind="quiet" onClick={() => void copy(yamlOf(fields), "YAML")}>
+          Copy as YAML
+        </Button>
+        <Button kind="quiet" onClick={() => void copy(JSON.stringify(fields, null, 2), "JSON")}>
+          Copy as JSON
+        </Button>
+      </div>
+      <Branch value={fields} path="" open={open} />
+    </>
+  );
+}
+
+interface BranchProps {
+  readonly value: readonly Tree[] | { readonly [name: string]: Tree };
+  readonly path: string;
+  /** The paths of the branches that are unfolded. */
+  readonly open: Signal<ReadonlySet<string>>;
+}
+
+/** Fields and elements; those with parts unfold, and stay so as the moment changes. */
+function Branch({ value, path, open }: BranchProps) {
+  return (
+    <ul class="message-tree">
+      {partsOf(value).map(([name, part]) => {
+        const own = path === "" ? name : `${path}.${name}`;
+        if (!isBranch(part) || partsOf(part).length === 0) {
+          return (
+            <li key={name}>
+              <span class="message-name">{name}</span> <span class="message-value">{scalar(part)}</span>
+            </li>
+          );
+        }
+        const count = partsOf(part).length;
+        const isOpen = open.value.has(own);
+        return (
+          <li key={name}>
+            <details
+              open={isOpen}
+              onToggle={(event) => {
+                const next = new Set(open.peek());
+                if (event.currentTarget.open) next.add(own);
+                else next.delete(own);
+                if (next.size !== open.peek().size) open.value = next;
+              }}
+            >
+              <summary>
+                <span class="message-name">{name}</span>{" "}
+                <span class="quiet">{Array.isArray(part) ? `[${count}]` : ""}</span>
+              </summary>
+              {isOpen && <Branch value={part} path={own} open={open} />}
+            </details>
+          </li>
+        );
+      })}
+    </ul>
+  );
+}

@@ -1,0 +1,15 @@
+import { expect, test } from "vitest";
+import { lengthOf } from "./Facts";
+
+test("the length of a path is that of its steps", () => {
+  expect(lengthOf({ poses: [] })).toBe(0);
+  expect(
+    lengthOf({
+      poses: [
+        [0, 0],
+        [3, 4],
+        [3, 5],
+      ],
+    }),
+  ).toBe(6);
+});

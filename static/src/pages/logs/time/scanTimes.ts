@@ -1,0 +1,30 @@
+/** From scans to their times and back, by the times that the trajectory has of every so manieth scan. */
+
+import type { Trajectory } from "../../../wire/protocol";
+
+type Times = Pick<Trajectory, "stamps" | "every">;
+
+/** Recorded time when `index` scans are in the map, s from the first scan; between known ones as if they were even. */
+export function secondsAt({ stamps, every }: Times, index: number): number {
+  const place = Math.max(0, index - 1) / every;
+  const low = Math.floor(place);
+  const from = stamps[Math.min(low, stamps.length - 1)] ?? 0;
+  const to = stamps[low + 1] ?? from;
+  return from + (place - low) * (to - from);
+}
+
+/** The number of scans in the map at a moment: those up to it, at least one. */
+export function scansAt({ stamps, every }: Times, seconds: number, count: number): number {
+  let low = 0; // the first known time that is later
+  let high = stamps.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((stamps[middle] ?? 0) <= seconds + 5e-4) low = middle + 1;
+    else high = middle;
+  }
+  if (low === 0) return Math.min(1, count);
+  const from = stamps[low - 1] ?? 0;
+  const to = stamps[low] ?? from;
+  const beyond = to > from ? Math.floor(((seconds - from) / (to - from)) * every + 1e-6) : every - 1;
+  return Math.min(count, (low - 1) * every + Math.min(every - 1, Math.max(0, beyond)) + 1);
+}

@@ -1,0 +1,71 @@
+import type { Signal } from "@preact/signals";
+import { Icon, type IconName } from "../../../ui/Icon";
+import { ARRANGEMENTS, type Arrangement, arranged, type Layout, layoutOf, written } from "../../../ui/stage/layout";
+import { MAP_ALONE } from "./useLayout";
+import "./layoutChoice.css";
+
+const LABELS: Readonly<Record<Arrangement, readonly [icon: IconName, label: string]>> = {
+  one: ["viewOne", "One view (1)"],
+  beside: ["viewsBeside", "Two views beside each other (2)"],
+  above: ["viewsAbove", "Two views above each other (3)"],
+  four: ["viewsFour", "Four views (4)"],
+};
+
+/** Layouts to begin with: their names, and which views they need. */
+const PRESETS: readonly (readonly [name: string, layout: Layout])[] = [
+  ["Map", MAP_ALONE],
+  ["Map and camera", layoutOf("beside", ["map", "picture"])],
+  ["Map and 3D", layoutOf("beside", ["map", "3d"])],
+  ["Diagnosis", layoutOf("four", ["map", "picture", "plots", "frames"])],
+];
+
+interface LayoutChoiceProps {
+  readonly layout: Signal<Layout>;
+  /** The kinds of views that this log has. */
+  readonly kinds: readonly string[];
+}
+
+/** The arrangements of the stage as buttons, and layouts to begin with. */
+export function LayoutChoice({ layout, kinds }: LayoutChoiceProps) {
+  const now = layout.value;
+  const names = PRESETS.filter(([, one]) => one.views.every((view) => kinds.includes(view)));
+  const chosen = names.find(([, one]) => one.arrangement === now.arrangement && `${one.views}` === `${now.views}`);
+  return (
+    <div class="layout-choice" role="toolbar" aria-label="Layout of the views">
+      <select
+        class="select"
+        aria-label="Layout"
+        value={chosen ? written(chosen[1]) : ""}
+        onChange={(event) => {
+          const found = names.find(([, one]) => written(one) === event.currentTarget.value);
+          if (found) layout.value = found[1];
+        }}
+      >
+        {!chosen && <option value="">Own layout</option>}
+        {names.map(([name, one]) => (
+          <option key={name} value={written(one)} selected={one === chosen?.[1]}>
+            {name}
+          </option>
+        ))}
+      </select>
+      {ARRANGEMENTS.map((arrangement) => {
+        const [icon, label] = LABELS[arrangement];
+        return (
+          <button
+            key={arrangement}
+            type="button"
+            class="button quiet icon-only"
+            aria-label={label}
+            title={label}
+            aria-pressed={now.arrangement === arrangement}
+            onClick={() => {
+              layout.value = arranged(now, arrangement, kinds);
+            }}
+          >
+            <Icon name={icon} />
+          </button>
+        );
+      })}
+    </div>
+  );
+}

@@ -1,0 +1,68 @@
+/** The views that the stage of a log can show. A new view is one entry of `VIEWS`. */
+
+import type { Signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import type { Store } from "../../../store/store";
+import { lazy } from "../../../ui/lazy";
+import type { StageView } from "../../../ui/stage/Stage";
+import { FrameTree } from "../contents/FrameTree";
+import { Pictures } from "../contents/Pictures";
+import { Plots } from "../contents/Plots";
+import { Messages } from "../messages/Messages";
+import "./views.css";
+
+const Scene = lazy(async () => (await import("../../../tools/scene/Scene")).Scene);
+
+interface LogOfView {
+  readonly store: Store;
+  readonly session: string;
+  /** The topic whose messages are shown. */
+  readonly topic: Signal<string>;
+}
+
+interface View {
+  readonly kind: string;
+  readonly title: string;
+  /** Of a view that a guest has not. */
+  readonly isOwners?: boolean;
+  readonly content: (log: LogOfView) => ComponentChildren;
+}
+
+/** In the order in which they fill an arrangement; the map, which the viewer has, is the first of all. */
+const VIEWS: readonly View[] = [
+  { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
+  { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
+  { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
+  { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
+  { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
+];
+
+export const MAP_VIEW = "map";
+
+/** The kinds of views of a log. */
+export const kindsFor = (isGuest: boolean): readonly string[] => [
+  MAP_VIEW,
+  ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind }) => kind),
+];
+
+/** The views of a log, for the stage; `map` is the content of the first. */
+export function viewsOf(log: LogOfView, isGuest: boolean, map: () => ComponentChildren): readonly StageView[] {
+  return [
+    { kind: MAP_VIEW, title: "Map", content: map },
+    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, content }) => ({
+      kind,
+      title,
+      content: () => <Scrolled kind={kind}>{content(log)}</Scrolled>,
+    })),
+  ];
+}
+
+/** A view that is text or pictures, and scrolls by itself. */
+function Scrolled({ kind, children }: { readonly kind: string; readonly children: ComponentChildren }) {
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, which the keyboard can only do with the focus in it
+    <div class={`view-scroll kind-${kind}`} tabIndex={0}>
+      {children}
+    </div>
+  );
+}

@@ -1,0 +1,118 @@
+/** Over a map: fit, full screen, the ruler and the area; the scale, the place of the pointer, and what is measured. */
+
+import { useComputed } from "@preact/signals";
+import type { RefObject } from "preact";
+import type { MeasuringTool } from "../../store/measuring";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import type { IconName } from "../../ui/Icon";
+import { LiveRegion } from "../../ui/LiveRegion";
+import { written } from "../../ui/numbers";
+import { ToggleOf } from "../../ui/Toggle";
+import { measuredText, scaleBar, scaleText } from "./model";
+import "./measure.css";
+
+const TOOLS: readonly (readonly [tool: MeasuringTool, icon: IconName, label: string])[] = [
+  ["distance", "ruler", "Measure a distance"],
+  ["area", "area", "Measure an area"],
+];
+
+interface MapToolsProps {
+  readonly store: Store;
+  /** What fills the screen. */
+  readonly stage: RefObject<HTMLElement | null>;
+}
+
+export function MapTools({ store, stage }: MapToolsProps) {
+  const tool = store.measuring.tool.value;
+  const toggleFullScreen = (): void => {
+    if (document.fullscreenElement) void document.exitFullscreen();
+    else void stage.current?.requestFullscreen().catch(() => undefined);
+  };
+  return (
+    <>
+      <div class="map-tools" role="toolbar" aria-label="Map tools">
+        <Button
+          kind="quiet"
+          icon="target"
+          label="Fit the map (0)"
+          onClick={() => {
+            store.viewHeld.value = false;
+          }}
+        />
+        <Button kind="quiet" icon="fit" label="Full screen" onClick={toggleFullScreen} />
+        {TOOLS.map(([name, icon, label]) => (
+          <Button
+            key={name}
+            kind="quiet"
+            icon={icon}
+            label={label}
+            pressed={tool === name}
+            onClick={() => store.measuring.take(tool === name ? null : name)}
+          />
+        ))}
+      </div>
+      {tool && <Measured store={store} tool={tool} />}
+      <Place store={store} />
+    </>
+  );
+}
+
+function Measured({ store, tool }: { readonly store: Store; readonly tool: MeasuringTool }) {
+  const { measuring } = store;
+  const points = measuring.points.value;
+  const resolution = store.map.value?.geometry.resolution ?? 0;
+  const text = measuredText(tool, points, resolution);
+  return (
+    <section class="measured" aria-label="Measured">
+      <p class="number">{text}</p>
+      <div class="measured-actions">
+        <ToggleOf label="Snap to walls" signal={measuring.snaps} />
+        <Button
+          kind="quiet"
+          icon="undo"
+          label="Remove the last point (Backspace)"
+          disabled={points.length === 0}
+          onClick={() => measuring.undo()}
+        />
+        <Button
+          kind="quiet"
+          icon="check"
+          label="End this line"
+          disabled={points.length < 2 || measuring.isDone.value}
+          onClick={() => {
+            measuring.isDone.value = true;
+          }}
+        />
+        <Button kind="quiet" icon="close" label="Close the ruler" onClick={() => measuring.take(null)} />
+      </div>
+      <LiveRegion text={points.length > 0 ? text : ""} />
+    </section>
+  );
+}
+
+const BAR_PX = 120;
+
+/** The scale of the map, and the place of the pointer or the cell cursor in metres of the map's frame. */
+function Place({ store }: { readonly store: Store }) {
+  const scale = useComputed(() => store.view.value?.scale ?? 0);
+  const at = useComputed(() => {
+    const point = store.pointer.value ?? store.pinned.value;
+    return point ? `x ${written(point[0], 2)}  y ${written(point[1], 2)} m` : "";
+  });
+  const frame = useComputed(() => store.trajectory.value?.frame ?? "");
+  if (scale.value <= 0) return null;
+  const length = scaleBar(scale.value, BAR_PX);
+  return (
+    <div class="map-place" aria-hidden="true">
+      <span class="map-scale" style={{ width: `${length / scale.value}px` }}>
+        {scaleText(length)}
+      </span>
+      {at.value && (
+        <span class="map-point number">
+          {at.value} {frame.value && <span class="quiet">{frame.value}</span>}
+        </span>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,106 @@
+"""An engineer's page: views beside each other, the ruler, times, and raw messages."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import await_map, centre, frame, open_group, until
+from tests.browser.test_axe import violations
+from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.test_pictures import image
+from tests.mapper.io.logs import recorded
+
+SCREEN = """(point) => {
+  const { left, top } = document.querySelector(".picture").getBoundingClientRect();
+  const [x, y] = gridbloom.screen(point);
+  return [left + x, top + y];
+}"""  # the place in the window of a point of the map
+
+
+def opened(page: Page, server: str, folder: Path) -> None:
+    camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
+    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera]))
+    page.goto(f"{server}/logs.html")
+    page.locator("input[type=file]").set_input_files(folder / "robot.mcap")
+    await_map(page)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    until("the log to stand", lambda: not frame(page)["playing"])
+
+
+def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: Path) -> None:
+    opened(page, server, tmp_path)
+    page.keyboard.press("2")
+    views = page.locator(".view-pane")
+    expect(views).to_have_count(2)
+    expect(views.nth(1).get_by_role("img")).to_have_attribute("alt", re.compile("^/camera at 0.50 s"))
+    border = page.get_by_role("separator", name="Border between the columns of views")
+    before = centre(border)[0]
+    border.press("PageDown")
+    until("a wider first view", lambda: centre(border)[0] > before + 20)
+    views.nth(1).get_by_label("View 2").select_option("Frames")
+    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor's frame")
+    page.keyboard.press("F6")
+    until("the focus in a view", lambda: page.evaluate("() => document.activeElement.className") == "view-pane")
+    assert violations(page, ".view-stage") == []
+    # The address tells it, also of a page that is loaded again.
+    until("the address", lambda: "views=beside:map,frames:60:50" in page.url)
+    page.reload()
+    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor's frame")
+    page.get_by_label("Layout", exact=True).select_option("Map")
+    expect(views).to_have_count(1)
+
+    # A moment is chosen by its time.
+    page.get_by_role("button", name="Go to a time").click()
+    field = page.get_by_label("Time to go to")
+    field.fill("soon")
+    field.press("Enter")
+    expect(page.locator(".moment [role=alert]")).to_contain_text("1:13.4")
+    field.fill("0:01.0")
+    field.press("Enter")
+    until("the moment", lambda: abs(frame(page)["stamp"] - 1.0) < 0.051)
+
+    # Each topic leads to its messages, as the recording has them at the moment.
+    topics = open_group(page, "Topics")
+    topics.get_by_role("button", name="Messages on /imu").click()
+    messages = page.get_by_role("tabpanel", name="Messages")
+    expect(messages.get_by_label("Topic")).to_have_value("/imu")
+    expect(messages.locator(".message-tree").first).to_contain_text("angular_velocity")
+    expect(messages).to_contain_text("sensor_msgs/Imu")
+
+
+def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    await_map(page)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    until("the log to stand", lambda: not frame(page)["playing"])
+    # The two occupied cells of one row that are farthest apart: the walls to the left and the right of the robot.
+    row = page.evaluate("""() => {
+      const { geometry, cells } = gridbloom.connection.store.map.peek();
+      let best = null;
+      for (let row = 0; row < geometry.rows; row++) {
+        const cols = [];
+        for (let col = 0; col < geometry.cols; col++) if (cells.at(row, col) > 150) cols.push(col);
+        if (cols.length > 1 && (!best || cols.at(-1) - cols[0] > best[2] - best[1])) best = [row, cols[0], cols.at(-1)];
+      }
+      const at = (col) => [0, 1].map((k) => geometry.origin[k] + ([col, best[0]][k] + 0.5) * geometry.resolution);
+      return best && { from: at(best[1]), to: at(best[2]), resolution: geometry.resolution };
+    }""")
+    assert row is not None
+    page.get_by_role("button", name="Measure a distance").click()
+    measured = page.get_by_role("region", name="Measured")
+    expect(measured).to_contain_text("two sides of a door")
+    for point in (row["from"], row["to"]):
+        x, y = page.evaluate(SCREEN, point)
+        page.mouse.click(x, y)
+    expect(measured).to_contain_text(f"± {row['resolution']:.2f} m")
+    distance = float(re.search(r"([\d.]+) m ±", measured.inner_text())[1])  # type: ignore[index]
+    assert abs(distance - abs(row["to"][0] - row["from"][0])) <= 2.0 * row["resolution"]
+    page.locator(".picture").press("Escape")
+    expect(measured).to_contain_text("two sides of a door")
+    page.locator(".picture").press("Escape")
+    expect(measured).to_have_count(0)
