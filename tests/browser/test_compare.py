@@ -42,7 +42,7 @@ def address(page: Page) -> str:
 
 
 def numbers(page: Page) -> dict[str, Any]:
-    return dict((store(page, "comparison") or {}).get("numbers") or {})
+    return dict((store(page, 'part("comparison").message') or {}).get("numbers") or {})
 
 
 @pytest.fixture

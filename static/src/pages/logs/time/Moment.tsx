@@ -34,7 +34,7 @@ export function Moment({ store, seconds, duration }: MomentProps) {
           type="button"
           class="moment-time number"
           title={`${text} of ${timeText(duration)}: go to a time`}
-          aria-label={`Go to a time; now ${text}`}
+          aria-label={`${start === null ? `${text} of ${timeText(duration)}` : text}: go to a time`}
           onClick={() => {
             isAsking.value = true;
           }}
