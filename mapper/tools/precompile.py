@@ -64,6 +64,7 @@ from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pair
 from mapper.slam.local_map import local_map
 from mapper.slam.scan_store import ScanStore
 from mapper.terrain import Patches, agreeing, assess, find_ground
+from mapper.terrain.kernels.extension import mark_near
 from mapper.volume import (
     OccupancyVolume,
     Octree,
@@ -267,6 +268,8 @@ def _assess_terrain() -> None:
     """Find the ground of a few points with gaps between them, and the planes of its patches."""
     points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 3.0, 0.5], [3.0, 3.0, 4.0]])
     find_ground(points)
+    flags = np.zeros((4, 4), dtype=np.bool_)
+    mark_near(points, flags[0], np.zeros(2), 1.0, 1, flags)  # where points are added to the ground
     agreeing(points, Patches.of(points, 4.0), 0.1)
     assess(Patches.of(points, 4.0).parents())
 
