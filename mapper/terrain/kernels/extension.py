@@ -41,7 +41,7 @@ def mark_near(
 
 
 @jit
-def continues(
+def _continues(
     points: Float64Array,
     i: int,
     lowest: NDArray[np.int32],
@@ -137,6 +137,6 @@ def extend(
                 box = (row - reach, row, col - half, col + half)
             else:
                 box = (row, row + reach, col - half, col + half)
-            if continues(points, i, lowest, box, need, most, height, share):
+            if _continues(points, i, lowest, box, need, most, height, share):
                 out[i] = True
                 break

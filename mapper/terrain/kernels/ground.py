@@ -30,7 +30,7 @@ def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array,
 
 
 @jit
-def smaller_rise(before: float, after: float) -> float:
+def _smaller_rise(before: float, after: float) -> float:
     """The smaller of two rises, 0 where one falls: so a slope ends at a step, and none is made up at a crest."""
     if before * after <= 0.0:
         return 0.0
@@ -57,7 +57,7 @@ def move_to_centres(
             right, left = float(heights[row, min(col + 2, cols - 1)]), float(heights[row, max(col - 2, 0)])
             x = (points[i, 0] - corner[0]) / cell - (col + 0.5)
             y = (points[i, 1] - corner[1]) / cell - (row + 0.5)
-            out[row, col] = z - 0.5 * (smaller_rise(z - left, right - z) * x + smaller_rise(z - down, up - z) * y)
+            out[row, col] = z - 0.5 * (_smaller_rise(z - left, right - z) * x + _smaller_rise(z - down, up - z) * y)
 
 
 @jit

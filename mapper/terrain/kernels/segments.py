@@ -15,7 +15,7 @@ Heights = NDArray[np.float32]
 
 
 @jit
-def root_of(parents: NDArray[np.int32], cell: int) -> int:
+def _root_of(parents: NDArray[np.int32], cell: int) -> int:
     """The first cell of a segment; the way to it is made shorter."""
     while parents[cell] != cell:
         parents[cell] = parents[parents[cell]]
@@ -24,7 +24,7 @@ def root_of(parents: NDArray[np.int32], cell: int) -> int:
 
 
 @jit
-def goes_on(
+def _goes_on(
     heights: Heights, row: int, col: int, down: int, right: int, most: float, height: float, share: float
 ) -> bool:
     """Whether the surface goes on from a cell to the next: the rises before, between and after the two agree.
@@ -67,8 +67,8 @@ def join_cells(
                 y, x = row + down, col + right
                 if y >= rows or x >= cols or not taken[y, x]:
                     continue
-                if goes_on(heights, row, col, down, right, most, height, share):
-                    a, b = root_of(parents, row * cols + col), root_of(parents, y * cols + x)
+                if _goes_on(heights, row, col, down, right, most, height, share):
+                    a, b = _root_of(parents, row * cols + col), _root_of(parents, y * cols + x)
                     parents[max(a, b)] = min(a, b)
 
 
@@ -89,17 +89,17 @@ def count_sides(
         for col in range(cols):
             if not taken[row, col]:
                 continue
-            segment = root_of(parents, row * cols + col)
+            segment = _root_of(parents, row * cols + col)
             for side in range(4):
                 down = 1 if side == 0 else (-1 if side == 1 else 0)
                 right = 1 if side == 2 else (-1 if side == 3 else 0)
                 y, x = row + down, col + right
                 if y < 0 or x < 0 or y >= rows or x >= cols:
                     continue
-                if taken[y, x] and root_of(parents, y * cols + x) == segment:
+                if taken[y, x] and _root_of(parents, y * cols + x) == segment:
                     continue
                 sides[segment, 0] += np.int32(1)
-                if not taken[y, x] and goes_on(heights, row, col, down, right, most, height, share):
+                if not taken[y, x] and _goes_on(heights, row, col, down, right, most, height, share):
                     sides[segment, 1] += np.int32(1)
                 elif heights[row, col] > heights[y, x]:
                     sides[segment, 2] += np.int32(1)
@@ -121,7 +121,7 @@ def judge(
         for col in range(cols):
             given[row, col] = contested[row, col] = False
             if taken[row, col]:
-                segment = root_of(parents, row * cols + col)
+                segment = _root_of(parents, row * cols + col)
                 n, into, drops = sides[segment, 0], sides[segment, 1], sides[segment, 2]
                 given[row, col] = into > 0 and into >= least_into * n and drops <= most_drops * n
                 contested[row, col] = into > 0 and not given[row, col]
