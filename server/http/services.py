@@ -22,7 +22,7 @@ from server.work.fair_lock import FairLock
 from server.workers.worker import Worker
 
 if TYPE_CHECKING:
-    from server.puzzles import Puzzles
+    from server.puzzles.puzzles import Puzzles
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +107,7 @@ async def get_puzzles(connection: HTTPConnection) -> Any:  # noqa: ANN401 - Fast
     """Return the puzzles."""
     state = connection.app.state
     if not hasattr(state, "puzzles"):
-        from server.puzzles import Puzzles  # noqa: PLC0415 - the simulator and the maps, imported with the first use
+        from server.puzzles.puzzles import Puzzles  # noqa: PLC0415 - the simulator and the maps, imported with the first use
 
         state.puzzles = Puzzles()
     puzzles: Puzzles = state.puzzles

@@ -37,7 +37,7 @@ def test_a_point_of_a_patch_is_dragged_and_its_moments_follow(page: Page, server
     assert len(points) == patch["n"]
 
     def shown() -> np.ndarray:
-        cells = asked.get_by_label("P, the sum of p pᵀ").get_by_role("cell").all_inner_texts()
+        cells = asked.get_by_label("P, the sum of v vᵀ").get_by_role("cell").all_inner_texts()
         return np.array([float(text.replace("−", "-").replace(",", "")) for text in cells]).reshape(4, 4)
 
     expect(asked).to_contain_text("safe")

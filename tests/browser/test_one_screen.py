@@ -67,7 +67,8 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
             page.evaluate(BEFORE_GROUP[title])
             settled_digest(page)
         if title in {"3D", "3D view"}:
-            expect(page.get_by_role("button", name=FULL_SCREEN)).to_be_visible()  # its controls come with the scene
+            controls = page.locator(".dock-group:visible")  # they come with the scene
+            expect(controls.get_by_role("button", name=FULL_SCREEN)).to_be_visible()
         screen.stands(title)
         assert hidden_texts(page, ".dock") == [], title
         turns.use_all(screen, page.locator(".dock-group:visible"))

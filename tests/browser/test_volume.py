@@ -24,8 +24,8 @@ from tests.mapper.volume.moving_lidar import record
 
 T0 = 1000 * SECOND
 DONE = """() => {
-  const { volume, frame } = window.gridbloom?.connection.store ?? {};
-  const [now, at] = [volume?.peek(), frame?.peek()];
+  const store = window.gridbloom?.connection.store;
+  const [now, at] = [store?.part('volume').message.peek(), store?.frame.peek()];
   return Boolean(now && at && at.index === at.count && now.pending === 0 && now.nodes !== null && now.chunks > 0);
 }"""
 VOLUME = "() => gridbloom.connection.store.part('volume').message.peek()"

@@ -21,9 +21,9 @@ FOLDER = "from server.process_folder import process_folder as used; print(used()
 SOCKETS = """
 from server.jobs.workers import PoolWorker
 from server.scenes.viser_server import ViserServer
-from os import getpid
+from types import SimpleNamespace
 worker, viser = PoolWorker(1 << 30), ViserServer()
-worker.run(type, 0).result()
+worker.submit(SimpleNamespace(timeout_s=60.0, memory_bytes=1 << 30, work=type)).result()
 print("begun", flush=True)
 input()
 viser.stop()

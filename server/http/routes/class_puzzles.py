@@ -18,7 +18,7 @@ from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, Servi
 from server.stream.class_messages import ClassSolver
 
 if TYPE_CHECKING:
-    from server.puzzles import Game
+    from server.puzzles.game import Game
 
 router = APIRouter(prefix="/api/classes", tags=["classes"])
 

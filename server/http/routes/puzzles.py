@@ -110,8 +110,11 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
 @router.post("/api/puzzles", status_code=201)
 async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewPuzzle) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
-    from server.puzzles import spec_of_log, spec_of_story  # noqa: PLC0415 - imported with the first puzzle
-    from server.puzzles.spec import changed  # noqa: PLC0415
+    from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
+        changed,
+        spec_of_log,
+        spec_of_story,
+    )
 
     session, seed = sessions.get(wanted.session), secrets.randbelow(2**31)
     story = session.model.find(Story)
@@ -166,7 +169,7 @@ async def begin_puzzle(
     ``place`` is what a reverse proxy finds this service by; None: as the request says.
     """
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
-    from server.puzzles import LogSource, StorySource  # noqa: PLC0415
+    from server.puzzles.making import LogSource, StorySource  # noqa: PLC0415
 
     if key in RECIPES:
         recipe = RECIPES[key]

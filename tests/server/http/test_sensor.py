@@ -34,7 +34,7 @@ def recording() -> bytes:
     """A lidar of twenty scans and, beside it, clouds of a room."""
     clouds = recording_of_room(n=4)
     first = min(one.stamp_ns for one in clouds)
-    lidar = [recorded.scan(first + n * 20_000_000, [1.0, 2.0, 3.0], frame="velodyne") for n in range(20)]
+    lidar = [recorded.scan(first + n * 15_000_000, [1.0, 2.0, 3.0], frame="velodyne") for n in range(20)]
     return recorded.mcap_bytes([*lidar, *clouds])
 
 
