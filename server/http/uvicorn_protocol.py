@@ -65,7 +65,7 @@ class HttpProtocol(H11Protocol):
             return
         self._unset_keepalive_if_required()
         self._head += data
-        if b"\r\n\r\n" in self._head or len(self._head) > MAX_HEAD:
+        if len(self._head) > MAX_HEAD or b"\r\n\r\n" in self._head:
             self._choose(self._handover)
 
     @property
@@ -78,7 +78,7 @@ class HttpProtocol(H11Protocol):
             return
         # Of a client that has not read the last answer it cannot be: this process has what was not sent of it.
         worker = None
-        if len(self._head) <= MAX_HEAD and not self.transport.get_write_buffer_size():
+        if b"\r\n\r\n" in self._head[:MAX_HEAD] and not self.transport.get_write_buffer_size():
             worker = handover.other(self._head, self.client[0] if self.client else "")
         if worker is None:
             head, self._head = self._head, b""

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 from server.workers.places import worker_of
 
-MAX_HEAD = 1 << 16  #: bytes of a request up to the end of its headers; a longer one is answered where it arrives
+MAX_HEAD = 1 << 16  #: bytes of a request up to the end of its headers; a longer one is refused where it arrives
+READ_BYTES = 1 << 18  #: that asyncio reads at once: the beginning of a body may be read with the headers
 BUFFER_BYTES = 1 << 20  #: of messages that wait for one worker
 AT_ONCE = 32  #: connections taken in one pass of the event loop
 FIGURES = b"\0figures"  #: in the place of a head: what asks for a worker's figures
@@ -110,7 +111,7 @@ class Handover:
         receiving = self._channels[self.own].receiving
         for _ in range(AT_ONCE):
             try:
-                head, descriptors, _, _ = socket.recv_fds(receiving, MAX_HEAD, 1)
+                head, descriptors, _, _ = socket.recv_fds(receiving, MAX_HEAD + READ_BYTES, 1)
             except BlockingIOError:
                 return
             for descriptor in descriptors:  # none where descriptors have run out

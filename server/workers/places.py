@@ -14,7 +14,7 @@ VISITOR_COOKIE = "gridbloom_visitor"
 _LINE = re.compile(rb"[A-Z]+ (?:[a-z]+://[^/ ]+)?(/[^ ?]*)")
 _SESSION = re.compile(rb"/(?:api/sessions|scenes)/([0-9a-z]{1,32})[.]")
 _CLASS = re.compile(rb"/(?:api/classes|class)/([A-Za-z][^/]*)")
-_COOKIE = re.compile(rb"\r\ncookie:[^\r\n]*?[ ;]" + VISITOR_COOKIE.encode() + rb"=([^;\r\n ]*)", re.IGNORECASE)
+_COOKIE = re.compile(rb"\r\ncookie:(?:[^\r\n]*?[ ;])?" + VISITOR_COOKIE.encode() + rb"=([^;\r\n ]*)", re.IGNORECASE)
 _PLACE = re.compile(rb"\r\n" + PLACE_HEADER.encode() + rb": *([0-9a-z]{1,32}) *\r\n", re.IGNORECASE)
 #: What every worker answers alike: the files of the pages, and whether it lives.
 _ANYWHERE = re.compile(rb"/(?:assets/.*|livez|readyz)")

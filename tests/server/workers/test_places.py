@@ -43,6 +43,7 @@ def test_a_class_is_where_its_code_leads_however_it_was_typed(path: str, typed: 
     "cookie",
     [
         "Cookie: gridbloom_visitor=abc",
+        "Cookie:gridbloom_visitor=abc",
         "cookie: theme=dark; gridbloom_visitor=abc; other=1",
         "COOKIE: my_gridbloom_visitor=no; gridbloom_visitor=abc",
     ],

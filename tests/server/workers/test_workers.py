@@ -137,6 +137,24 @@ def test_a_request_in_pieces_with_a_body_arrives_whole(service: Workers, pair: A
             assert raw.recv(4096).startswith(b"HTTP/1.1 404"), target
 
 
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_body_that_is_read_with_its_headers_arrives_whole(service: Workers, number: int) -> None:
+    body = bytes(300_000)  # more than is read at once, and than headers may be
+    with service.visitor_of(number) as visitor:
+        (cookie,) = visitor.cookies.values()
+        for key in (f"{n:032x}" for n in range(6)):  # each connection is accepted by either worker
+            request = (
+                f"PUT /api/logs?name=a.log&upload={key} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+                f"Cookie: gridbloom_visitor={cookie}\r\nContent-Length: {len(body)}\r\n"
+                f"Content-Range: bytes 0-{len(body) - 1}/{2 * len(body)}\r\n\r\n"
+            )
+            with socket.create_connection(("127.0.0.1", service.port), PATIENCE_S) as raw:
+                raw.sendall(request.encode() + body)
+                assert raw.recv(4096).startswith(b"HTTP/1.1 20")
+            assert visitor.get(f"/api/logs/uploads/{key}").json()["offset"] == len(body)
+            visitor.delete(f"/api/logs/uploads/{key}").raise_for_status()
+
+
 def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Workers, pair: Any) -> None:
     first, second = pair
     for visitor in pair:
