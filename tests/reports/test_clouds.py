@@ -175,9 +175,10 @@ UNITS: dict[str, tuple[dict[int, bytes], tuple[float, float, float], str | None]
 }
 
 
-def test_a_system_whose_unit_the_file_does_not_tell_is_refused(tmp_path: Path) -> None:
-    path = las(tmp_path / "a.las", POINTS, {34735: keys((1024, 1), (3072, 6560))})
-    with pytest.raises(ReadError, match=r"names EPSG:6560 and no unit.*state it in the record"):
+@pytest.mark.parametrize("number", [6560, 6349])  # the latter is in degrees, between two systems in metres
+def test_a_system_whose_unit_the_file_does_not_tell_is_refused(tmp_path: Path, number: int) -> None:
+    path = las(tmp_path / "a.las", POINTS, {34735: keys((1024, 1), (3072, number))})
+    with pytest.raises(ReadError, match=rf"names EPSG:{number} and no unit.*state it in the record"):
         read_cloud(path)
 
 

@@ -25,7 +25,7 @@ class Clock:
         return int(np.median(np.frombuffer(self._ahead, dtype=np.int64))) if self._ahead else None
 
     def recorded(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
-        """Return when the messages with these stamps (n,), which are all, were recorded; None if it is not known."""
+        """Return when all messages, with these stamps (n,), were recorded, ns; None if it is not known."""
         return None if len(self._ahead) != len(stamps_ns) else stamps_ns - np.frombuffer(self._ahead, dtype=np.int64)
 
     def ahead_of(self, other: Clock) -> int:

@@ -55,7 +55,7 @@ class RecordedLog:
         ]
         #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
         self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
-        #: The same sensors with their frames looked up in other topics of transforms: to choose, none of them more.
+        #: The same sensors with their frames looked up in other topics of transforms; a person may choose one of them.
         self._in_other_tf = [other for sensor in self._sensors for other in self._looked_up_otherwise(sensor)]
         #: Poses with stamps of their own, by the topic of transforms and the source.
         self._stated: dict[str, dict[tuple[str, ...], StatedPoses | None]] = {}

@@ -14,7 +14,7 @@ from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
-LEAST_APART_NS = 1_000_000  #: recorded times of two scans, in the mean
+LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of scans
 LEAST_ALIKE = 3  #: scans of one stamp that are a fault of their driver
 
 
@@ -56,7 +56,7 @@ class SensorScans:
         recorded = self.clock.recorded(stamps)
         if self.n_scans < LEAST_ALIKE or np.ptp(stamps) or recorded is None:
             return False
-        if np.ptp(recorded) < LEAST_APART_NS * (self.n_scans - 1):  # no sensor is so fast: these are no times either
+        if np.ptp(recorded) < LEAST_APART_NS * (self.n_scans - 1):  # faster than any sensor: not times of scans
             return False
         self.stamps, self.clock = array("q", recorded.tolist()), Clock()
         for stamp in self.stamps:

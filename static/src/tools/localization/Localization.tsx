@@ -137,7 +137,7 @@ function Outcome({ message }: { readonly message: LocalizationMessage }) {
   const isRight = message.is_converged && off < 1;
   const verdict = isRight ? "Found" : message.is_converged ? "Wrong, and sure of it" : "Not found yet";
   return (
-    <dl class="localization-numbers">
+    <dl class="number-row">
       <div>
         <dt>State</dt>
         <dd>{verdict}</dd>

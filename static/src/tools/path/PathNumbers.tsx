@@ -16,7 +16,7 @@ export function PathNumbers({ path }: PathNumbersProps) {
   rows.push(["Planned in", number(path?.plan_ms, 1, "ms")]);
   if (path && path.speed_limit !== null) rows.push(["Speed limit", path.speed_limit]);
   return (
-    <dl class={`navigation-numbers${path ? "" : " awaited"}`}>
+    <dl class={`number-row${path ? "" : " awaited"}`}>
       {rows.map(([label, text]) => (
         <div key={label}>
           <dt>{label}</dt>

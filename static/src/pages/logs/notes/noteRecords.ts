@@ -44,6 +44,6 @@ export function scanOf(note: Pin, trajectory: Trajectory | null, count: number):
     else high = middle;
   }
   const coarse = low * trajectory.every + 1;
-  // The trajectory has every so manieth scan: where the note's own number is as near, it is exact.
+  // The trajectory may have only some of the scans: where the note's own number is as near, it is exact.
   return Math.min(Math.abs(note.scan - coarse) <= trajectory.every ? note.scan : coarse, count);
 }

@@ -9,7 +9,7 @@ import { UtcSwitch } from "../time/Moment";
 import { timeText } from "../time/timeText";
 import "./overview.css";
 
-/** The length of a path through every so manieth pose, m. */
+/** The length of the path through the poses that the page has of a trajectory, which need not be all, m. */
 export function lengthOf({ poses }: Pick<Trajectory, "poses">): number {
   let sum = 0;
   let before = poses[0];

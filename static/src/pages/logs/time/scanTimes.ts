@@ -1,4 +1,4 @@
-/** From scans to their times and back, by the times that the trajectory has of every so manieth scan. */
+/** From scans to their times and back. The trajectory has the times of scans 0, `every`, 2 · `every` … */
 
 import type { Trajectory } from "../../../wire/protocol";
 
