@@ -23,7 +23,7 @@ from server.library.library import Library
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
-from server.sessions.use import Alone, OthersUse, Use
+from server.sessions.use import OthersUse, Use
 from server.stream.traffic import Traffic
 from server.work.memory import give_back
 from server.work.scheduler import JobOwner, Scheduler
@@ -82,7 +82,7 @@ class SessionRegistry:
     ) -> None:
         """``elsewhere`` is what the other workers of the service use of the same budgets; None: there are none."""
         self._settings = settings
-        self._elsewhere = elsewhere or Alone()
+        self._elsewhere = elsewhere
         self._clock = clock
         self._remake_seconds = remake_seconds
         self._traffic = traffic or Traffic()
@@ -107,8 +107,9 @@ class SessionRegistry:
         self._tasks = [
             asyncio.create_task(self._reap(), name="session reaper"),
             asyncio.create_task(preparing.run(), name="seeks prepared"),
-            asyncio.create_task(self._keep_stating(), name="use of the budgets"),
         ]
+        if self._elsewhere is not None:
+            self._tasks.append(asyncio.create_task(self._keep_stating(), name="use of the budgets"))
 
     async def shutdown(self) -> None:
         """End all sessions."""
@@ -233,7 +234,7 @@ class SessionRegistry:
         return self._limits(session, guest=session is not None and session.link is not None, owner=owner)
 
     def _limits(self, session: SessionHost | None, *, guest: bool, owner: str | None = None) -> Limits:
-        others, elsewhere = [s for s in self._sessions.copy().values() if s is not session], self._elsewhere.others()
+        others, elsewhere = [s for s in self._sessions.copy().values() if s is not session], self._others()
         room = self._settings.max_total_cells - elsewhere.cells - sum(s.cells for s in others)
         if guest:  # all guests together have at most half of the cells
             taken = elsewhere.guests_cells + sum(s.cells for s in others if s.link is not None)
@@ -243,7 +244,13 @@ class SessionRegistry:
             room = min(room, share - sum(s.cells for s in others if s.owner == owner))
         return replace(DEFAULT_LIMITS, max_cells=max(min(self._settings.max_cells, room), 1))
 
+    def _others(self) -> Use:
+        """Return what the other workers use."""
+        return Use() if self._elsewhere is None else self._elsewhere.others()
+
     def _state_use(self) -> None:
+        if self._elsewhere is None:
+            return
         live, guests = self.all(), self._guests()
         logs = {id(one.ranges): one.ranges.nbytes for session in live for one in session.model.footprint.logs}
         cells, guests_cells = sum(s.cells for s in live), sum(s.cells for s in guests)
@@ -272,7 +279,7 @@ class SessionRegistry:
             if link is not None:
                 await self._make_room_for_guest(link, places or self._settings.max_sessions_per_visitor)
             here = len(self._sessions) + len(self._making)
-            if here + self._elsewhere.others().sessions > self._settings.max_sessions:
+            if here + self._others().sessions > self._settings.max_sessions:
                 message = "The service has no room for another session: try again in a minute."
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
@@ -296,7 +303,7 @@ class SessionRegistry:
         guests = self._guests()
         most = max(1, self._settings.max_sessions // 2)
         here = len(guests) + sum(one is not None for _, one in self._making)
-        if here + self._elsewhere.others().guests > most:
+        if here + self._others().guests > most:
             await self._evict(
                 guests, "session.full", "The service has no room for another guest: try again in a minute."
             )
@@ -327,7 +334,7 @@ class SessionRegistry:
         own = "Your open logs use all the memory that one visitor may have: close one first."
         await self._free_bytes(log, share, own, guest=guest, owner=owner)
         all_open = "The open logs use all the memory for logs: try again later."
-        await self._free_bytes(log, room - self._elsewhere.others().log_bytes, all_open, guest=guest)
+        await self._free_bytes(log, room - self._others().log_bytes, all_open, guest=guest)
 
     async def _free_bytes(
         self, log: ScanLog, room: int, message: str, *, guest: bool, owner: str | None = None

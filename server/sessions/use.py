@@ -25,14 +25,3 @@ class OthersUse(Protocol):
 
     def state(self, own: Use) -> None:
         """State what the sessions of this worker use."""
-
-
-class Alone:
-    """A service that is one process: there are no others."""
-
-    def others(self) -> Use:
-        """Return it."""
-        return Use()
-
-    def state(self, own: Use) -> None:
-        """State what the sessions of this worker use."""
