@@ -94,7 +94,7 @@ async def test_a_process_that_is_killed_before_its_nth_write(
     for before in range(MOST_WRITES):
         process = server.Process(target=writes.upload_and_be_killed, args=(settings.data_dir, NEW, before))
         process.start()
-        await asyncio.to_thread(process.join, 60)
+        await asyncio.to_thread(process.join)
         library = make_library()
         await library.start()
         assert (await library.load("ann", old.id)).n_scans == 5
@@ -123,7 +123,7 @@ async def test_a_log_that_crashes_the_service_is_not_read_again_and_again(
     for _ in range(MOST_ATTEMPTS):
         process = server.Process(target=writes.be_killed_by_a_reading, args=(settings.data_dir,))
         process.start()
-        await asyncio.to_thread(process.join, 60)
+        await asyncio.to_thread(process.join)
         assert process.exitcode == -9
     for _ in range(2):
         library = make_library()
