@@ -96,7 +96,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     expect(page.get_by_text("40 %: 0.20 m/s")).to_have_count(0)
     # Why a cell has its cost, and what no path says.
     page.get_by_role("radio", name="Why").check()
-    page.mouse.click(*place(page, 8.5, 7.6))
+    page.mouse.click(*place(page, 8.5, 7.4))
     expect(page.get_by_text("The nearest obstacle is")).to_be_visible()
     page.get_by_role("button", name="Make the robot 1 m wide").click()
     expect(page.get_by_text("There is no path to the goal: it would have to pass where the robot")).to_be_visible()
