@@ -22,8 +22,8 @@ from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
 from server.library.processing import given_maps, localization
 from server.parts.costmap.part import CostmapPart
+from server.parts.wire import command_of
 from server.sessions.parts import Recording
-from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library.processing import slam_stand_ins as stand_ins
