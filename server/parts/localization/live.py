@@ -8,8 +8,7 @@ from msgspec import Struct
 
 from mapper.simulation.live_map import LiveMap
 from server.parts.localization.live_filter import LabLocalization
-from server.parts.localization.message_off import OFF
-from server.parts.localization.messages import LocalizeCommand
+from server.parts.localization.messages import OFF, LocalizeCommand
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
 from server.stream.commands import RestartCommand, SensorCommand, TeleportCommand, WorldCommand

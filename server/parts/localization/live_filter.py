@@ -22,7 +22,7 @@ from mapper.simulation.odometry import Odometer
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
-from server.parts.localization.message_off import COLUMNS
+from server.parts.localization.messages import COLUMNS
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 

@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
-from server.parts.localization.message_off import COLUMNS, OFF
+from server.parts.localization.messages import COLUMNS, OFF
 from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap

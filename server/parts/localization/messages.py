@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from msgspec import Meta, Struct
 
 from server.stream.message_parts import Pose, Values
+
+COLUMNS = ("x", "y", "yaw", "value")  #: of the layer of the particles
+OFF: dict[str, Any] = {
+    "type": "localization", "is_on": False, "map": "plan", "values": {}, "pose": None, "at": None, "covariance": None,
+    "is_converged": False, "share": 0.0, "fit": 0.0,
+    "entropy": 0.0, "n_particles": 0, "n_updates": 0, "error_m": None, "error_rad": None,
+}  # fmt: skip
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
@@ -50,3 +57,6 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
 
 COMMANDS = (LocalizeCommand,)
 MESSAGES = (LocalizationMessage,)
+
+
+"""The message ``localization`` of a session without a filter."""
