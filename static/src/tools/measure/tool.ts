@@ -2,6 +2,7 @@
 
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
+import { measuringOf } from "./measuring";
 import { snapped } from "./model";
 
 const SNAP_PX = 12;
@@ -9,7 +10,7 @@ const SNAP_PX = 12;
 /** The place that a click at a point means: on the border of a wall near it, if it snaps to one. */
 export function placeAt(store: Store, point: Point): Point {
   const [map, view] = [store.map.peek(), store.view.peek()];
-  if (!map || !view || !store.measuring.snaps.peek()) return point;
+  if (!map || !view || !measuringOf(store).snaps.peek()) return point;
   const reach = Math.max(SNAP_PX * view.scale, 0.75 * map.geometry.resolution);
   // Far out a cell is less than a pixel, and a search over thousands of them would take longer than a frame.
   return reach > 60 * map.geometry.resolution ? point : (snapped(map, point, reach) ?? point);
@@ -22,7 +23,7 @@ export function measuringTool(store: Store): {
   readonly tap: (point: Point) => boolean;
   readonly key: (key: string) => boolean;
 } {
-  const { measuring } = store;
+  const measuring = measuringOf(store);
   const tap = (point: Point): boolean => {
     if (measuring.tool.peek() === null) return false;
     measuring.add(placeAt(store, point));
