@@ -1,4 +1,4 @@
-"""What ``info`` prints besides scans: topics, clouds and IMUs of a recording, files with clouds, folders with depths."""
+"""What ``info`` prints besides scans: topics, clouds and IMUs of a recording, cloud files, folders of depth images."""
 
 from __future__ import annotations
 

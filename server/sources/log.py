@@ -31,9 +31,8 @@ from server.sessions.playback import Playback
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
-from server.sources.log_healing import LogHealing
 from server.sources.log_recording import LogRecording
-from server.sources.log_updates import LogUpdates
+from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings
 from server.sources.robot_report import RobotReport
 from server.stream.commands import (
@@ -133,8 +132,8 @@ class LogModel(SessionModel):
         self.recording = self.source = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
-        self._healing = LogHealing(self.recording)
-        self._updates = LogUpdates(self, self._healing)
+        self._followed = FollowedPoses(self.recording)
+        self._updates = LogUpdates(self, self._followed)
         offers = Offers(
             host,
             grid=lambda: self.grid,
@@ -347,7 +346,7 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
-        self._healing.leave()
+        self._followed.leave()
         if self.recording.replay.index == self.recording.log.n_scans:
             self.go_to(0)
         super().play()
@@ -356,7 +355,7 @@ class LogModel(SessionModel):
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         count = self.recording.log.n_scans
         if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
-            self._healing.leave()
+            self._followed.leave()
         match command:
             case SeekCommand(index=index):
                 if not 0 <= index <= count:
@@ -410,7 +409,7 @@ class LogModel(SessionModel):
         self.comparison.end(result)
         for part in self.parts:
             part.forget()
-        self._healing.leave()
+        self._followed.leave()
         self.parameters.adopt(recording.replay.config)
         self._times = play_times(log.stamps_ns)
         self._path_bounds = bounds_of(log.trajectory(recording.trajectory).poses)

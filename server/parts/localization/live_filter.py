@@ -1,4 +1,4 @@
-"""Localization of the simulated robot in a given map: its filter, what it is shown by, and how far off it is."""
+"""Localization of the simulated robot in a reference map: its filter, what it is shown by, and how far off it is."""
 
 from __future__ import annotations
 

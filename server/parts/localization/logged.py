@@ -1,4 +1,4 @@
-"""The localization of a log in a given map: the map, the particles and the estimate along the way."""
+"""The localization of a log in a reference map: the map, the particles and the estimate along the way."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from msgspec import Struct
 from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 from server.parts.localization.messages import COLUMNS, OFF
-from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowGivenMap
+from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowReferenceMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
 from server.sessions.parts import FilterHistory, GraphSource, Localized, Recording
@@ -25,14 +25,14 @@ from server.stream.whole_layers import TableLayer
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress
 
-LOCALIZED = "localized"  #: the trajectory of poses that were found in the given map
+LOCALIZED = "localized"  #: the trajectory of poses that were found in the reference map
 MOST_POINTS = 1000  #: of the series that pages plot
 
 
 class LogLocalization(Part, Localized):
     """View of a running localization job, and of a trajectory from one."""
 
-    commands = (ShowGivenMap, ShowCourse)
+    commands = (ShowReferenceMap, ShowCourse)
 
     def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
@@ -41,7 +41,7 @@ class LogLocalization(Part, Localized):
         self._shown: tuple[str, Course] | None = None
         self._report: LocalizeProgress | None = None
         self._drawn: tuple[Course, int] | None = None  #: the course and the scan whose particles are in the layer
-        self._given: GivenMap | None = None
+        self._given: ReferenceMap | None = None
         self._map: GridLayer | None = None
         self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
 
@@ -49,14 +49,14 @@ class LogLocalization(Part, Localized):
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The given map, and the particles while there are some."""
+        """The reference map, and the particles while there are some."""
         is_on = self._report is not None or self._course is not None
         given = () if self._map is None else (self._map,)
         return (*given, self._particles) if is_on else given
 
     @property
     def cells(self) -> int:
-        """Cells of the given map."""
+        """Cells of the reference map."""
         return 0 if self._given is None else int(self._given.values.size)
 
     @property
@@ -80,10 +80,10 @@ class LogLocalization(Part, Localized):
 
         given = self._given
         if given is None:
-            raise ConfigError("costmap.no_given_map", "There is no given map: choose one in the group Localize.")
+            raise ConfigError("costmap.no_given_map", "There is no reference map: choose one in the group Localize.")
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
-    def handle(self, command: ShowGivenMap | ShowCourse, result: TickResult) -> None:
+    def handle(self, command: ShowReferenceMap | ShowCourse, result: TickResult) -> None:
         """Show a map, or the course that a trajectory comes with."""
         result.changed = True
         if isinstance(command, ShowCourse):
@@ -93,7 +93,7 @@ class LogLocalization(Part, Localized):
         else:
             self.show_map(command.map)
 
-    def show_map(self, given: GivenMap) -> None:
+    def show_map(self, given: ReferenceMap) -> None:
         """Write a map into its layer."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
 
