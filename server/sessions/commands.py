@@ -63,7 +63,7 @@ class ShowCourse(Struct):
     course: Course
 
 
-class UseTerrain(Struct):
-    """Take the costs of an upload for the terrain's layer of the costmap; None for none."""
+class UseCosts(Struct):
+    """Take the costs of an upload for a layer of the costmap; None for none."""
 
-    terrain: UploadedCosts | None
+    costs: UploadedCosts | None

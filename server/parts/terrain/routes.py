@@ -15,7 +15,7 @@ from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
 from server.library.library import Library
 from server.library.packs.reference_map import ChosenMap
-from server.sessions.commands import UseTerrain
+from server.sessions.commands import UseCosts
 
 if TYPE_CHECKING:
     from server.sessions.parts import UploadedCosts
@@ -85,5 +85,5 @@ async def terrain(
     found = None
     if wanted.log is not None:
         found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
-    of_log.session.enqueue(UseTerrain(found))
+    of_log.session.enqueue(UseCosts(found))
     return ChosenMap(None if found is None else found.public())

@@ -21,7 +21,7 @@ from server.parts.localization.logged import LogLocalization
 from server.parts.terrain.costs import TerrainMap
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.commands import UseTerrain
+from server.sessions.commands import UseCosts
 from server.sessions.tick import TickResult
 from server.sources.log import LogModel
 from server.stream.protocol import ProtocolError
@@ -192,7 +192,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     values = np.random.default_rng(5).choice(np.array([0, 100, -1, 50], np.int8), geometry.shape)
     only = STATIC_ONLY | {"static_layer": False, "inflation_layer": False, "terrain_layer": True}
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
-    log.take(UseTerrain(TerrainMap("slopes", ReferenceMap("slopes.yaml", geometry, values))))
+    log.take(UseCosts(TerrainMap("slopes", ReferenceMap("slopes.yaml", geometry, values))))
     log.do(type="costmap", values=only | {"track_unknown_space": True})
     assert log.notices == []
     own = log.model.grid.geometry
@@ -211,9 +211,9 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     assert (log.costs == 254).any()
     assert log.part.history()[-1] == {"type": "use_terrain", "log": "slopes"}
     far = ReferenceMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
-    log.take(UseTerrain(TerrainMap("far", far)))
+    log.take(UseCosts(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]
-    log.take(UseTerrain(None))
+    log.take(UseCosts(None))
     assert not (log.costs == 254).any()
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
 

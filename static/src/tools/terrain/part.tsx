@@ -7,6 +7,7 @@ const TerrainGroup = lazy(async () => (await import("./TerrainGroup")).TerrainGr
 const FileTerrain = lazy(async () => (await import("./FileTerrain")).FileTerrain);
 
 export const PART: PagePart = {
+  computing: { terrain: "Assessing the terrain" },
   overlay: { watch: watchPatch, paint: paintPatch },
   lab: [
     {
