@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from msgspec import Struct
+from msgspec import Struct, to_builtins
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
@@ -50,6 +50,9 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import TrajectoryInfo
+from server.stream.messages import Trajectories
+from server.stream.messages import Trajectory as TrajectoryMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
@@ -259,7 +262,7 @@ class LogModel(SessionModel):
                 "topic": log.topic,
                 "cut": recording.cut_table(),
                 "trajectory": recording.trajectory,
-                "trajectories": self._trajectories_message()["trajectories"],
+                "trajectories": to_builtins(self._trajectories_message().trajectories),
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
                 "duration_s": float(recording.recorded[-1]),
@@ -276,25 +279,18 @@ class LogModel(SessionModel):
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
 
-    def _trajectories_message(self) -> dict[str, Any]:
+    def _trajectories_message(self) -> Trajectories:
         found = self.recording.log.trajectories.items()
-        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
+        return Trajectories([TrajectoryInfo(name, trajectory.description) for name, trajectory in found])
 
-    def _trajectory_message(self) -> dict[str, Any]:
+    def _trajectory_message(self) -> TrajectoryMessage:
         recording = self.recording
         trajectory = recording.log.trajectory(recording.trajectory)
         poses = trajectory.poses
         every = -(-len(poses) // MAX_PATH_POINTS)
         path = np.round(poses[::every, :2], 3).tolist()
         stamps = np.round(recording.recorded[::every], 3).tolist()
-        return {
-            "type": "trajectory",
-            "name": recording.trajectory,
-            "frame": trajectory.frame_id,
-            "every": every,
-            "poses": path,
-            "stamps": stamps,
-        }
+        return TrajectoryMessage(recording.trajectory, trajectory.frame_id, every, path, stamps)
 
     def frame(self) -> dict[str, Any]:
         """Return the robot's pose at the newest scan."""

@@ -7,13 +7,19 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from msgspec import Struct
+from msgspec import Struct, structs
 
 from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.reference_map import ReferenceMap
-from server.parts.localization.messages import COLUMNS, OFF
+from server.parts.localization.messages import (
+    COLUMNS,
+    OFF,
+    LocalizationMessage,
+    rounded_covariance,
+    rounded_pose,
+)
 from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowReferenceMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
@@ -127,22 +133,22 @@ class LogLocalization(Part, Localized):
         self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
         result.slot(self.message())
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[LocalizationMessage]:
         """Return the message ``localization``."""
         return [self.message()]
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
         if self._report is not None:
             report = self._report
-            c, pose = report.covariance, [round(float(v), 4) for v in report.poses[-1]]
+            covariance, pose = report.covariance, rounded_pose(report.poses[-1])
             numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
             updates = report.n_updates
         elif (course := self._course) is not None:
             recording = self._recording
             scan = max(recording.replay.index - 1, 0)
-            c = course.covariance[scan]
-            pose = [round(float(v), 4) for v in recording.log.trajectory(recording.trajectory).poses[scan]]
+            covariance = course.covariance[scan]
+            pose = rounded_pose(recording.log.trajectory(recording.trajectory).poses[scan])
             numbers = (
                 bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
                 float(course.entropy[scan]), int(course.n_particles[scan]),
@@ -151,18 +157,19 @@ class LogLocalization(Part, Localized):
         else:
             return OFF
         is_converged, share, fit, entropy, n_particles = numbers
-        return OFF | {
-            "is_on": True,
-            "pose": pose,
-            "at": pose,
-            "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
-            "is_converged": is_converged,
-            "share": round(share, 4),
-            "fit": round(fit, 4),
-            "entropy": round(entropy, 3),
-            "n_particles": n_particles,
-            "n_updates": updates,
-        }
+        return structs.replace(
+            OFF,
+            is_on=True,
+            pose=pose,
+            at=pose,
+            covariance=rounded_covariance(covariance),
+            is_converged=is_converged,
+            share=round(share, 4),
+            fit=round(fit, 4),
+            entropy=round(entropy, 3),
+            n_particles=n_particles,
+            n_updates=updates,
+        )
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
