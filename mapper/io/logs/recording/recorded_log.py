@@ -183,8 +183,16 @@ class RecordedLog:
         choice = self._taken.tf.choice(sensor.topic, sensor.frame)
         others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
         stated = self._stated.setdefault(choice.moving, {})
-        sources = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated).sources()
-        poses = trajectories_at(sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses())
+        robot_poses = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated)
+        sources = robot_poses.sources()
+        poses = trajectories_at(
+            sensor.moments,
+            sources,
+            robot[:MAX_FRAME_NAME],
+            self._limits,
+            self._refused_poses(),
+            listed(robot_poses.unused(), 3),
+        )
         notes += poses.notes
         whole = ScanLog(
             ranges=np.empty((len(stamps), 0), dtype=np.float32),

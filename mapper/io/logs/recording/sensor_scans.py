@@ -10,12 +10,9 @@ from numpy.typing import NDArray
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.stream import Stream
-from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
-
-LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of scans
-LEAST_ALIKE = 3  #: scans of one stamp that are a fault of their driver
 
 
 class SensorScans:
@@ -33,6 +30,7 @@ class SensorScans:
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's beaming
         self._ranges = bytearray()
+        self._is_repeated = array("b")  #: whether each scan is the one before once more
         self._time_increments = array("f")
         self._scan_times = array("f")
         self._mounts = array("d")
@@ -43,25 +41,32 @@ class SensorScans:
         # nan is not itself, and would be another key in every message.
         first, step, least, greatest = (np.nan if np.isnan(value) else value for value in map(float, stated))
         beaming = Beaming(first, step, least, greatest, len(beams.ranges))
+        readings = beams.ranges.tobytes()
+        is_repeated = bool(self.stamps) and self.stamps[-1] == stamp_ns and self._ranges.endswith(readings)
+        self._is_repeated.append(is_repeated)
         self.stamps.append(stamp_ns)
         self._of_scan.append(self._numbers.setdefault(beaming, len(self._numbers)))
-        self._ranges += beams.ranges.tobytes()
+        self._ranges += readings
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
         self._mounts.extend(beams.mount or ())
 
-    def take_recorded_times(self) -> bool:
-        """Give scans that all have one stamp the times at which they were recorded; return whether that was done."""
+    def take_recorded_times(self) -> int:
+        """Give scans that have the stamp of the one before the times at which they were recorded.
+
+        Return how many stamps there were, or 0 where nothing was done: see :func:`are_stamps_repeated`.
+        """
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
-        if self.n_scans < LEAST_ALIKE or np.ptp(stamps) or recorded is None:
-            return False
-        if np.ptp(recorded) < LEAST_APART_NS * (self.n_scans - 1):  # faster than any sensor: not times of scans
-            return False
+        differ = np.frombuffer(self._is_repeated, dtype=np.int8)[1:] == 0
+        if not np.ptp(stamps):  # also of a robot that stands where nothing moves
+            differ = np.ones(len(stamps) - 1, dtype=np.bool_)
+        if recorded is None or not are_stamps_repeated(stamps, recorded, differ):
+            return 0
         self.stamps, self.clock = array("q", recorded.tolist()), Clock()
         for stamp in self.stamps:
             self.clock.add(stamp, stamp)
-        return True
+        return len(np.unique(stamps))
 
     @property
     def kind(self) -> str:

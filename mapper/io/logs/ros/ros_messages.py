@@ -165,6 +165,22 @@ def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
     return [StampedPose(stamp, frame, child, pose)]
 
 
+def pose(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/Pose, which states neither a time nor a frame."""
+    fields = MessageFields(data, cdr=cdr)
+    found = fields.pose()
+    fields.end()
+    return [StampedPose(0, "", "", found)]
+
+
+def pose_2d(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/Pose2D, x, y and theta, which states neither a time nor a frame."""
+    fields = MessageFields(data, cdr=cdr)
+    x, y, theta = fields.unpack("3d", 8)
+    fields.end()
+    return [StampedPose(0, "", "", (x, y, 0.0, 0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0)))]
+
+
 def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
     fields = MessageFields(data, cdr=cdr)
@@ -219,6 +235,7 @@ def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 
 PATH = "nav_msgs/Path"
+WITHOUT_HEADER = ("geometry_msgs/Pose", "geometry_msgs/Pose2D")  #: types of poses without time and frame
 #: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
 SENSORS = {
     "sensor_msgs/LaserScan": laser_scan,
@@ -231,6 +248,8 @@ POSES = {
     "geometry_msgs/PoseStamped": pose_stamped,
     "geometry_msgs/TransformStamped": transform_stamped,
     PATH: path,
+    "geometry_msgs/Pose": pose,
+    "geometry_msgs/Pose2D": pose_2d,
 }
 TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
 
