@@ -44,7 +44,7 @@ YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (
         re.compile(rb"^\s+[\"']?ros__parameters[\"']?\s*:|[{,]\s*[\"']?ros__parameters[\"']?\s*:", re.MULTILINE),
         "log.parameters",
-        "The file has parameters of ROS nodes, and is no log: gridbloom costmap, path and localize take it as --params.",
+        "The file has parameters of ROS nodes, and is no log: gridbloom costmap, path and localize take it (--params).",
     ),
     (
         re.compile(rb"^[\"']?image[\"']?\s*:", re.MULTILINE),

@@ -36,7 +36,8 @@ def straight(size: tuple[float, float], start: tuple[float, float], end: tuple[f
         ((6.0, 6.0), (1.0, 1.0), (5.0, 5.0), 181),
         ((10.0, 7.0), (1.5, 3.3), (8.5, 3.9), 360),
         ((12.0, 12.0), (6.0, 1.0), (6.0, 11.0), 90),
-        ((80.0, 3.0), (3.0, 1.5), (75.0, 1.5), 90),  # at 12 m/s: a tenth of a second is farther than a wall is long
+        ((80.0, 3.0), (3.0, 1.5), (75.0, 1.5), 90),  # at 12 m/s
+        ((80.0, 3.0), (3.0, 1.5), (75.0, 1.5), 360),
     ],
 )
 def test_nothing_is_found(
