@@ -7,12 +7,17 @@ from array import array
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.se2 import wrap_angle
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
+
+LEAST_BEAMS = 10  #: fewer tell nothing of their angles' end
+MOST_BEAMS_OFF = 2.0  #: beams by which drivers state another end: the next beam's, or with the last one twice
+MOST_OFF_RAD = 0.01
 
 
 class SensorScans:
@@ -27,6 +32,8 @@ class SensorScans:
         self.positions = array("q")  #: the number of each scan's message in the recording
         self.offsets: NDArray[np.int64] | None = None  #: what counts the stamps on where the clock began again
         self.clock = Clock()
+        self.other_ends = 0  #: messages whose angle_max is not where their last beam is by the increments
+        self._other_end = ""  #: of the first of them
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's beaming
         self._ranges = bytearray()
@@ -49,7 +56,18 @@ class SensorScans:
         self._ranges += readings
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
+        if ends_elsewhere(beams):
+            self.other_ends += 1
+            self._other_end = self._other_end or _said_of_end(beams)
         self._mounts.extend(beams.mount or ())
+
+    @property
+    def notes_on_ends(self) -> list[str]:
+        """A note on messages whose ``angle_max`` contradicts their increments, if there are any."""
+        if not self.other_ends:
+            return []
+        of = f"{self.other_ends} of the {self.n_scans}" if self.other_ends < self.n_scans else f"All {self.n_scans}"
+        return [f"{of} messages on {self.topic} contradict themselves: {self._other_end}"]
 
     def take_recorded_times(self) -> int:
         """Give scans that have the stamp of the one before the times at which they were recorded.
@@ -106,3 +124,20 @@ class SensorScans:
             np.frombuffer(self._time_increments, dtype=np.float32),
             is_cut(self.kind),
         )
+
+
+def ends_elsewhere(beams: Beams) -> bool:
+    """Return whether ``angle_max`` is not the angle of the last beam, by more than two beams, modulo one turn."""
+    if not np.isfinite(beams.angle_max) or len(beams.ranges) < LEAST_BEAMS:
+        return False
+    apart = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1) - beams.angle_max
+    return abs(wrap_angle(apart)) > MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD
+
+
+def _said_of_end(beams: Beams) -> str:
+    last = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1)
+    first, step, last, stated = np.degrees([beams.angle_min, beams.angle_increment, last, beams.angle_max])
+    return (
+        f"angle_max is {stated:.4g}°, and {len(beams.ranges)} beams {step:.4g}° apart from {first:.4g}° end at "
+        f"{last:.4g}°. angle_increment counts here, as in laser_geometry; if walls are bent, it is wrong in the driver."
+    )
