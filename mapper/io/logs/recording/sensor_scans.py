@@ -131,7 +131,7 @@ def ends_elsewhere(beams: Beams) -> bool:
     if not np.isfinite(beams.angle_max) or len(beams.ranges) < LEAST_BEAMS:
         return False
     apart = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1) - beams.angle_max
-    return abs(wrap_angle(apart)) > MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD
+    return bool(abs(wrap_angle(apart)) > MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD)
 
 
 def _said_of_end(beams: Beams) -> str:
