@@ -14,6 +14,8 @@ from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
 
+LINES = [(2, 20, "Ready"), (12, 30, "Wheel slips"), (15, 20, "Planning"), (21, 40, "Bumper pressed")]  # tenths of s
+
 SCREEN = """(point) => {
   const { left, top } = document.querySelector(".picture").getBoundingClientRect();
   const [x, y] = gridbloom.screen(point);
@@ -23,7 +25,8 @@ SCREEN = """(point) => {
 
 def opened(page: Page, server: str, folder: Path) -> None:
     camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
-    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera]))
+    lines = [recorded.log_line(T0 + at * recorded.SECOND // 10, level, words) for at, level, words in LINES]
+    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera, *lines]))
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(folder / "robot.mcap")
     await_map(page)
@@ -70,6 +73,24 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     expect(messages.get_by_label("Topic")).to_have_value("/imu")
     expect(messages.locator(".message-tree").first).to_contain_text("angular_velocity")
     expect(messages).to_contain_text("sensor_msgs/Imu")
+
+    # What nodes logged: the next match is its moment, also of a line that is pressed; the slider marks the grave ones.
+    logged = open_group(page, "Log lines")
+    rows = logged.get_by_role("option")
+    expect(rows).to_have_count(4)
+    expect(page.locator(".timeline-tick")).to_have_count(2)
+    assert violations(page, ".dock") == []
+    logged.get_by_label("Level").select_option(label="warning and above (2)")
+    expect(rows).to_have_count(2)
+    logged.get_by_label("Search in the lines").press("Enter")
+    until("the moment of the next line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
+    expect(logged.get_by_role("option", selected=True)).to_contain_text("Wheel slips")
+    logged.get_by_role("listbox", name="Log lines").press("ArrowDown")
+    until("the moment of the line below", lambda: abs(frame(page)["stamp"] - 2.1) < 0.051)
+    expect(logged.get_by_role("option", selected=True)).to_contain_text("error")
+    logged.get_by_label("Search in the lines").fill("slips")
+    rows.first.click()
+    until("the moment of a pressed line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
 
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.io.contents.log_lines import LogLine
 
 Int64Array = NDArray[np.int64]
 
@@ -102,9 +103,14 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Contents of a recording. ``notes`` state what could not be read."""
+    """Contents of a recording. ``notes`` state what could not be read.
+
+    ``lines`` are what nodes logged, ascending in time, and ``lines_left_out`` the number of those beyond the limit.
+    """
 
     topics: tuple[TopicContents, ...]
     edges: tuple[FrameEdge, ...] = ()
     series: tuple[Series, ...] = ()
     notes: tuple[str, ...] = ()
+    lines: tuple[LogLine, ...] = ()
+    lines_left_out: int = 0

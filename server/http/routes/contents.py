@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+import msgspec
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
@@ -27,6 +28,7 @@ from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
+JSON = "application/json"
 LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
 
 
@@ -254,6 +256,50 @@ async def picture(
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)
+
+
+@dataclass(frozen=True, slots=True)
+class LineAnswer:
+    """A line that a node logged, ``seconds`` from the log's first scan; ``level`` as ROS 2 has them, 10 to 50."""
+
+    seconds: float
+    level: int
+    topic: str
+    name: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinesAnswer:
+    """What nodes logged, ascending in time; ``left_out`` counts those beyond the limit."""
+
+    lines: list[LineAnswer]
+    left_out: int
+
+
+@router.get("/{session_id}/contents/lines", response_model=LinesAnswer)
+@guests_may(GuestRight.LINKED_SESSION)
+async def lines(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> Response:
+    """Return the lines of /rosout and the changes of the states on /diagnostics."""
+    held = await _held(request, sessions, library, visitor, session_id)
+    return await in_turn(request, work, visitor, lambda: Response(msgspec.json.encode(_lines(held)), media_type=JSON))
+
+
+def _lines(held: _Held) -> LinesAnswer:
+    ahead_ns = held.recorded_ahead_ns
+    found = [
+        LineAnswer(
+            held.seconds(line.stamp_ns - (ahead_ns if line.is_recorded else 0)),
+            line.level,
+            line.topic,
+            line.name,
+            line.text,
+        )
+        for line in held.contents.lines
+    ]
+    return LinesAnswer(sorted(found, key=lambda line: line.seconds), held.contents.lines_left_out)
 
 
 @dataclass(frozen=True, slots=True)

@@ -304,6 +304,21 @@ export interface Health {
   readonly status: "alive" | "ready";
 }
 
+/** A line that a node logged, `seconds` from the log's first scan; `level` as ROS 2 has them, 10 to 50. */
+export interface LineAnswer {
+  readonly seconds: number;
+  readonly level: number;
+  readonly topic: string;
+  readonly name: string;
+  readonly text: string;
+}
+
+/** What nodes logged, ascending in time; `left_out` counts those beyond the limit. */
+export interface LinesAnswer {
+  readonly lines: readonly LineAnswer[];
+  readonly left_out: number;
+}
+
 /**
  * A link as its owner sees it: the view that it opens, and how many are `watching`. `count` is the number of scans of
  * the log, `index` how many of them the map has; `changed` names the parameters with other values than at first.
@@ -1099,6 +1114,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
   "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
+  "GET /api/sessions/{session_id}/contents/lines": LinesAnswer;
   "GET /api/sessions/{session_id}/contents/message": MessageAnswer;
   "GET /api/sessions/{session_id}/contents/series": SeriesAnswer;
   "GET /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;

@@ -19,6 +19,8 @@ import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Lines } from "./lines/Lines";
+import type { LinesState } from "./lines/lines";
 import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
 import { Messages } from "./messages/Messages";
@@ -51,6 +53,7 @@ export interface LogView {
   readonly openGroup: Signal<string>;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly lines: LinesState;
   /** Begin to heal the log's poses, and open the group that shows it. */
   readonly onHeal: () => void;
   readonly notes: NotesState;
@@ -171,6 +174,12 @@ const GROUPS: readonly Group[] = [
     title: "Messages",
     section: "Data",
     content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
+  },
+  {
+    id: "lines",
+    title: "Log lines",
+    section: "Data",
+    content: ({ store, session, lines }) => <Lines store={store} session={session} lines={lines} />,
   },
   {
     id: "pictures",

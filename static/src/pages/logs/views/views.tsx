@@ -8,6 +8,8 @@ import type { StageView } from "../../../ui/stage/Stage";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
+import { Lines } from "../lines/Lines";
+import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
 import "./views.css";
 
@@ -18,6 +20,7 @@ interface LogOfView {
   readonly session: string;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly lines: LinesState;
 }
 
 interface View {
@@ -32,6 +35,7 @@ interface View {
 const VIEWS: readonly View[] = [
   { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
+  { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
   { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
