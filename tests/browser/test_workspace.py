@@ -76,7 +76,7 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
 
     # What nodes logged: the next match is its moment, also of a line that is pressed; the slider marks the grave ones.
     logged = open_group(page, "Log lines")
-    rows = logged.get_by_role("option")
+    rows = logged.locator(".log-line")
     expect(rows).to_have_count(4)
     expect(page.locator(".timeline-tick")).to_have_count(2)
     assert violations(page, ".dock") == []
@@ -84,10 +84,10 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     expect(rows).to_have_count(2)
     logged.get_by_label("Search in the lines").press("Enter")
     until("the moment of the next line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
-    expect(logged.get_by_role("option", selected=True)).to_contain_text("Wheel slips")
+    expect(logged.locator(".log-line[aria-selected=true]")).to_contain_text("Wheel slips")
     logged.get_by_role("listbox", name="Log lines").press("ArrowDown")
     until("the moment of the line below", lambda: abs(frame(page)["stamp"] - 2.1) < 0.051)
-    expect(logged.get_by_role("option", selected=True)).to_contain_text("error")
+    expect(logged.locator(".log-line[aria-selected=true]")).to_contain_text("error")
     logged.get_by_label("Search in the lines").fill("slips")
     rows.first.click()
     until("the moment of a pressed line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)

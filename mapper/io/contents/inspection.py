@@ -49,6 +49,7 @@ class _Topic:
     cdr: bool
     plotted: PlottedType | None
     readable: bool
+    recorded: bool = False  #: whether the stamps are those of the recording, as a message has none
     messages: int = 0
     bytes: int = 0
     first_ns: int = 0
@@ -136,10 +137,12 @@ class Inspector(MessageSink):
 
     def _take_row(self, topic: _Topic, plotted: PlottedType, stamp_ns: int, data: bytes) -> None:
         stated, row = plotted.decode(data, cdr=topic.cdr)
-        at = stated if 0 < stated < LAST_NS else stamp_ns
+        is_stated = 0 < stated < LAST_NS
+        at = stated if is_stated else stamp_ns
         if not 0 <= at < LAST_NS or self._values_left < len(row):
             return
         self._values_left -= len(row)
+        topic.recorded |= not is_stated
         topic.stamps.append(at)
         topic.values.extend(_float32(value) for value in row)
 
@@ -207,7 +210,7 @@ def _series(topic: _Topic, plotted: PlottedType) -> Series:
         order = np.argsort(stamps, kind="stable")
         stamps, values = stamps[order], values[order]
     stamps, values = min_max(stamps, values, KEPT_ROWS // 2)
-    return Series(topic.name, topic.type, plotted.columns, stamps, values)
+    return Series(topic.name, topic.type, plotted.columns, stamps, values, recorded=topic.recorded)
 
 
 def inspect(

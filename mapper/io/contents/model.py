@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,13 +85,17 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Series:
-    """The numbers of one topic: ``values`` (n, columns) float32 at ``stamps_ns`` (n,), ascending."""
+    """The numbers of one topic: ``values`` (n, columns) at ``stamps_ns`` (n,), ascending.
+
+    The stamps are those that messages state; with ``recorded`` those of their recording, where they state none.
+    """
 
     topic: str
     type: str
     columns: tuple[Column, ...]
     stamps_ns: Int64Array
-    values: NDArray[np.float32]
+    values: NDArray[np.floating[Any]]
+    recorded: bool = False
 
     def __post_init__(self) -> None:
         if self.values.shape != (len(self.stamps_ns), len(self.columns)):

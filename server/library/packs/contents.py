@@ -34,7 +34,12 @@ def write_contents(contents: Contents, path: Path) -> None:
             {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic} for e in contents.edges
         ],
         "series": [
-            {"topic": one.topic, "type": one.type, "columns": [asdict(column) for column in one.columns]}
+            {
+                "topic": one.topic,
+                "type": one.type,
+                "columns": [asdict(column) for column in one.columns],
+                "recorded": one.recorded,
+            }
             for one in contents.series
         ],
         "notes": list(contents.notes),
@@ -70,6 +75,7 @@ def read_contents(path: Path) -> Contents:
                         tuple(Column(**column) for column in one["columns"]),
                         arrays[f"times{n}"],
                         arrays[f"values{n}"],
+                        recorded=one["recorded"],
                     )
                     for n, one in enumerate(about["series"])
                 ),

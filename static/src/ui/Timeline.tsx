@@ -30,6 +30,8 @@ interface TimelineProps {
   readonly onPoint?: (index: number | null) => void;
   readonly marks?: readonly TimelineMark[];
   readonly ticks?: readonly TimelineTick[];
+  /** The interval that plots of the same time show. */
+  readonly band?: readonly [from: number, to: number] | null;
   /** Called with the id of a mark that was pressed. */
   readonly onMark?: (id: string) => void;
 }
@@ -38,10 +40,20 @@ interface TimelineProps {
 const SLOP_TOUCH = 6;
 
 /** A seek bar over scans. While it is dragged the thumb follows the pointer, not the position of the server. */
-export function Timeline({ marks = [], ticks = [], onMark, ...bar }: TimelineProps) {
+export function Timeline({ marks = [], ticks = [], band = null, onMark, ...bar }: TimelineProps) {
   return (
     <div class="timeline-place">
       <SeekBar {...bar} />
+      {band && (
+        <span
+          class="timeline-band"
+          aria-hidden="true"
+          style={{
+            left: `${placeOf(band[0], bar.count) * 100}%`,
+            right: `${100 - placeOf(band[1], bar.count) * 100}%`,
+          }}
+        />
+      )}
       {ticks.map(({ index, isGrave }) => (
         <span
           key={index}
@@ -72,7 +84,7 @@ function SeekBar({
   onSeek,
   pointed = null,
   onPoint,
-}: Omit<TimelineProps, "marks" | "ticks" | "onMark">) {
+}: Omit<TimelineProps, "marks" | "ticks" | "band" | "onMark">) {
   const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);

@@ -48,6 +48,8 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents/frames"),
     ("GET", "/api/sessions/{session_id}/contents/message"),
     ("GET", "/api/sessions/{session_id}/contents/lines"),
+    ("GET", "/api/sessions/{session_id}/contents/fields"),
+    ("GET", "/api/sessions/{session_id}/contents/field"),
     ("GET", "/api/sessions/{session_id}/contents/picture"),
     ("GET", "/api/sessions/{session_id}/notes"),
     ("GET", "/api/sessions/{session_id}/trajectory-errors"),

@@ -12,7 +12,7 @@ import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
 import { Moment } from "./time/Moment";
-import { secondsAt } from "./time/scanTimes";
+import { scansAt, secondsAt } from "./time/scanTimes";
 import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
@@ -79,6 +79,7 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], li
   const trajectory = store.trajectory.value;
   const timeAt =
     duration > 0 && trajectory ? (at: number): string => shownTime(store, secondsAt(trajectory, at)) : undefined;
+  const span = duration > 0 ? plots?.zoom.value : null;
   const logged = lines?.lines.value;
   const ticks = useMemo(
     () => (logged && trajectory ? ticksOf(logged, trajectory, count) : []),
@@ -116,6 +117,7 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], li
           if (plots) plots.onTimeline.value = at;
         }}
         ticks={ticks}
+        band={span && trajectory ? [scansAt(trajectory, span[0], count), scansAt(trajectory, span[1], count)] : null}
         marks={[...marksOf(notes, trajectory, count), ...eventMarks(store, events)]}
         onMark={(id) => {
           if (id.startsWith(EVENT)) store.goTo(Number(id.slice(EVENT.length)));

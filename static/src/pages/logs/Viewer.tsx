@@ -20,6 +20,7 @@ import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { eventsOf, useDoctor } from "./Doctor";
+import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
 import { HealOffer } from "./heal/HealOffer";
@@ -69,6 +70,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
   const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
   const lines = useLines(session);
+  const fields = useFieldsState(session);
   const topic = useSignal(""); // whose messages are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
@@ -167,6 +169,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             openGroup,
             topic,
             lines,
+            fields,
+            zoom: plots.zoom,
             onHeal,
             sharedView: () => sharedViewOf(store, picture),
             shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
@@ -181,7 +185,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       </Head>
       <div class="viewer-stage" ref={stage}>
         <Stage
-          views={viewsOf({ store, session, topic, lines }, isGuest, map)}
+          views={viewsOf({ store, session, topic, lines, fields, zoom: plots.zoom }, isGuest, map)}
           layout={layout.value}
           onLayout={(next) => {
             layout.value = next;

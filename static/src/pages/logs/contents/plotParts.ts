@@ -3,6 +3,7 @@
 import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
 import { labelFont } from "../../../style/labelFont";
+import { clock } from "../../../ui/numbers";
 import type { Span } from "./series";
 
 /** Horizontal distance from which a press is a drag, px. */
@@ -25,6 +26,18 @@ export function axisStyle(element: HTMLElement): UPlot.Axis {
     grid: { stroke: colourOf(element, "--line"), width: 1 },
     ticks: { stroke: colourOf(element, "--line") },
   };
+}
+
+/** Times on an axis: with as many decimals as their distance needs. */
+export function timeLabels(splits: readonly number[]): string[] {
+  const step = (splits[1] ?? 1) - (splits[0] ?? 0);
+  const digits = step >= 1 ? 0 : Math.min(6, Math.ceil(-Math.log10(step) - 1e-9));
+  return splits.map((at) => {
+    const text = Math.abs(at).toFixed(digits);
+    const seconds = Number(text);
+    const rest = digits > 0 ? text.slice(text.indexOf(".")) : "";
+    return `${at < 0 && seconds > 0 ? "−" : ""}${clock(Math.floor(seconds))}${rest}`;
+  });
 }
 
 /** A vertical line over the height of a chart. */

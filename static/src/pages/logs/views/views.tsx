@@ -8,6 +8,8 @@ import type { StageView } from "../../../ui/stage/Stage";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
+import type { Span } from "../contents/series";
+import type { FieldsState } from "../fields/useFields";
 import { Lines } from "../lines/Lines";
 import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
@@ -21,6 +23,9 @@ interface LogOfView {
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
   readonly lines: LinesState;
+  readonly fields: FieldsState;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
 }
 
 interface View {
