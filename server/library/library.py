@@ -399,7 +399,7 @@ class Library:
 
     async def fields(
         self, owner: str, log_id: str, visitor: str, topics: Sequence[tuple[str, str]], *, address: str = ""
-    ) -> list[TopicFields] | float:
+    ) -> Sequence[TopicFields] | float:
         """Return the fields of the messages in a log of ``owner``; see :meth:`FieldLookups.names`."""
         return await self._fields.names(self.get(owner, log_id), visitor, topics, address=address)
 

@@ -92,6 +92,32 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     rows.first.click()
     until("the moment of a pressed line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
 
+    # Any field is found by a part of its name and plotted, over time and over another one.
+    plots = open_group(page, "Plots")
+    field = plots.get_by_label("Add a field to the plot")
+    field.fill("imu yaw")
+    expect(plots.get_by_role("button", name="/imu orientation.yaw")).to_be_visible()
+    field.press("Enter")
+    field.fill("odom position.x")
+    field.press("Enter")
+    legend = plots.get_by_role("list", name="Fields of the plot").get_by_role("listitem")
+    expect(legend).to_have_count(2)
+    over = plots.locator(".field-plot .u-over")
+    expect(over).to_be_visible()
+    assert violations(page, ".dock") == []
+    over.click()
+    until("the middle of the log", lambda: abs(frame(page)["stamp"] - 1.475) < 0.1)
+    with page.expect_response(lambda answer: "made=derivative" in answer.url and answer.status == 200) as answered:
+        plots.get_by_label("What is shown of /imu orientation.yaw").select_option("derivative")
+    assert set(answered.value.json()["columns"][0]["values"][1:]) == {0.2}
+    with page.expect_download() as saved:
+        plots.get_by_role("button", name="CSV of what is shown").click()
+    rows_of_csv = saved.value.path().read_text().splitlines()
+    assert rows_of_csv[0] == "time_s,d/dt /imu orientation.yaw (rad/s),/odom pose.pose.position.x (m)"
+    assert len(rows_of_csv) == 1 + 60
+    plots.get_by_label("Horizontal").select_option("/odom pose.pose.position.x")
+    expect(plots.locator(".field-plot .u-label").filter(has_text="position.x")).to_have_count(1)
+
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")

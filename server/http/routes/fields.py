@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from fastapi import APIRouter, Query, Request, Response
@@ -19,10 +20,15 @@ from server.http.routes.contents import ContentsReading, look_into, owner_of
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 
+if TYPE_CHECKING:
+    from mapper.io.contents.fields import TopicFields
+
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 Made = Literal["value", "derivative", "average"]
-READING = {202: {"model": ContentsReading, "description": "The recording is still being read."}}
+READING: dict[int | str, dict[str, Any]] = {
+    202: {"model": ContentsReading, "description": "The recording is still being read."}
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +58,7 @@ async def fields(
     held = await look_into(request, sessions, library, visitor, session_id)
     topics = [(one.name, one.type) for one in held.contents.topics]
     owner = owner_of(sessions, library, session_id)
-    found = (
+    found: Sequence[TopicFields] | float = (
         await library.fields(owner, held.recording.log_id, visitor, topics, address=client_address(request))
         if any("/" in kind for _, kind in topics)  # of text logs the topics are words of their lines
         else []

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.io.contents import fields
@@ -79,10 +80,10 @@ def test_a_long_recording_keeps_its_extremes(tmp_path: Path, monkeypatch: pytest
 
 def test_derivative_and_moving_average() -> None:
     stamps = np.arange(0, 101, dtype=np.int64) * (SECOND // 10)
-    x = 0.1 * np.arange(101)
+    x: NDArray[np.float64] = np.linspace(0.0, 10.0, 101, dtype=np.float64)
     np.testing.assert_allclose(derivative(stamps, 3.0 * x + 1.0)[1:], 3.0)
     assert np.isnan(derivative(stamps, x)[0])
-    turning = np.remainder(2.0 * x + np.pi, 2.0 * np.pi) - np.pi
+    turning: NDArray[np.float64] = np.remainder(2.0 * x + np.pi, 2.0 * np.pi) - np.pi
     np.testing.assert_allclose(derivative(stamps, turning, is_angle=True)[1:], 2.0)
     late = stamps + np.where(np.arange(101) >= 50, 60 * SECOND, 0)  # a pause of a minute
     assert np.flatnonzero(np.isnan(derivative(late, x))).tolist() == [0, 50]

@@ -11,7 +11,7 @@ import { written } from "../../../ui/numbers";
 import type { Plotted } from "../fields/fields";
 import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
-import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, timeLabels, zoomInto } from "./plotParts";
+import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "./plotParts";
 import { type Span, scanAtTime } from "./series";
 
 interface PlotProps {
@@ -54,7 +54,11 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     const shown = over ? columns.filter((column) => column !== over) : columns;
     const options = {
       ...optionsOf(store, element, series, shown, width),
-      ...(zoom ? { cursor: zoomInto(zoom) } : {}),
+      cursor: {
+        ...(zoom ? zoomInto(zoom) : CURSOR),
+        // Fields of several topics have values at different times.
+        dataIdx: (chart, line, row) => (line === 0 ? row : nearestKnown(chart.data[line] ?? [], row)),
+      },
     };
     const chart = new UPlot(
       over ? overEachOther(options, store, element, series.times, over, shown) : options,
@@ -96,6 +100,22 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
   );
 }
 
+/** Of a plot that zooms into the values that it has. */
+const CURSOR: UPlot.Cursor = {
+  drag: { x: true, y: false, dist: DRAG_PX },
+  points: { size: 6 },
+  sync: { key: "log" },
+};
+
+/** The row nearest to one that has a value. */
+function nearestKnown(values: ArrayLike<number | null | undefined>, row: number): number {
+  for (let away = 0; away < values.length; away++) {
+    if (values[row - away] != null) return row - away;
+    if (values[row + away] != null) return row + away;
+  }
+  return row;
+}
+
 const [RIGHT, LEFT] = [1, 3]; // as uPlot numbers the sides
 const scaleOf = (unit: string): string => `y ${unit}`;
 /** A number with six digits, as a value and its time can be far apart in size. */
@@ -135,16 +155,16 @@ function optionsOf(
     width,
     height: HEIGHT,
     legend: { show: true, live: true },
-    cursor: { drag: { x: true, y: false, dist: DRAG_PX }, points: { size: 6 }, sync: { key: "log" } },
     // Each unit has a scale of its own, in turn on the left and on the right.
     scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), {}])) },
     axes: [
-      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), space: 60 },
+      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), space: 60, incrs: TIME_STEPS },
       ...units.map((unit, n) => ({
         ...axis,
         scale: scaleOf(unit),
         side: n % 2 === 0 ? LEFT : RIGHT,
         size: 52,
+        space: 22,
         grid: { ...axis.grid, show: n === 0 },
         ...(units.length > 1 ? { label: unit || "no unit", labelSize: 16, labelFont: axis.font as string } : {}),
       })),

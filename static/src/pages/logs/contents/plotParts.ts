@@ -28,6 +28,12 @@ export function axisStyle(element: HTMLElement): UPlot.Axis {
   };
 }
 
+/** Distances of the times on an axis, s: whole minutes and hours beyond a minute. */
+export const TIME_STEPS: number[] = [
+  ...[1e-3, 1e-2, 0.1].flatMap((step) => [step, 2 * step, 5 * step]),
+  ...[1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 21_600, 43_200, 86_400],
+];
+
 /** Times on an axis: with as many decimals as their distance needs. */
 export function timeLabels(splits: readonly number[]): string[] {
   const step = (splits[1] ?? 1) - (splits[0] ?? 0);

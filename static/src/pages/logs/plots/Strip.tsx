@@ -9,7 +9,7 @@ import { useWidth } from "../../../ui/browser/useWidth";
 import { written } from "../../../ui/numbers";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import { brokenAtGaps } from "../contents/gaps";
-import { axisStyle, colourOf, drawLineAt, onClickAt, timeLabels, zoomInto } from "../contents/plotParts";
+import { axisStyle, colourOf, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "../contents/plotParts";
 import type { Span } from "../contents/series";
 import type { Shown } from "./strips";
 
@@ -62,6 +62,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
           ...axis,
           size: hasAxis ? AXIS_HEIGHT : 0,
           space: 70,
+          ...(series.axis === "time" ? { incrs: TIME_STEPS } : {}),
           gap: 3,
           values: (_, splits) =>
             !hasAxis ? [] : series.axis === "time" ? timeLabels(splits) : splits.map((at) => written(at, 0)),
