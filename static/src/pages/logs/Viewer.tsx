@@ -185,7 +185,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       </Head>
       <div class="viewer-stage" ref={stage}>
         <Stage
-          views={viewsOf({ store, session, topic, lines, fields, zoom: plots.zoom }, isGuest, map)}
+          views={viewsOf({ store, session, topic, comparison, lines, fields, zoom: plots.zoom }, isGuest, map)}
           layout={layout.value}
           onLayout={(next) => {
             layout.value = next;

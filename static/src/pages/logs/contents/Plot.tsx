@@ -57,7 +57,8 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
       cursor: {
         ...(zoom ? zoomInto(zoom) : CURSOR),
         // Fields of several topics have values at different times.
-        dataIdx: (chart: UPlot, line: number, row: number) => (line === 0 ? row : nearestKnown(chart.data[line] ?? [], row)),
+        dataIdx: (chart: UPlot, line: number, row: number) =>
+          line === 0 ? row : nearestKnown(chart.data[line] ?? [], row),
       },
     };
     const chart = new UPlot(

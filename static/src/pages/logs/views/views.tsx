@@ -3,8 +3,10 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
+import type { Comparison } from "../../../tools/compare/comparison";
 import { lazy } from "../../../ui/lazy";
 import type { StageView } from "../../../ui/stage/Stage";
+import { OtherMap } from "../compare/OtherMap";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
@@ -22,6 +24,7 @@ interface LogOfView {
   readonly session: string;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly comparison: Comparison;
   readonly lines: LinesState;
   readonly fields: FieldsState;
   /** The interval that all plots show. */
@@ -33,6 +36,8 @@ interface View {
   readonly title: string;
   /** Of a view that a guest has not. */
   readonly isOwners?: boolean;
+  /** Of a picture, which fills its place and does not scroll. */
+  readonly fills?: boolean;
   readonly content: (log: LogOfView) => ComponentChildren;
 }
 
@@ -43,6 +48,12 @@ const VIEWS: readonly View[] = [
   { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
   { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
+  {
+    kind: "second",
+    title: "Second map",
+    fills: true,
+    content: (log) => <OtherMap {...log} />,
+  },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
 ];
 
@@ -58,10 +69,10 @@ export const kindsFor = (isGuest: boolean): readonly string[] => [
 export function viewsOf(log: LogOfView, isGuest: boolean, map: () => ComponentChildren): readonly StageView[] {
   return [
     { kind: MAP_VIEW, title: "Map", content: map },
-    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, content }) => ({
+    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, fills, content }) => ({
       kind,
       title,
-      content: () => <Scrolled kind={kind}>{content(log)}</Scrolled>,
+      content: () => (fills ? content(log) : <Scrolled kind={kind}>{content(log)}</Scrolled>),
     })),
   ];
 }
