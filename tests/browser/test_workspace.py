@@ -56,6 +56,16 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     page.get_by_label("Layout", exact=True).select_option("Map")
     expect(views).to_have_count(1)
 
+    # Two maps beside each other, of which the second is that of a comparison.
+    page.get_by_label("Layout", exact=True).select_option("Two maps")
+    second = page.get_by_role("region", name="Second map")
+    second.get_by_role("button", name="With the present settings").click()
+    expect(second.locator(".compare-name")).to_contain_text("saved settings")
+    expect(views.first.locator(".compare-name")).to_contain_text("current settings")
+    expect(views.first.locator(".compare-divider")).to_have_count(0)
+    page.get_by_label("Layout", exact=True).select_option("Map")
+    expect(page.locator(".compare-divider")).to_have_count(1)
+
     # A moment is chosen by its time.
     page.get_by_role("button", name="Go to a time").click()
     field = page.get_by_label("Time to go to")
