@@ -132,8 +132,8 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
         f'font-size="{3 * unit:.1f}" fill="#1c1b19">{length:g} m</text>'
     )
     return (
-        f'<figure><svg viewBox="0 0 {width} {height + 6 * unit:.1f}" role="img" aria-label="{escape(title)}: the map along '
-        f'{escape(one.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
+        f'<figure><svg viewBox="0 0 {width} {height + 6 * unit:.1f}" role="img" aria-label="{escape(title)}: the map '
+        f'along {escape(one.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
         f'href="data:image/png;base64,{b64encode(one.png).decode()}"/>{path}{"".join(marks)}{bar}</svg>'
         f"<figcaption><b>{escape(title)}</b>, along {escape(one.trajectory)}</figcaption></figure>"
     )

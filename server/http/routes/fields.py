@@ -13,9 +13,8 @@ from mapper.core.errors import MapperError
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.model import Column, Contents, Series
 from mapper.io.contents.units import unit_of_rate
+from server.http.clients import client_address, in_turn
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
-from server.http.routes.clients import client_address
 from server.http.routes.contents import ContentsReading, look_into, owner_of
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor

@@ -8,8 +8,7 @@ from fastapi.responses import HTMLResponse
 from mapper.core.errors import MapperError
 from mapper.io.contents.pictured import CAMERAS
 from mapper.mapping.parameters import MappingConfig
-from server.http.request_work import in_turn
-from server.http.routes.clients import client_address, while_connected
+from server.http.clients import client_address, in_turn, while_connected
 from server.http.routes.contents import HeldContents
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import SessionOfLog, session_of_log
