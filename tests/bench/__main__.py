@@ -23,6 +23,7 @@ from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.tools.bench import bench_map
+from tests.bench.calibration import calibration
 from tests.bench.causes import causes
 from tests.bench.chunk_files import chunk_files
 from tests.bench.costmap import costmap
@@ -216,6 +217,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "reading": reading,
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
+    "calibration": calibration,
     "causes": causes,
     "doctor": doctor,
     "events": events,
