@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -24,8 +24,8 @@ from mapper.simulation.shapes import box, outer_walls, wall
 from mapper.simulation.simulation import Simulation
 from mapper.simulation.worlds import World
 
-SCANS = 120  #: of a drive
-KIDNAPPED_AT = 50  #: scan before which the robot is carried elsewhere
+SCANS = 100  #: of a drive
+KIDNAPPED_AT = 40  #: scan before which the robot is carried elsewhere
 RATE = 2.5  #: scans in a second
 
 SENSORS = {
@@ -104,7 +104,9 @@ def made(name: Name) -> Drive:
     rng = np.random.default_rng(name.seed)
     place, config = DRIVEN[name.world], SENSORS[name.sensor]
     driven = with_moved_furniture(place) if name.case == "changed" else place
-    poses, ranges, stamps = simulated(driven, config, name.seed, kidnap=name.case == "kidnapped")
+    poses, ranges, stamps = simulated(
+        driven, config, name.seed, carried=[KIDNAPPED_AT] if name.case == "kidnapped" else ()
+    )
     wheels = drifting_odometry(poses, rng, *ODOMETRY[name.odometry])
     if name.case == "kidnapped":  # the wheels do not notice
         at = KIDNAPPED_AT
@@ -122,10 +124,10 @@ def made(name: Name) -> Drive:
 
 @cache
 def plan(world: str, sensor: str) -> OccupancyGrid:
-    """Return the map of a world by a long drive with true poses."""
+    """Return the map of a world by forty short drives from anywhere, with true poses."""
     config = MappingConfig(resolution=0.05)
     seen = SENSORS[sensor]
-    poses, ranges, stamps = simulated(DRIVEN[world], seen, 1_000_000, n=800)
+    poses, ranges, stamps = simulated(DRIVEN[world], seen, 1_000_000, n=800, carried=range(20, 800, 20))
     log = ScanLog(
         ranges, seen.angle_min, seen.angle_increment, RANGE_MIN, seen.range_max, stamps, {"true": Trajectory(poses)}
     )
@@ -135,9 +137,12 @@ def plan(world: str, sensor: str) -> OccupancyGrid:
 
 
 def simulated(
-    world: World, sensor: SensorConfig, seed: int, n: int = SCANS, *, kidnap: bool = False
+    world: World, sensor: SensorConfig, seed: int, n: int = SCANS, *, carried: Sequence[int] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the poses (n, 3), ranges (n, b) and stamps (n,) of a drive, in which the robot may be carried away."""
+    """Return the poses (n, 3), ranges (n, b) and stamps (n,) of a drive.
+
+    Before some of its scans the robot is ``carried`` elsewhere.
+    """
     simulation = Simulation(world, sensor, seed)
     rng = np.random.default_rng(seed)
     x0, y0, x1, y1 = world.bounds
@@ -149,7 +154,7 @@ def simulated(
     elsewhere()
     taken: list[tuple[LaserScan, PoseTuple]] = []
     while len(taken) < n:
-        if kidnap and len(taken) == KIDNAPPED_AT:
+        if len(taken) in carried:
             elsewhere()
         taken += simulation.advance(1.0 / sensor.scan_rate)
     taken = taken[:n]
