@@ -75,31 +75,35 @@ def test_beams_that_go_on_behind_a_wall_contradict_a_place_and_short_ones_do_not
     assert share(math.nan) == 0.0
 
 
+def confirms(one: Confidence) -> bool:
+    return one.is_confirmed
+
+
 def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
     one = Confidence()
     for _ in range(WANTED):
-        assert not one.is_confirmed
+        assert not confirms(one)
         one.rule_out(1)
-    assert one.is_confirmed
+    assert confirms(one)
     one.wait(SOON)
-    assert one.is_confirmed
+    assert confirms(one)
     one.wait(SOON + 1)
-    assert not one.is_confirmed
+    assert not confirms(one)
     for _ in range(WANTED):
         one.rule_out(SOON + 1)  # another place explained that many scans nearly as well
-    assert not one.is_confirmed
+    assert not confirms(one)
     for _ in range(WANTED):
         one.rule_out(SOON)
     one.look(1.0)
-    assert not one.is_confirmed
+    assert not confirms(one)
     for _ in range(10):
         one.look(0.0)
-    assert one.is_confirmed  # people passed by
+    assert confirms(one)  # people passed by
     one.look(1.0)
     one.look(1.0)
     for _ in range(10):
         one.look(0.0)
-    assert not one.is_confirmed  # it has to be confirmed again
+    assert not confirms(one)  # it has to be confirmed again
 
 
 @pytest.mark.parametrize("jump", [None, 20])
