@@ -371,6 +371,7 @@ SHARED: dict[str, tuple[str, ...]] = {
         "particles anywhere and around a pose",
         "likelihood field of a map",
         "beam range finder model",
+        "contradicted readings",
     ),
     "mapper.mapping.integrate": ("scan by scan",),
     "mapper.mapping.prepare_scans": ("scan by scan",),

@@ -136,7 +136,7 @@ function Outcome({ message }: { readonly message: LocalizationMessage }) {
   const off = message.error_m ?? 0;
   const { is_converged, is_sure } = message;
   const found = off < 1 ? "Found" : "Wrong";
-  const certainty = is_sure === (off < 1) ? "" : is_sure ? ", and sure of it" : ", not sure";
+  const certainty = is_sure === off < 1 ? "" : is_sure ? ", and sure of it" : ", not sure";
   const verdict = is_converged ? found + certainty : "Not found yet";
   return (
     <dl class="number-row">
