@@ -31,6 +31,7 @@ from tests.bench.doctor import doctor
 from tests.bench.events import events
 from tests.bench.feel import feel
 from tests.bench.fleet import fleet
+from tests.bench.hard import hard
 from tests.bench.inspecting import inspecting
 from tests.bench.localization import localization
 from tests.bench.matching import matching
@@ -232,6 +233,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
+    "hard": hard,
     "fleet": fleet,
 }
 

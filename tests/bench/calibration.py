@@ -15,15 +15,19 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from mapper.core.parallel import single_threaded
 from mapper.core.se2 import wrap_angle
+from mapper.io.logs import open_log
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
 from mapper.localization.map_model import MapModel, map_model
 from mapper.localization.scan_beams import limits_of
+from mapper.sensors.scan import ScanLog
 from tests.bench.calibration_drives import CASES, DRIVEN, Drive, Name, made, names, plan
+from tests.bench.localization import LOGS, mapped, model_for
 
 WRONG_M, WRONG_RAD = 1.0, math.radians(15.0)
 DEVIATIONS = (0.0, 0.1, 0.15, 0.25, 0.5, 1.0)  #: m: borders of the curve's rows
@@ -60,8 +64,14 @@ def told(name: Name) -> Told:
 
 
 def _told(drive: Drive) -> Told:
-    log, name = drive.log, drive.name
+    name, log = drive.name, drive.log
     model = _model(name.world, name.sensor, log.range_min, log.range_max)
+    return _of_log(name, log, model, "odometry", log.trajectory("true").poses, drive.start)
+
+
+def _of_log(
+    name: Name, log: ScanLog, model: MapModel, odometry: str | None, true: np.ndarray, start: np.ndarray | None
+) -> Told:
     n = log.n_scans
     sure, deviation, poses = np.zeros(n, dtype=bool), np.empty(n), np.empty((n, 3))
 
@@ -70,8 +80,8 @@ def _told(drive: Drive) -> Told:
         sure[i], poses[i] = found.is_sure, found.pose
         deviation[i] = math.sqrt(float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1]))
 
-    found = localize_log(log, model, trajectory="odometry", initial_pose=drive.start, seed=name.seed, watch=watch)
-    off = poses - log.trajectory("true").poses
+    found = localize_log(log, model, trajectory=odometry, initial_pose=start, seed=name.seed, watch=watch)
+    off = poses - true
     return Told(
         name, np.hypot(off[:, 0], off[:, 1]), np.abs(wrap_angle(off[:, 2])), found.is_converged, sure, found.is_sure,
         deviation,
@@ -141,10 +151,29 @@ def report(runs: Iterable[Told]) -> None:
             print(f"{', '.join(run.name.words)}, seed {run.name.seed}: wrong and sure at {count} scans")
 
 
+def _real_logs(seeds: int) -> Iterator[list[Told]]:
+    """Yield, for each real log that is there, runs without a hint that begin somewhere in its first half."""
+    folder = Path(os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data")) / "carmen"
+    for name in LOGS:
+        paths = [folder / f"{name}{ending}.log.gz" for ending in ("", "-corrected")]
+        if not all(path.is_file() for path in paths):
+            print(f"{name}: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
+            continue
+        raw, corrected = (open_log(path) for path in paths)
+        model, true, runs = model_for(mapped(corrected), raw), corrected.trajectory().poses, []
+        for seed in range(seeds):
+            start = int(np.random.default_rng(seed).integers(0, raw.n_scans // 2))
+            part = raw.take(slice(start, raw.n_scans))
+            runs.append(_of_log(Name(name, "", "", "anywhere", seed), part, model, None, true[start:], None))
+        yield runs
+
+
 def calibration() -> None:
-    """Print the tables; GRIDBLOOM_DRIVES says of how many of the drives (all)."""
+    """Print the tables; GRIDBLOOM_DRIVES says of how many drives (all), GRIDBLOOM_SEEDS how often each real log (5)."""
     every = list(names())
     count = int(os.environ.get("GRIDBLOOM_DRIVES", len(every)))
     # In an order by chance, so that some of them are of all kinds.
     order = np.random.default_rng(0).permutation(len(every))[:count]
     report(_runs([every[k] for k in order.tolist()]))
+    for runs in _real_logs(int(os.environ.get("GRIDBLOOM_SEEDS", "5"))):
+        print(_row(runs[0].name.world, runs), flush=True)
