@@ -49,7 +49,7 @@ def _with_wheels(log: ScanLog, change: Callable[[np.ndarray], None]) -> ScanLog:
     for step in steps:
         poses.append(compose(poses[-1], step))
     wheels = Trajectory(np.array(poses), "wheels", "odom")
-    return replace(log, trajectories=log.trajectories | {"odometry": wheels})
+    return replace(log, trajectories={**log.trajectories, "odometry": wheels})
 
 
 def _joined(first: ScanLog, second: ScanLog) -> ScanLog:
@@ -74,7 +74,7 @@ def floors(seed: int) -> ScanLog:
     first, second = _office(seed=seed), _office(seed=100 + seed)
     aside = np.add(second.trajectory("true").poses, [40.0, 0.0, 0.0])
     return _joined(
-        _joined(first, _lift(seed)), replace(second, trajectories=second.trajectories | {"true": Trajectory(aside)})
+        _joined(first, _lift(seed)), replace(second, trajectories={**second.trajectories, "true": Trajectory(aside)})
     )
 
 
@@ -89,9 +89,9 @@ def lift(seed: int) -> ScanLog:
     )
     end = _office(seed=seed).trajectory("true").poses[-1]
     shifted = compose(compose(end, inverse(hall.trajectory("true").poses[0])), hall.trajectory("true").poses)
-    hall = replace(hall, trajectories=hall.trajectories | {"true": Trajectory(shifted)})
+    hall = replace(hall, trajectories={**hall.trajectories, "true": Trajectory(shifted)})
     cabin = _lift(seed)
-    cabin = replace(cabin, trajectories=cabin.trajectories | {"true": Trajectory(np.tile(end, (40, 1)))})
+    cabin = replace(cabin, trajectories={**cabin.trajectories, "true": Trajectory(np.tile(end, (40, 1)))})
     return _joined(_joined(_office(seed=seed), cabin), hall)
 
 
@@ -181,7 +181,7 @@ CASES: dict[str, Callable[[int], ScanLog]] = {
 def without_truth_lost(log: ScanLog) -> ScanLog:
     """Return a log without odometry, which keeps its true poses under another name."""
     bare = without_poses(log)
-    return replace(bare, trajectories=bare.trajectories | {"true": log.trajectory("true")})
+    return replace(bare, trajectories={**bare.trajectories, "true": log.trajectory("true")})
 
 
 def hard() -> None:
