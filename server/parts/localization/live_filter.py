@@ -166,6 +166,7 @@ class LabLocalization:
             at=rounded_pose(self._true),
             covariance=rounded_covariance(found.covariance),
             is_converged=found.is_converged,
+            is_sure=found.is_sure,
             share=round(found.share, 4),
             fit=round(found.fit, 4),
             entropy=round(found.entropy, 3),

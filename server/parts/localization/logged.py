@@ -142,7 +142,9 @@ class LogLocalization(Part, Localized):
         if self._report is not None:
             report = self._report
             covariance, pose = report.covariance, rounded_pose(report.poses[-1])
-            numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
+            numbers = (
+                report.is_converged, report.is_sure, report.share, report.fit, report.entropy, report.n_particles,
+            )  # fmt: skip
             updates = report.n_updates
         elif (course := self._course) is not None:
             recording = self._recording
@@ -150,13 +152,13 @@ class LogLocalization(Part, Localized):
             covariance = course.covariance[scan]
             pose = rounded_pose(recording.log.trajectory(recording.trajectory).poses[scan])
             numbers = (
-                bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
-                float(course.entropy[scan]), int(course.n_particles[scan]),
+                bool(course.is_converged[scan]), bool(course.is_sure[scan]), float(course.share[scan]),
+                float(course.fit[scan]), float(course.entropy[scan]), int(course.n_particles[scan]),
             )  # fmt: skip
             updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
         else:
             return OFF
-        is_converged, share, fit, entropy, n_particles = numbers
+        is_converged, is_sure, share, fit, entropy, n_particles = numbers
         return structs.replace(
             OFF,
             is_on=True,
@@ -164,6 +166,7 @@ class LogLocalization(Part, Localized):
             at=pose,
             covariance=rounded_covariance(covariance),
             is_converged=is_converged,
+            is_sure=is_sure,
             share=round(share, 4),
             fit=round(fit, 4),
             entropy=round(entropy, 3),

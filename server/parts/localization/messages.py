@@ -45,6 +45,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
         ),
     ]
     is_converged: Annotated[bool, Meta(description="whether the particles agree on one place")]
+    is_sure: Annotated[bool, Meta(description="whether other places in the map were ruled out, too")]
     share: Annotated[float, Meta(description="weight of the heaviest cluster, 0 to 1")]
     fit: Annotated[float, Meta(description="how well the last scan that was used fits, 0 to 1")]
     entropy: Annotated[float, Meta(description="of the histogram of particles in bins of 0.5 m and 10°, bits")]
@@ -68,8 +69,8 @@ def rounded_covariance(c: Float64Array) -> tuple[float, float, float, float]:
 
 #: of a session without a filter
 OFF = LocalizationMessage(
-    is_on=False, map="plan", values={}, pose=None, at=None, covariance=None, is_converged=False, share=0.0, fit=0.0,
-    entropy=0.0, n_particles=0, n_updates=0, error_m=None, error_rad=None,
+    is_on=False, map="plan", values={}, pose=None, at=None, covariance=None, is_converged=False, is_sure=False,
+    share=0.0, fit=0.0, entropy=0.0, n_particles=0, n_updates=0, error_m=None, error_rad=None,
 )  # fmt: skip
 COMMANDS = (LocalizeCommand,)
 MESSAGES = (LocalizationMessage,)
