@@ -53,6 +53,18 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
         ),
         f"a scan in the format PTX of Leica ({AS_CLOUD})",
     ),
+    (
+        re.compile(rb"%time,field\."),
+        "a table of one topic, as rostopic echo -p prints it (record the topics in a bag, those of poses as well)",
+    ),
+    (
+        re.compile(rb"(?:---\s*)?header:\s*\n\s+(?:seq|stamp):"),
+        "messages as text, as ros2 topic echo prints them (record the topics in a bag, those of poses as well)",
+    ),
+    (
+        re.compile(rb"(?:angle_min|angle_increment|range_min|range_max|mount)[ \t]*[;\t]"),
+        "a log as CSV with semicolons or tabs (save it with commas between the fields, and with decimal points)",
+    ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
 MAP = "log.map"  #: of the error for the yaml of a map
