@@ -26,9 +26,7 @@ export function LayersSection({ id, number, title }: SectionHead) {
         A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
         is free, 254 is lethal, 253 is a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
         saved map first, and the greatest cost counts.{" "}
-        <span class="no-print">
-          Drag the crate into the robot’s view, switch layers off, and read with the cross what each says.
-        </span>
+        <span class="no-print">Drag the crate into view, switch layers off, and read the costs with the cross.</span>
       </p>
     </Section>
   );

@@ -32,9 +32,7 @@ export function OctreeSection({ id, number, title }: SectionHead) {
       <p>
         The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
         lintel appears free to a tall robot. A map of <b>cells in three dimensions</b> has both.{" "}
-        <span class="no-print">
-          Move the cut through the building, then make the cells finer and compare the memory.
-        </span>
+        <span class="no-print">Move the cut, then make the cells finer and compare the memory.</span>
       </p>
     </Section>
   );

@@ -34,7 +34,7 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           <KldNumber />
           <p>
             AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %.{" "}
-            <span class="no-print">Go on with the steps above and watch k; drag ε and q.</span>
+            <span class="no-print">Step on above and watch k; drag ε and q.</span>
           </p>
           <LaterMore id="particles" />
         </>
