@@ -12,7 +12,9 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.classes import Classes
+from server.classes.prepared import Prepared, PreparedHere
 from server.downloads import Downloads
+from server.http.brake import CodeGuesses
 from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import (
@@ -97,9 +99,9 @@ async def _lifespan(
         open_scenes = Scenes()
         stack.push_async_callback(open_scenes.close)
         is_own = (lambda _: True) if worker is None else worker.has_class
-        opened = Classes(settings.max_class_followers, settings.class_code, is_own=is_own)
-        watching = asyncio.create_task(opened.watch(), name="classes")
-        stack.callback(watching.cancel)
+        opened = Classes(settings.max_class_followers, _prepared(settings, worker), is_own=is_own)
+        for watch in (opened.watch, opened.watch_prepared) if worker else (opened.watch,):
+            stack.callback(asyncio.create_task(watch(), name="classes").cancel)
         install(
             app,
             Services(
@@ -112,9 +114,23 @@ async def _lifespan(
                 sign_ins=sign_ins,
                 classes=opened,
                 worker=worker,
+                code_brake=_code_brake(worker),
             ),
         )
         yield
+
+
+def _prepared(settings: Settings, worker: Worker | None) -> Prepared | None:
+    """Return the class that is open from the start, None for none."""
+    if worker is not None:
+        return worker.prepared
+    return None if settings.class_code is None else PreparedHere(settings.class_code)
+
+
+def _code_brake(worker: Worker | None) -> CodeGuesses:
+    if worker is None:
+        return CodeGuesses()
+    return CodeGuesses(of_visitor=worker.guesses.codes_of_visitor, of_network=worker.guesses.codes_of_network)
 
 
 async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
@@ -188,6 +204,7 @@ def create_app(
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
-    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins)
+    wrong_tokens = None if worker is None else worker.guesses.tokens
+    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins, wrong_tokens=wrong_tokens)
     app.add_middleware(Ending)
     return app
