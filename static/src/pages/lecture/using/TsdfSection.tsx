@@ -21,8 +21,8 @@ export function TsdfSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
-            same voxels. W stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves{" "}
-            <span class="no-print">(move it with 64, then with 4)</span>.
+            same voxels. W stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves
+            <span class="no-print"> (move it with 64, then with 4)</span>.
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>

@@ -77,8 +77,8 @@ export function PeopleSection({ id, number, title }: SectionHead) {
     >
       <p>
         Someone who follows the robot is measured at a new place in every scan and leaves a <b>trail</b> of occupied
-        cells. When the robot looks at the corridor again from elsewhere, its beams clear most of it{" "}
-        <span class="no-print">(move the slider)</span>.
+        cells. When the robot looks at the corridor again from elsewhere, its beams clear most of it
+        <span class="no-print"> (move the slider)</span>.
       </p>
     </Section>
   );
