@@ -21,39 +21,31 @@ from server.http.routes import (
     class_puzzles,
     classes,
     contents,
-    costmaps,
     docs,
     doctor,
     fleet,
     health,
     links,
-    localization,
     logs,
     map_editing,
     maps,
-    merging,
     notes,
     pages,
     puzzles,
-    relations,
     scan_series,
     scenes,
     sensor,
-    session_trajectories,
     sessions,
     sign_out,
-    slam,
-    stream,
     trajectories,
     trajectory_errors,
-    volumes,
 )
-from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
 from server.http.sign_ins import SignIns
 from server.library.library import Library
+from server.parts import stated
 from server.scenes import Scenes
 from server.sessions import Kind, SessionRegistry
 from server.settings import Settings
@@ -172,27 +164,19 @@ def create_app(
         notes.router,
         scan_series.router,
         trajectory_errors.router,
-        comparing.router,
         maps.router,
-        volumes.router,
         map_editing.router,
-        costmaps.router,
         download_files.router,
-        stream.router,
         logs.router,
         fleet.router,
-        merging.router,
-        relations.router,
-        session_trajectories.router,
         sensor.router,
         trajectories.router,
-        slam.router,
-        localization.router,
         links.router,
         puzzles.router,
         scenes.router,
         classes.router,
         class_puzzles.router,
+        *stated("routes", "router"),
         docs.router,
         sign_out.router,
         pages.router,  # last: it has a route for any other name

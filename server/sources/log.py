@@ -20,9 +20,7 @@ from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
-from server.parts.localization.logged import LogLocalization
 from server.parts.mapping.part import MappingParameters
-from server.parts.slam.graph import LogGraph
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -111,8 +109,6 @@ class LogModel(SessionModel):
 
     recording: LogRecording
     comparison: LogComparison
-    graph: LogGraph
-    localization: LogLocalization
 
     def __init__(
         self,
@@ -137,8 +133,6 @@ class LogModel(SessionModel):
         self.recording = self.source = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
-        self.graph = LogGraph(host, self.recording)
-        self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
         offers = Offers(
@@ -146,10 +140,10 @@ class LogModel(SessionModel):
             grid=lambda: self.grid,
             map_title="the log's own",
             robot=self._robot,
-            plans={"given": self.localization.plan},
+            recording=self.recording,
+            update_log=self._update_log,
         )
-        shown = (self.comparison, self.graph, self._updates, self.localization)
-        own = (self.parameters, CellQuestions(self._explained), *shown)
+        own = (self.parameters, CellQuestions(self._explained), self.comparison, self._updates)
         self.parts = (*own, *parts_of(offers))
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
@@ -162,7 +156,7 @@ class LogModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map of a comparison, the pose graph, and what it is localized in."""
+        """The map, and those of the parts."""
         of_parts = (layer for part in self.parts for layer in part.layers)
         return (self._map, *of_parts)
 
@@ -261,7 +255,6 @@ class LogModel(SessionModel):
         recording, log = self.recording, self.recording.log
         return {
             "parameters": self.parameters.table(recording.first_config()),
-            **self.tables(),
             "log": {
                 "id": recording.log_id,
                 "topic": log.topic,
@@ -278,7 +271,7 @@ class LogModel(SessionModel):
         }
 
     def messages(self) -> list[Message]:
-        """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
+        """Return the parameters, the trajectory, and those of the parts."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
@@ -396,6 +389,9 @@ class LogModel(SessionModel):
                 return
         result.changed = True
 
+    def _update_log(self, log: ScanLog, result: TickResult) -> None:
+        self.updated(result, is_new=self.recording.update(log))
+
     def updated(self, result: TickResult, *, is_new: bool) -> None:
         """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
         if is_new:
@@ -412,7 +408,8 @@ class LogModel(SessionModel):
         reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)
         recording.use(log, view)
         self.comparison.end(result)
-        self.graph.forget()
+        for part in self.parts:
+            part.forget()
         self._healing.leave()
         self.parameters.adopt(recording.replay.config)
         self._times = play_times(log.stamps_ns)

@@ -1,18 +1,14 @@
-"""Commands of the service to a log session, which no client can send: other trajectories, a pose graph, a job."""
+"""Commands of the service to a log session, which no client can send: other trajectories, another sensor, a job."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
-import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
 from mapper.sensors.scan import ScanLog
-from server.parts.localization.logged import LogLocalization
-from server.parts.slam.graph import LogGraph
-from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.commands import (
     FollowPoses,
     PosesEnded,
@@ -27,16 +23,12 @@ from server.sessions.view import LogView
 from server.sources.log_healing import LogHealing
 from server.sources.log_recording import LogRecording
 
-if TYPE_CHECKING:
-    from server.library.processing.localization import LocalizeProgress
-
 
 class Updated(Protocol):
     """The model of a log session, as far as it is updated."""
 
     recording: LogRecording
-    graph: LogGraph
-    localization: LogLocalization
+    parts: Sequence[Part]
     playback: Playback
 
     @property
@@ -59,7 +51,6 @@ class LogUpdates(Part):
     commands = (
         UpdateLog,
         UseSensor,
-        ShowGraph,
         FollowPoses,
         PosesSoFar,
         PosesEnded,
@@ -79,43 +70,42 @@ class LogUpdates(Part):
                     model.use_sensor(log, view, result)
                 except MapperError as error:
                     result.notices.append(error_message(error.code, error.message))
-            case ShowGraph(solved=solved):
-                model.graph.show(solved)
-                model.updated(result, is_new=model.recording.update(solved.in_log(model.recording.log)))
             case FollowPoses(name=name):
                 self._healing.begin(name)
-            case PosesSoFar(poses=poses, report=report):
-                self._show_poses(poses, report, result)
+            case PosesSoFar():
+                self._show_poses(command, result)
             case PosesEnded(trajectory=trajectory):
+                self._tell(command, result)
                 self._end_poses(trajectory, result)
         result.changed = True
 
-    def _show_poses(self, poses: NDArray[np.float64], report: LocalizeProgress | None, result: TickResult) -> None:
+    def _tell(self, command: Struct, result: TickResult) -> None:
+        """Have the other parts take note of a command."""
+        for part in self._model.parts:
+            part.note(command, result)
+
+    def _show_poses(self, command: PosesSoFar, result: TickResult) -> None:
         """Map the scans whose poses a job has made so far."""
-        model = self._model
+        model, poses = self._model, command.poses
         if not self._healing.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
             return
         if model.is_catching_up:
             return  # with the poses from before; there are newer ones soon
         model.playback.playing = False
         is_new = self._healing.show(poses)
-        if report is not None:
-            model.localization.show_progress(report)
-            result.slot(model.localization.message())
+        self._tell(command, result)
         model.go_to(len(poses))
         model.updated(result, is_new=is_new)
 
     def _end_poses(self, trajectory: str | None, result: TickResult) -> None:
         """Show the whole map along the trajectory that the job has made, None: along the one from before."""
         model = self._model
-        model.localization.end_progress()
-        result.slot(model.localization.message())
         before = self._healing.end()
         chosen = before if trajectory is None else trajectory
         if before is None or chosen is None or chosen not in model.recording.log.trajectories:
             return
-        model.graph.forget()
-        model.localization.forget()
+        for part in model.parts:
+            part.forget()
         is_other = chosen != model.recording.trajectory
         if is_other:
             model.recording.choose(chosen)

@@ -16,6 +16,7 @@ from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.pose_correction import Corrector
 from mapper.simulation.robot import PoseTuple
+from server.parts.wire import command_of
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
 from server.sessions.parts import Story
@@ -23,7 +24,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sources.simulation_commands import Action, act
 from server.sources.story_cost import story_seconds
-from server.stream.protocol import ProtocolError, command_of, type_of
+from server.stream.protocol import ProtocolError, type_of
 
 MAX_JOURNAL = 1000  #: most actions in a story
 MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds

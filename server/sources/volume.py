@@ -177,7 +177,6 @@ class VolumeModel(SessionModel, Volumetric):
         """Return the file as a log without planar scans, and the table of the map's parameters."""
         rows = [asdict(row) for row in VOLUME_PARAMETERS] if isinstance(self._source, ScanSequence) else []
         return {
-            "map3d": self.tables().get("map3d", []) if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
             "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
         }

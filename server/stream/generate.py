@@ -18,12 +18,11 @@ from typing import get_args
 import msgspec
 from msgspec import inspect as types
 
+from server.parts import wire
 from server.stream import message_parts, protocol
 from server.stream.class_messages import ClassCommand, ClassMessage
 from server.stream.close_codes import CLOSE_CODES
-from server.stream.commands import Command
 from server.stream.generate_constants import constants
-from server.stream.messages import ServerMessage
 
 ROOT = Path(__file__).parents[2]
 COMMAND = "python -m server.stream.generate"
@@ -36,14 +35,13 @@ _SCALARS: dict[type[types.Type], tuple[str, str]] = {  # type in TypeScript, and
 }
 
 
-def _structs(union: object) -> list[types.StructType]:
-    """Return the classes of a union in their order."""
-    found = [types.type_info(cls) for cls in get_args(union)]
+def _structs(classes: Iterable[type[msgspec.Struct]]) -> list[types.StructType]:
+    found = [types.type_info(cls) for cls in classes]
     return [one for one in found if isinstance(one, types.StructType)]
 
 
-MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
-CLASS_MESSAGES, CLASS_COMMANDS = _structs(ClassMessage), _structs(ClassCommand)
+MESSAGES, COMMANDS = _structs(wire.MESSAGES), _structs(wire.COMMANDS)
+CLASS_MESSAGES, CLASS_COMMANDS = _structs(get_args(ClassMessage)), _structs(get_args(ClassCommand))
 
 #: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
 ALIASES: dict[str, str] = {
@@ -187,7 +185,7 @@ def typescript() -> str:
     parts = {name: part for name, part in _named_parts(every).items() if part not in every}
     read = _named_parts([*MESSAGES, *CLASS_MESSAGES])
     lines = [
-        f"// Written by `{COMMAND}` from server/stream/messages.py, message_parts.py and commands.py: change those.",
+        f"// Written by `{COMMAND}` from the Structs of server/stream and server/parts: change those.",
         "",
         "import {",
         "  type Check,",
@@ -249,8 +247,8 @@ _CHECKS = (
 def schema() -> str:
     """Return ``docs/wire.schema.json``, with the definitions ``ServerMessage`` and ``Command``."""
     unions = {
-        "ServerMessage": ServerMessage,
-        "Command": Command,
+        "ServerMessage": wire.ServerMessage,
+        "Command": wire.Command,
         "ClassMessage": ClassMessage,
         "ClassCommand": ClassCommand,
     }
@@ -298,7 +296,12 @@ def _table(fields: Iterable[types.Field]) -> list[str]:
 
 def page() -> str:
     """Return ``docs/wire.md``."""
-    lines = [f"<!-- Written by `{COMMAND}`: change server/stream/*.py instead. -->", "", "# Wire protocol", ""]
+    lines = [
+        f"<!-- Written by `{COMMAND}`: change server/stream and server/parts instead. -->",
+        "",
+        "# Wire protocol",
+        "",
+    ]
     lines += [inspect.cleandoc(protocol.__doc__ or ""), ""]
     lines += ["The schema of all text messages: [wire.schema.json](wire.schema.json).", ""]
     sections = (

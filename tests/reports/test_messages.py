@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -225,6 +226,38 @@ def test_sweeps_that_cannot_be_are_not_used(tmp_path, increment, scan_time, is_p
     assert any("deskew off" in note for note in log.notes) == (not is_possible)
     if is_possible:
         assert log.time_increment == pytest.approx(increment)
+
+
+@pytest.mark.parametrize(("step", "contradicts"), [(2.0, False), (2.6, True)])
+def test_an_angle_max_that_contradicts_the_increment_is_named(tmp_path, step, contradicts):
+    """SteveMacenski/slam_toolbox#430: a count of beams that is not (angle_max − angle_min) / angle_increment + 1."""
+    log = open_log(written(tmp_path, drive(lambda i: measured(i, angle_increment=math.radians(step))), "mcap"))
+    said = [note for note in log.notes if "contradict themselves" in note]
+    assert bool(said) == contradicts
+    if contradicts:
+        assert "All 12 messages on /scan" in said[0]
+        assert "angle_max is 178°, and 180 beams 2.6° apart from -180° end at 285.4°" in said[0]
+
+
+@pytest.mark.parametrize("stated", [30_000.0, 30.0])
+def test_readings_in_millimetres_are_named(tmp_path, stated):
+    said = [
+        replace(one, fields=one.fields | {"ranges": 1000.0 * one.fields["ranges"], "range_max": stated})
+        if one.topic == "/scan"
+        else one
+        for one in drive(measured)
+    ]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert re.fullmatch(r"The readings are usually 3,\d\d\d m, farther than a lidar measures: .*", note)
+
+
+def test_scans_that_name_no_frame_say_so(tmp_path):
+    said = [
+        replace(one, fields=one.fields | {"header": recorded.header(one.stamp_ns, "")}) if one.topic == "/scan" else one
+        for one in drive(measured)
+    ]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert note.startswith("The scans name no frame (frame_id is empty), so tf cannot say where they were made")
 
 
 def test_logs_without_a_measured_distance_say_why(tmp_path):

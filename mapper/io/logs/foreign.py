@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC
@@ -19,10 +20,10 @@ READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
     (b"\xfd7zXZ\0", "xz data (unpack it)"),
-    (b"\x89PNG\r\n", "a PNG picture"),
+    (b"\x89PNG\r\n", "a PNG picture (of a map, open the yaml that names it)"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"BM", "a BMP picture"),
-    (b"P5", "a PGM picture"),
+    (b"P5", "a PGM picture (of a map, open the yaml that names it)"),
     (b"%PDF", "a PDF document"),
     (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
     (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
@@ -32,6 +33,25 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
 )
 
+MAP = "log.map"  #: of the error for the yaml of a map
+#: Lines of yaml files that belong to logs and are none, and what such a file is.
+YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
+    (
+        re.compile(rb"^rosbag2_bagfile_information\s*:", re.MULTILINE),
+        "log.metadata",
+        "The file describes a ROS 2 bag and holds none of its messages: open the bag's folder.",
+    ),
+    (
+        re.compile(rb"^\s+[\"']?ros__parameters[\"']?\s*:|[{,]\s*[\"']?ros__parameters[\"']?\s*:", re.MULTILINE),
+        "log.parameters",
+        "The file has parameters of ROS nodes, and is no log: gridbloom costmap, path and localize take it (--params).",
+    ),
+    (
+        re.compile(rb"^[\"']?image[\"']?\s*:", re.MULTILINE),
+        MAP,
+        "The file describes a map, and is no log: gridbloom info and view tell what it is, and the page edits it.",
+    ),
+)
 GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines
 TUM_LINES = 20  #: lines of a text that tell whether it is a trajectory
 TUM_NORM = 0.05  #: how far from 1 the length of a quaternion may be
@@ -92,6 +112,9 @@ def not_a_log(head: bytes) -> ReadError:
         )
     if head.lstrip().startswith(GRAPH_WORDS):
         return ReadError("log.poses", "The file is a pose graph in the format g2o, without scans: open its log.")
+    for pattern, code, what in YAML:
+        if pattern.search(head):
+            return ReadError(code, what)
     lines = [line for line in head.split(b"\n") if line.strip()]
     if all(line.lstrip().startswith(b"#") for line in lines):
         return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")

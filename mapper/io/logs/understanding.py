@@ -16,6 +16,8 @@ from mapper.sensors.scan import ScanLog
 
 JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
 LEAST_SCANS = 3  #: fewer tell nothing of the time between them
+FARTHEST_USUAL_M = 300.0  #: the usual reading of no lidar that drives: those of the longest range see so far at most
+ENOUGH_READINGS = 100_000
 PAUSE = 5.0  #: times between scans that are longer than so many usual ones are pauses
 
 
@@ -31,6 +33,16 @@ def _understood(log: ScanLog) -> ScanLog:
     if any(why):
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log)])
+
+
+def _usual_reading(log: ScanLog) -> float:
+    """Return the median of the readings that are distances, metres, whether they are in range or not; 0 without.
+
+    Of a long log only some of the scans are looked at.
+    """
+    some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
+    readings = some[np.isfinite(some) & (some > 0.0)]
+    return float(np.median(readings)) if len(readings) else 0.0
 
 
 def _at_once(log: ScanLog) -> ScanLog:
@@ -67,6 +79,13 @@ def impossible_sweep(log: ScanLog, period: float) -> str:
 
 
 def _notes_on_readings(log: ScanLog) -> list[str]:
+    usual = max(_usual_reading(part) for part in sensors_of(log))
+    if usual > FARTHEST_USUAL_M:
+        note = (
+            f"The readings are usually {usual:,.0f} m, farther than a lidar measures: as it seems they are in "
+            "millimetres or centimetres. They are taken for metres, so hardly any is within the map's max range."
+        )
+        return [note]
     total = no_return = 0
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):

@@ -15,10 +15,9 @@ from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
+from server.http.clients import client_address, in_turn, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
-from server.http.routes.clients import client_address, while_connected
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.library import Library

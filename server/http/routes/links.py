@@ -13,22 +13,22 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
-from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
-from server.http.uploaded_terrain import uploaded_terrain
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
 from server.parts.costmap.messages import CostmapCommand
+from server.parts.terrain.routes import uploaded_terrain
+from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.commands import ShowGivenMap, UseTerrain
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
-from server.stream.protocol import command_of
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import LimitError, MapperError
 from server.downloads import Content, Download, file_stem
+from server.http.clients import client_address
 from server.http.file_answer import file_answer
-from server.http.routes.clients import client_address
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.library.logs.records import LogAnswer

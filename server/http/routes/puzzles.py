@@ -15,10 +15,10 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
-from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session

@@ -71,7 +71,7 @@ class CostmapPart(Part, Costed):
         titles |= {name: plan.title for name, plan in self._plans.items()}
         titles |= {name: other.title for name, other in self._maps.items()}
         self._names = tuple(titles)
-        self.tables = {"navigation": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
+        self.tables = {"costmap": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
         offers.costmap = lambda: self._costmap
         self._costmap: Costmap | None = None
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
@@ -334,3 +334,6 @@ def _meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
     step = max(1, len(rows) // 100_000)
     centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
     return bool(geometry.contains(geometry.world_to_cell(centres)).any())
+
+
+part_of = CostmapPart.of

@@ -7,13 +7,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
 from server.parts.localization.message_off import COLUMNS, OFF
-from server.sessions.commands import ShowCourse, ShowGivenMap
+from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowGivenMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
 from server.sessions.parts import FilterHistory, GraphSource, Localized, Recording
@@ -101,15 +102,15 @@ class LogLocalization(Part, Localized):
         grid = grid_of_values(given.geometry, given.values)
         self._map.update(grid, MappingConfig(), None, whole=True)
 
-    def show_progress(self, report: LocalizeProgress) -> None:
-        """Show the newest report of a job that runs."""
-        self._report = report
-        self._particles.set(report.particles.T)
-
-    def end_progress(self) -> None:
-        """The job has ended."""
-        self._report = None
-        self._drawn = None
+    def note(self, command: Struct, result: TickResult) -> None:
+        """Show the newest report of a job that runs, until it ends."""
+        if isinstance(command, PosesSoFar) and command.report is not None:
+            self._report = command.report
+            self._particles.set(self._report.particles.T)
+            result.slot(self.message())
+        elif isinstance(command, PosesEnded):
+            self._report = self._drawn = None
+            result.slot(self.message())
 
     def changed(self, result: TickResult) -> None:
         """Bring the particles to the newest scan."""

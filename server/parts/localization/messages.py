@@ -46,3 +46,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     n_updates: Annotated[int, Meta(description="scans that were used")]
     error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
+
+
+COMMANDS = (LocalizeCommand,)
+MESSAGES = (LocalizationMessage,)

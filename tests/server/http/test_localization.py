@@ -22,8 +22,9 @@ from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
 from server.library.processing import given_maps, localization
 from server.parts.costmap.part import CostmapPart
+from server.parts.localization.logged import LogLocalization
+from server.parts.wire import command_of
 from server.sessions.parts import Recording
-from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library.processing import slam_stand_ins as stand_ins
@@ -191,7 +192,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     until(lambda: "particles" in layers(service, session))
 
     model: Any = service.state.sessions.get(session).model
-    message = model.localization.message()
+    message = model.find(LogLocalization).message()
     assert message["is_on"]
     assert message["is_converged"]
     assert message["pose"] == [round(v, 4) for v in recording.log.trajectory("localized").poses[-1].tolist()]
@@ -201,7 +202,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     ):
         service.state.sessions.get(session).enqueue(command_of({"type": "trajectory", "name": name}))
         until(partial(lambda name: recording.trajectory == name, name))
-        assert model.localization.message()["is_on"] is is_on
+        assert model.find(LogLocalization).message()["is_on"] is is_on
 
 
 def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: ScanLog) -> None:

@@ -21,11 +21,12 @@ from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
 from server.library.packs.given_map import GivenMap
 from server.parts.costmap.zones import painted_filters
+from server.parts.wire import command_of
 from server.sessions.parts import Costed
 from server.sessions.tick import TickResult
 from server.sources.map_editing import MapModel, operation_of
 from server.stream.commands import MapEditCommand
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.sent import sent, sent_one
 from tests.server.service import Service, once_read, running, settings_for, until
 

@@ -11,10 +11,11 @@ from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.parts.localization.live_filter import MOST_SHOWN, LabLocalization
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 

@@ -17,12 +17,14 @@ from server.library.packs.given_map import GivenMap
 from server.parts.costmap import part as costmap_part
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
+from server.parts.localization.logged import LogLocalization
 from server.parts.terrain.costs import TerrainMap
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.commands import UseTerrain
 from server.sessions.tick import TickResult
 from server.sources.log import LogModel
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
 from tests.server.sent import sent
 
@@ -49,6 +51,12 @@ class Log:
         self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice["code"] for notice in result.notices]
         return sent(self.model.messages())[-1]
+
+    @property
+    def localization(self) -> LogLocalization:
+        part = self.model.find(LogLocalization)
+        assert part is not None
+        return part
 
     @property
     def part(self) -> CostmapPart:
@@ -146,7 +154,7 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
         values = rng.choice(np.array([0, 100, -1], np.int8), geometry.shape)
         zones = rng.choice(np.array([0, 50], np.int8), geometry.shape) if keepout else None
         limits = np.full(geometry.shape, 35 if keepout else 0, np.int8)
-        log.model.localization.show_map(GivenMap("given", geometry, values, (), zones, limits))
+        log.localization.show_map(GivenMap("given", geometry, values, (), zones, limits))
         log.do(type="costmap", values=STATIC_ONLY | {"map": "given", "inflation_layer": False})
         costs = np.select([values == 100, values == 0], [254, 0], 255)
         if zones is not None:
@@ -163,7 +171,7 @@ async def test_a_costmap_begins_with_the_map_that_the_poses_are_in(log: Log) -> 
     x, y = log.model.recording.robot_state().pose[:2]
     geometry = GridGeometry(0.1, 40, 60, (x - 3.0, y - 2.0, 0.0))
     values = np.random.default_rng(4).choice(np.array([0, 100, -1], np.int8), geometry.shape)
-    log.model.localization.show_map(GivenMap("given", geometry, values, ()))
+    log.localization.show_map(GivenMap("given", geometry, values, ()))
     log.do(type="costmap", value=True)
     assert sent(log.model.messages())[-2]["values"]["map"] == "belief"
     log.do(type="costmap", value=False)
@@ -226,15 +234,15 @@ async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
 ) -> None:
     log.do(type="seek", index=150)
     small = GivenMap("given", GridGeometry(0.1, 4, 5), np.zeros((4, 5), np.int8))
-    log.model.localization.show_map(small)
+    log.localization.show_map(small)
     log.do(type="costmap", values=STATIC_ONLY | {"map": "given"})
     monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)
-    log.model.localization.show_map(GivenMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
+    log.localization.show_map(GivenMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
     log.do(type="step")
     assert (log.notices, log.costs.shape) == (["costmap.too_large"], (4, 5))
     log.do(type="step")
     assert (log.notices, log.costs.shape) == ([], (4, 5))
-    log.model.localization.show_map(small)
+    log.localization.show_map(small)
     monkeypatch.undo()
     log.do(type="costmap", values={"map": "belief"})
     monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)

@@ -18,9 +18,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume.part import VolumeView
+from server.parts.wire import command_of
 from server.sessions import SessionHost, SessionRegistry, long_work, requests
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of

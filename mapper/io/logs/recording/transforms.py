@@ -91,8 +91,8 @@ class Stated:
     edges: int = 0
     statics: int = 0
 
-    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int) -> str:
-        """Take one transform; see :meth:`FrameTree.add`."""
+    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int, recorded_ns: int = 0) -> str:
+        """Take one transform, recorded at ``recorded_ns``; see :meth:`FrameTree.add`."""
         parent, child = one.frame.lstrip("/"), one.child.lstrip("/")
         why = why_ignored(parent, child, one.pose)
         if why:
@@ -107,7 +107,7 @@ class Stated:
             parents = self.moving.setdefault(child, {})
             if parent not in parents:
                 parents[parent] = Timeline(limits)
-            parents[parent].add(one.stamp_ns, one.pose, position)
+            parents[parent].add(one.stamp_ns, one.pose, position, recorded_ns)
             return ""
         statics = self.static.setdefault(child, _Statics())
         if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, one.pose):

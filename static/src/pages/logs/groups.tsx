@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
+import { groupsOfParts } from "../../tools/parts";
 import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
@@ -73,7 +74,6 @@ interface Group {
   readonly content: (view: LogView) => ComponentChildren;
 }
 
-const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
 const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 
 /** The group that a log opens on. */
@@ -142,13 +142,7 @@ const GROUPS: readonly Group[] = [
       <CostmapGroup store={store}>{!isGuest && <TerrainChoice store={store} session={session} />}</CostmapGroup>
     ),
   },
-  {
-    id: "path",
-    title: "Path",
-    section: "Navigate",
-    isThere: ({ log }) => log !== null,
-    content: ({ store }) => <PathGroup store={store} />,
-  },
+  ...groupsOfParts("log", "Navigate").map((group) => ({ ...group, isThere: ({ log }: LogView) => log !== null })),
   {
     id: "topics",
     title: "Topics",

@@ -8,7 +8,7 @@ export function CostCurve({ store }: { readonly store: Store }) {
   const state = costmapOf(store);
   const costmap = state.costmap.value;
   const values = state.values.values.value;
-  const table = store.hello.value?.navigation;
+  const table = store.hello.value?.tables.costmap;
   const row = (name: string): Range => table?.find((one) => one.name === name) ?? { low: 0, high: 1, step: 0.1 };
   if (!costmap) return null;
   return (

@@ -33,6 +33,6 @@ export function useCostmap(store: Store): void {
 
 /** The rows of the parameters of these names, in this order. */
 export function useRows(store: Store, names: readonly string[]) {
-  const table = store.hello.value?.navigation;
+  const table = store.hello.value?.tables.costmap;
   return useMemo(() => names.flatMap((name) => table?.filter((row) => row.name === name) ?? []), [table, names]);
 }

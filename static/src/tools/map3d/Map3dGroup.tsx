@@ -1,6 +1,5 @@
 /** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
 
-import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -17,6 +16,7 @@ import { Files } from "./Files";
 import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
+import { SurfacePanel } from "./SurfacePanel";
 import "./map3d.css";
 import { costmapOf } from "../costmap/state";
 
@@ -31,11 +31,9 @@ const KINDS = [
 interface GroupProps {
   readonly store: Store;
   readonly session: string;
-  /** What is shown of the surface while it is chosen. */
-  readonly surface: ComponentChildren;
 }
 
-export function Map3dGroup({ store, session, surface }: GroupProps) {
+export function Map3dGroup({ store, session }: GroupProps) {
   const { layers } = store;
   const map3d = store.part("map3d");
   const message = map3d.message.value;
@@ -74,7 +72,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
         value={String(values.value.kind)}
         onChange={(value) => set("kind", value)}
       />
-      {isSurface && surface}
+      {isSurface && <SurfacePanel store={store} />}
       <ClickChoice store={store} />
       <Difference store={store} />
       <div class="map3d-why">

@@ -133,6 +133,19 @@ def pose_stamped(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/p
     return Said(topic, "geometry_msgs/msg/PoseStamped", stamp_ns, fields)
 
 
+def bare_pose(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/robot_pose") -> Said:
+    return Said(topic, "geometry_msgs/msg/Pose", stamp_ns, _pose(x, y, yaw))
+
+
+def pose_2d(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/pose2D") -> Said:
+    return Said(topic, "geometry_msgs/msg/Pose2D", stamp_ns, {"x": x, "y": y, "theta": yaw})
+
+
+def pose_array(stamp_ns: int, poses: Iterable[tuple[float, float, float]], topic: str = "/particlecloud") -> Said:
+    fields = {"header": header(stamp_ns, "map"), "poses": [_pose(*one) for one in poses]}
+    return Said(topic, "geometry_msgs/msg/PoseArray", stamp_ns, fields)
+
+
 def transform_stamped(
     stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/vicon/robot", child: str = "robot"
 ) -> Said:
@@ -308,6 +321,8 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
         elif name == "twist":
             part = "geometry_msgs/msg/TwistWithCovariance" if "twist" in value else "geometry_msgs/msg/Twist"
         elif isinstance(value, list):
+            if kind.endswith("PoseArray"):
+                part = "geometry_msgs/msg/Pose"
             part = part or {"points": kind.replace("CustomMsg", "CustomPoint")}.get(name, "sensor_msgs/msg/LaserEcho")
             values[name] = [_made(ros, part, one) for one in value]
             continue

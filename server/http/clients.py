@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from fastapi import Request
@@ -13,6 +13,7 @@ from starlette.requests import HTTPConnection
 from mapper.core.errors import MapperError
 from server.http.services import services_of
 from server.network_address import network_of
+from server.work.fair_lock import FairLock
 from server.workers.places import PLACE_HEADER
 
 _PLACE = re.compile(r"[0-9a-z]{1,32}")
@@ -67,3 +68,16 @@ async def to_its_end(work: Coroutine[Any, Any, T]) -> T:
 async def _gone(request: Request) -> None:
     while (await request.receive())["type"] != "http.disconnect":
         pass
+
+
+async def in_turn(request: Request, work: FairLock, visitor: str, compute: Callable[[], T]) -> T:
+    """Return what ``compute`` returns, on a thread; turns are by address, then by visitor.
+
+    Raises as :func:`while_connected`.
+    """
+
+    async def computed() -> T:
+        async with work.of(visitor, client_address(request)):
+            return await to_its_end(asyncio.to_thread(compute))
+
+    return await while_connected(request, computed())

@@ -12,11 +12,10 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
+from server.http.clients import client_address, in_turn
 from server.http.file_answer import file_answer
 from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
-from server.http.routes.clients import client_address
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
 from server.library.library import Library

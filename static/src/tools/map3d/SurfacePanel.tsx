@@ -1,11 +1,11 @@
 /** The surface of the lab's 3D scans: one beam in both maps, the parameters of signed distances, and its size. */
 
 import { useMemo } from "preact/hooks";
-import { SurfaceProfile } from "../../../lessons/tsdf/SurfaceProfile";
-import type { Store } from "../../../store/store";
-import { useMap3dRows } from "../../../tools/map3d/Sensor3d";
-import { ParameterRows } from "../../../tools/parameters/ParameterRows";
-import type { Value } from "../../../wire/protocol";
+import { SurfaceProfile } from "../../lessons/tsdf/SurfaceProfile";
+import type { Store } from "../../store/store";
+import type { Value } from "../../wire/protocol";
+import { ParameterRows } from "../parameters/ParameterRows";
+import { useMap3dRows } from "./Sensor3d";
 import "./surfacePanel.css";
 
 export function SurfacePanel({ store }: { readonly store: Store }) {

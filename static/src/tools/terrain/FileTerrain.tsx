@@ -1,11 +1,10 @@
 import { useEffect } from "preact/hooks";
-import { AskedPatch } from "../../../lessons/terrain/AskedPatch";
-import type { Store } from "../../../store/store";
-import { BeliefView } from "../../../tools/picture/BeliefView";
-import { TerrainGroup } from "../../../tools/terrain/TerrainGroup";
+import type { Store } from "../../store/store";
+import { BeliefView } from "../picture/BeliefView";
+import { TerrainGroup } from "./TerrainGroup";
 
 /** The terrain of a file's points: the map from above in the colours of its patches, and their parameters. */
-export function VolumeTerrain({ store }: { readonly store: Store }) {
+export function FileTerrain({ store }: { readonly store: Store }) {
   const hasPoints = store.part("volume").message.value?.has_scans ?? true;
   useEffect(
     () => () => {
@@ -20,7 +19,7 @@ export function VolumeTerrain({ store }: { readonly store: Store }) {
       <div class="volume-above-map">
         <BeliefView store={store} />
       </div>
-      <TerrainGroup store={store} isFile asked={(message) => <AskedPatch message={message} />} />
+      <TerrainGroup store={store} isFile />
     </div>
   );
 }

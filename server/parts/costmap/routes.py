@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and its footprint, and the terrain of a log."""
+"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and its footprint."""
 
 from __future__ import annotations
 
@@ -13,28 +13,15 @@ from mapper.core.errors import MapperError
 from server.downloads import Content, Download
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import while_connected
 from server.http.routes.maps import requester_of, stem_of
-from server.http.services import FileDownloads, Logs, Sessions
-from server.http.session_access import writable_session
-from server.http.uploaded_terrain import uploaded_terrain
-from server.library.packs.given_map import ChosenMap
+from server.http.services import FileDownloads, Sessions
 from server.parts.costmap.messages import CostmapCommand
-from server.sessions.commands import UseTerrain
 from server.sessions.parts import Costed, FootprintAnswer
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
-
-
-class TerrainOfUpload(BaseModel):
-    """The terrain among the visitor's uploads."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    log: str | None = Field(max_length=200, description="Id of the cloud or map, as in /api/logs; null: none.")
 
 
 class FootprintOfCostmap(BaseModel):
@@ -121,26 +108,3 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
         return Content(f"{stem}.{ending}", iter([data]), len(data))
 
     return Download(downloads, requester_of(request, session), make, "application/octet-stream")
-
-
-@router.put("/{session_id}/costmap/terrain")
-async def terrain(
-    request: Request,
-    library: Logs,
-    sessions: Sessions,
-    downloads: FileDownloads,
-    session_id: str,
-    wanted: TerrainOfUpload,
-) -> ChosenMap:
-    """Choose the terrain's layer of a log's costmap: a cloud of the library, or a map as ``gridbloom terrain`` writes.
-
-    The patches of a cloud are assessed; free cells of a map are safe, occupied ones unsafe. Either must be in the frame
-    of the log's poses. ``map`` of the answer is the grid of the terrain, with the number of patches of each class of a
-    cloud.
-    """
-    of_log = writable_session(sessions, session_id)
-    found = None
-    if wanted.log is not None:
-        found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
-    of_log.session.enqueue(UseTerrain(found))
-    return ChosenMap(None if found is None else found.public())
