@@ -18,6 +18,9 @@ from server.cli import logs  # noqa: F401
 from server.cli import check as checking  # noqa: F401
 
 # isort: split
+from server.cli import report as reporting  # noqa: F401
+
+# isort: split
 from server.cli import maps  # noqa: F401
 
 # isort: split

@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.io.contents.model import Contents
+from mapper.io.contents.model import Contents, Series
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
@@ -33,6 +33,7 @@ from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
 from server.library.logs.sample import SAMPLE_ID, Sample
 from server.library.packs.given_map import GivenMap
+from server.library.processing.field_lookups import FieldLookups
 from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.fleet_jobs import FleetJobs
 from server.library.processing.given_maps import GivenMaps
@@ -64,6 +65,7 @@ from server.settings import Settings
 from server.storage import private_folder
 
 if TYPE_CHECKING:
+    from mapper.io.contents.fields import TopicFields
     from mapper.io.contents.raw_message import RawMessage
     from mapper.io.costmaps import CostmapStream
     from server.library.packs.volume import VolumeSource
@@ -145,6 +147,7 @@ class Library:
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
+        self._fields = FieldLookups(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
@@ -181,6 +184,7 @@ class Library:
         await self._inspections.close()
         await self.scores.close()
         await self._pictures.close()
+        await self._fields.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -392,6 +396,18 @@ class Library:
     ) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
         return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns, address=address)
+
+    async def fields(
+        self, owner: str, log_id: str, visitor: str, topics: Sequence[tuple[str, str]], *, address: str = ""
+    ) -> Sequence[TopicFields] | float:
+        """Return the fields of the messages in a log of ``owner``; see :meth:`FieldLookups.names`."""
+        return await self._fields.names(self.get(owner, log_id), visitor, topics, address=address)
+
+    async def field_series(
+        self, owner: str, log_id: str, visitor: str, topic: str, kind: str, *, address: str = ""
+    ) -> Series | float:
+        """Return the numbers of a topic of a log of ``owner``; see :meth:`FieldLookups.series`."""
+        return await self._fields.series(self.get(owner, log_id), visitor, topic, kind, address=address)
 
     async def message(
         self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int, *, address: str = ""

@@ -183,6 +183,12 @@ export interface Failure {
   readonly message: string;
 }
 
+/** The numbers that can be plotted of each topic. */
+export interface FieldsAnswer {
+  readonly topics: readonly TopicFieldsAnswer[];
+  readonly state: "ready";
+}
+
 /**
  * How certain the poses of a localization in `map` are along the log, at some of its `scans`. `deviation_m` is that of
  * the place, `entropy` bits, `fit` 0 to 1; `first_converged` is the first scan of all at which the filter had
@@ -302,6 +308,21 @@ export interface FramesAnswer {
 /** State of the service. */
 export interface Health {
   readonly status: "alive" | "ready";
+}
+
+/** A line that a node logged, `seconds` from the log's first scan; `level` as ROS 2 has them, 10 to 50. */
+export interface LineAnswer {
+  readonly seconds: number;
+  readonly level: number;
+  readonly topic: string;
+  readonly name: string;
+  readonly text: string;
+}
+
+/** What nodes logged, ascending in time; `left_out` counts those beyond the limit. */
+export interface LinesAnswer {
+  readonly lines: readonly LineAnswer[];
+  readonly left_out: number;
 }
 
 /**
@@ -987,6 +1008,14 @@ export interface TopicAnswer {
   readonly cut: boolean;
 }
 
+/** The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty. */
+export interface TopicFieldsAnswer {
+  readonly topic: string;
+  readonly type: string;
+  readonly fields: readonly string[];
+  readonly why: string;
+}
+
 /**
  * A trajectory of a log: its own (`source` is "log"), or one that the visitor has added. `created_s` is when it was
  * added, seconds since 1970; `has_graph` says whether its pose graph is kept.
@@ -1098,7 +1127,10 @@ export interface Answers {
   "GET /api/sessions/{session_id}": SessionAnswer;
   "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
   "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/field": SeriesAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/fields": FieldsAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
+  "GET /api/sessions/{session_id}/contents/lines": LinesAnswer;
   "GET /api/sessions/{session_id}/contents/message": MessageAnswer;
   "GET /api/sessions/{session_id}/contents/series": SeriesAnswer;
   "GET /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;

@@ -15,11 +15,15 @@ import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
 import { Pictures } from "./contents/Pictures";
 import { Plots } from "./contents/Plots";
+import type { Span } from "./contents/series";
 import { Topics } from "./contents/Topics";
 import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import type { FieldsState } from "./fields/useFields";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Lines } from "./lines/Lines";
+import type { LinesState } from "./lines/lines";
 import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
 import { Messages } from "./messages/Messages";
@@ -52,6 +56,10 @@ export interface LogView {
   readonly openGroup: Signal<string>;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly lines: LinesState;
+  readonly fields: FieldsState;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
   /** Begin to heal the log's poses, and open the group that shows it. */
   readonly onHeal: () => void;
   readonly notes: NotesState;
@@ -167,6 +175,12 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
   },
   {
+    id: "lines",
+    title: "Log lines",
+    section: "Data",
+    content: ({ store, session, lines }) => <Lines store={store} session={session} lines={lines} />,
+  },
+  {
     id: "pictures",
     title: "Pictures",
     section: "Data",
@@ -176,7 +190,9 @@ const GROUPS: readonly Group[] = [
     id: "plots",
     title: "Plots",
     section: "Data",
-    content: ({ store, session }) => <Plots store={store} session={session} />,
+    content: ({ store, session, fields, zoom }) => (
+      <Plots store={store} session={session} fields={fields} zoom={zoom} />
+    ),
   },
   {
     id: "frames",

@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { saveAs } from "../../ui/files/saveAs";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Begin, End } from "./BeginEnd";
 import { CostCurve } from "./CostCurve";
@@ -79,11 +80,7 @@ function Nav2({ store }: { readonly store: Store }) {
     const text = answer.value?.text ?? null;
     if (text === null) return;
     answer.value = null;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
-    link.download = "nav2_params.yaml";
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href));
+    saveAs("nav2_params.yaml", new Blob([text], { type: "application/yaml" }));
   });
   const upload = async (): Promise<void> => {
     const chosen = file.current?.files?.[0];

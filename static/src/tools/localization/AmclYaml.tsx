@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { saveAs } from "../../ui/files/saveAs";
 import type { Values } from "../../wire/protocol";
 import { type AmclParameters, amclYaml, readAmclYaml } from "./amclFiles";
 import "./localization.css";
@@ -38,11 +39,7 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
     });
   const save = (): Promise<void> =>
     doing(async () => {
-      const link = document.createElement("a");
-      link.href = URL.createObjectURL(await amclYaml({ ...opened.current, values: values() }));
-      link.download = "amcl.yaml";
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      saveAs("amcl.yaml", await amclYaml({ ...opened.current, values: values() }));
       return null;
     });
   return (

@@ -187,6 +187,25 @@ def text(stamp_ns: int, words: str, topic: str = "/chatter") -> Said:
 DATATYPES = {"i1": 1, "u1": 2, "i2": 3, "u2": 4, "i4": 5, "u4": 6, "f4": 7, "f8": 8}
 
 
+def log_line(stamp_ns: int, level: int, words: str, node: str = "base", *, ros: int = 2) -> Said:
+    """A message of /rosout, of ``level`` as that version of ROS has it."""
+    fields: dict[str, Any] = {"level": level, "name": node, "msg": words, "file": "a.cpp", "function": "f", "line": 7}
+    if ros == 2:
+        return Said("/rosout", "rcl_interfaces/msg/Log", stamp_ns, fields | {"stamp": _time(stamp_ns)})
+    fields |= {"header": header(stamp_ns, ""), "topics": []}
+    return Said("/rosout", "rosgraph_msgs/msg/Log", stamp_ns, fields)
+
+
+def diagnostics(stamp_ns: int, states: Mapping[str, tuple[int, str]]) -> Said:
+    """A message of /diagnostics: a level and a text for each name."""
+    status = [
+        {"level": level, "name": name, "message": words, "hardware_id": "1", "values": [{"key": "a", "value": "b"}]}
+        for name, (level, words) in states.items()
+    ]
+    kind = "diagnostic_msgs/msg/DiagnosticArray"
+    return Said("/diagnostics", kind, stamp_ns, {"header": header(stamp_ns, ""), "status": status})
+
+
 def cloud(
     stamp_ns: int,
     points: ArrayLike,
@@ -298,6 +317,8 @@ _PLAIN = {
     "transform": "geometry_msgs/msg/Transform",
     "transforms": "geometry_msgs/msg/TransformStamped",
     "poses": "geometry_msgs/msg/PoseStamped",
+    "status": "diagnostic_msgs/msg/DiagnosticStatus",
+    "values": "diagnostic_msgs/msg/KeyValue",
 }
 
 

@@ -52,12 +52,13 @@ def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[]
     async def told(*_: Any) -> None:
         await done()
 
-    monkeypatch.setattr("server.library.processing.inspections.outcome_of", told)
-    monkeypatch.setattr(made, "_worker", SimpleNamespace(progress=0.0))
+    monkeypatch.setattr("server.library.processing.lookups.outcome_of", told)
+    lookups = made.lookups
+    monkeypatch.setattr(lookups, "_worker", SimpleNamespace(progress=0.0))
 
     def inspect(visitor: str, address: str) -> Awaitable[Any]:
         record: Any = SimpleNamespace(id=visitor, name=visitor)
-        return made._inspect(record, visitor, address)
+        return lookups._found(visitor, record, visitor, address, lambda _: None)  # type: ignore[arg-type,return-value]
 
     return inspect
 

@@ -1,3 +1,4 @@
+import { saveAs } from "../../../../ui/files/saveAs";
 import "./deckEditor.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -146,11 +147,7 @@ function Slides() {
 
 function save(of: Deck): void {
   const blob = new Blob([JSON.stringify(writtenDeck(of), null, 2)], { type: "application/json" });
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = `${of.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "deck"}.json`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  saveAs(`${of.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "deck"}.json`, blob);
 }
 
 async function copyLink(of: Deck): Promise<void> {
