@@ -63,7 +63,6 @@ class NewLink(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    session: str = Field(max_length=100, description="Id of a session of a log.")
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
     shown: Shown | None = Field(None, description="What else of the page is seen.")
 
@@ -112,13 +111,13 @@ def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
     )
 
 
-@router.post("/api/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer:
+@router.post("/api/sessions/{session_id}/links", status_code=201)
+async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLink) -> LinkAnswer:
     """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
     """
-    session, viewed = shareable_session(sessions, wanted.session)
+    session, viewed = shareable_session(sessions, session_id)
     model = session.model
     record = library.get(session.owner, viewed.log_id)
     seen = viewed.view()

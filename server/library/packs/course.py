@@ -18,7 +18,8 @@ MOST_ROWS = 300_000  #: particles that are kept of all scans together
 Float64Array = NDArray[np.float64]
 
 _ARRAYS = (
-    "covariance", "is_converged", "is_updated", "share", "fit", "entropy", "n_particles", "offsets", "particles",
+    "covariance", "is_converged", "is_sure", "is_updated", "share", "fit", "entropy", "n_particles", "offsets",
+    "particles",
 )  # fmt: skip
 
 
@@ -32,6 +33,7 @@ class Course:
 
     covariance: Float64Array
     is_converged: NDArray[np.bool_]
+    is_sure: NDArray[np.bool_]
     is_updated: NDArray[np.bool_]
     share: Float64Array
     fit: Float64Array
@@ -67,7 +69,10 @@ def read_course(data: bytes) -> Course:
     """Return what :func:`course_bytes` was given. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return Course(**{name: arrays[name] for name in _ARRAYS}, given=GivenMap.of_arrays(arrays))
+            found = {name: arrays[name] for name in _ARRAYS if name in arrays}
+            # Of a course that was made before it was stated, nothing is known to be sure.
+            found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
+            return Course(**found, given=GivenMap.of_arrays(arrays))
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         message = "The file of this localization cannot be read; localize the log again."
         raise ReadError("localization.file", message) from error

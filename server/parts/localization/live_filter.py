@@ -168,6 +168,7 @@ class LabLocalization:
             "at": [round(v, 4) for v in self._true],
             "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
             "is_converged": found.is_converged,
+            "is_sure": found.is_sure,
             "share": round(found.share, 4),
             "fit": round(found.fit, 4),
             "entropy": round(found.entropy, 3),

@@ -136,7 +136,14 @@ class LogLocalization(Part, Localized):
         if self._report is not None:
             report = self._report
             c, pose = report.covariance, [round(float(v), 4) for v in report.poses[-1]]
-            numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
+            numbers = (
+                report.is_converged,
+                report.is_sure,
+                report.share,
+                report.fit,
+                report.entropy,
+                report.n_particles,
+            )
             updates = report.n_updates
         elif (course := self._course) is not None:
             recording = self._recording
@@ -144,19 +151,20 @@ class LogLocalization(Part, Localized):
             c = course.covariance[scan]
             pose = [round(float(v), 4) for v in recording.log.trajectory(recording.trajectory).poses[scan]]
             numbers = (
-                bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
-                float(course.entropy[scan]), int(course.n_particles[scan]),
+                bool(course.is_converged[scan]), bool(course.is_sure[scan]), float(course.share[scan]),
+                float(course.fit[scan]), float(course.entropy[scan]), int(course.n_particles[scan]),
             )  # fmt: skip
             updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
         else:
             return OFF
-        is_converged, share, fit, entropy, n_particles = numbers
+        is_converged, is_sure, share, fit, entropy, n_particles = numbers
         return OFF | {
             "is_on": True,
             "pose": pose,
             "at": pose,
             "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
             "is_converged": is_converged,
+            "is_sure": is_sure,
             "share": round(share, 4),
             "fit": round(fit, 4),
             "entropy": round(entropy, 3),

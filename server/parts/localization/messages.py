@@ -39,6 +39,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
         ),
     ]
     is_converged: Annotated[bool, Meta(description="whether the particles agree on one place")]
+    is_sure: Annotated[bool, Meta(description="whether other places in the map were ruled out, too")]
     share: Annotated[float, Meta(description="weight of the heaviest cluster, 0 to 1")]
     fit: Annotated[float, Meta(description="how well the last scan that was used fits, 0 to 1")]
     entropy: Annotated[float, Meta(description="of the histogram of particles in bins of 0.5 m and 10°, bits")]

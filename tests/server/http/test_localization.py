@@ -141,7 +141,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
 
     until(lambda: cost(host, wall) == 254)
     assert cost(host, free) < 128
-    token = http.post("/api/links", json={"session": session}).json()["token"]
+    token = http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
     opened: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
     until(lambda: opened.model.find(CostmapPart).present_costs() is not None)
     until(lambda: cost(opened, wall) == 254)

@@ -322,7 +322,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         {result.first_converged === null
           ? "The particles never agreed on one place: the position of the robot is not known."
           : result.is_converged
-            ? "Found: the poses in the map are the trajectory “localized” of this log."
+            ? `${result.is_sure ? "Found" : "Perhaps found"}: the poses in the map are the trajectory “localized” of this log.`
             : "Found and lost again: at the end the particles do not agree."}
       </p>
       <dl class="heal-facts">
@@ -332,6 +332,12 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         <dd>
           {result.first_converged === null ? "never" : `from scan ${result.first_converged + 1} on`}, at{" "}
           {result.converged} of {count} scans
+        </dd>
+        <dt>Sure</dt>
+        <dd>
+          {result.sure === 0
+            ? "at no scan: the scans fit other places of the map nearly as well, or contradict it"
+            : `at ${result.sure} scans, where other places were ruled out`}
         </dd>
         <dt>Fit of the scans</dt>
         <dd>{result.median_fit.toFixed(2)} of 1, median</dd>
