@@ -26,7 +26,7 @@ from server.parts.costmap.messages import CostmapCommand
 from server.parts.terrain.routes import uploaded_terrain
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
-from server.sessions.commands import ShowGivenMap, UseTerrain
+from server.sessions.commands import ShowReferenceMap, UseCosts
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
 
@@ -262,12 +262,12 @@ async def _navigation(library: Library, downloads: Downloads, link: Link) -> lis
         if kept["type"] == "use_terrain":
             with suppress(MapperError):
                 terrain = await uploaded_terrain(library, downloads, link.owner, kept["log"])
-                commands.append(UseTerrain(terrain))
+                commands.append(UseCosts(terrain))
             continue
         command = command_of(kept)
         if isinstance(command, CostmapCommand) and command.values.get("map") == "given":
             try:
-                commands.append(ShowGivenMap(await library.maps.get(link.owner, link.log_id)))
+                commands.append(ShowReferenceMap(await library.maps.get(link.owner, link.log_id)))
             except MapperError:
                 command.values = command.values | {"map": "belief"}
         commands.append(command)

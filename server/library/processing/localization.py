@@ -27,10 +27,10 @@ from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.course import Course, course_bytes, thinned
-from server.library.packs.given_map import read_given_map
 from server.library.packs.log import log_in
-from server.library.processing.given_maps import GivenMaps
+from server.library.packs.reference_map import read_reference_map
 from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.reference_maps import ReferenceMaps
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
@@ -133,7 +133,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
 
     log = log_in(job.pack)
-    given = read_given_map(Path(job.given))
+    given = read_reference_map(Path(job.given))
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)
     found = localize_log(
@@ -262,7 +262,7 @@ class LocalizationKind:
 
     jobs = JobKind("localization", "Localization", "localization job", LocalizationRequest, LocalizationResult)
 
-    def __init__(self, maps: GivenMaps) -> None:
+    def __init__(self, maps: ReferenceMaps) -> None:
         self._maps = maps
 
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs

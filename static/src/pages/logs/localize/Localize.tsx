@@ -1,4 +1,4 @@
-/** Finds the robot of a log in a given map, and shows how certain that is along the way. */
+/** Finds the robot of a log in a reference map, and shows how certain that is along the way. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -49,7 +49,7 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
       {!isGuest && <Find store={store} localizing={localizing} />}
       {map && (
         <Toggle
-          label="Show the given map"
+          label="Show the reference map"
           sentence="The map to localize in, instead of the map made from this log's scans."
           checked={store.underlay.value === GIVEN_MAP}
           disabled={false}
