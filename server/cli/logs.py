@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import ReadError
-from server.cli.app import app
-from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -22,6 +20,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,
@@ -38,6 +37,8 @@ from server.cli.held import (
     contents_facts,
     held_line,
     imus_facts,
+    print_cloud,
+    print_depth_folder,
     print_held,
     size_line,
     stream_line,

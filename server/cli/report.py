@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
-from server.cli.app import app
 from server.cli.common import (
     LogPath,
     Mount,
     TfTopic,
     TopicNames,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,

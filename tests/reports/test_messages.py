@@ -320,6 +320,21 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
 )  # fmt: skip
 
 
+TEXTS_THAT_ARE_NO_LOGS = {
+    "a table of rostopic echo": ("%time,field.header.seq,field.ranges0\n1,2,3.0\n", "as rostopic echo -p prints it"),
+    "messages of ros2 topic echo": ("header:\n  stamp:\n    sec: 1\nranges:\n- 1.0\n", "as ros2 topic echo prints"),
+    "CSV of a German spreadsheet": ("angle_min;-3,14\nangle_increment;0,01\n", "CSV with semicolons or tabs"),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS_THAT_ARE_NO_LOGS)
+def test_texts_that_are_no_logs_are_told_what_they_are(tmp_path, name):
+    text, said = TEXTS_THAT_ARE_NO_LOGS[name]
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(ReadError, match=said):
+        open_log(tmp_path / "a.csv")
+
+
 @pytest.mark.parametrize(("n", "first", "step", "head", "words"), ANGLES)
 def test_the_beams_of_lines_without_angles(tmp_path, n, first, step, head, words):
     path = tmp_path / "a.log"

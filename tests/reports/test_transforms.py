@@ -426,6 +426,19 @@ def test_poses_that_are_no_source_are_named_with_the_reason(tmp_path: Path, name
     assert re.search(f"^The file holds no poses along which the robot moved {why}, so the map shows all", note), note
 
 
+def test_a_frame_of_the_same_name_behind_a_prefix_is_named(tmp_path: Path) -> None:
+    """geometry2#32: the scans lack the prefix that the robot's frames have, so that no look-up finds them."""
+    said = [static("r1/base_link", "r1/laser", MOUNT), *drive(by_tf("r1/odom", "r1/base_link"))]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert note.startswith("tf does not say where the frame 'laser' sits on the robot, only where 'r1/laser' sits; ")
+
+
+def test_poses_in_millimetres_are_named(tmp_path: Path) -> None:
+    far = [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, 1000 * pose[0], 1000 * pose[1], pose[2])])]
+    (note,) = open_log(written(tmp_path, far, "mcap")).notes
+    assert re.search(r"By pose the robot usually moves at 7\d\d m/s: as it seems its poses are in millimetres", note)
+
+
 def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path) -> None:
     """Of three topics only the lidar's stamps step back, so tf and odometry are one run."""
     said = [LASER, *drive(lambda at, pose: [*by_tf()(at, pose), odometry(at, *pose)])]

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 from typer.testing import CliRunner
 
-from server.cli.app import app
+from server.cli.common import app
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded

@@ -92,7 +92,7 @@ async def keep_present(
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
     from server.library.packs.map_files import archived  # noqa: PLC0415
-    from server.library.processing.given_maps import MOST_CELLS  # noqa: PLC0415
+    from server.library.processing.reference_maps import MOST_CELLS  # noqa: PLC0415
 
     session = sessions.get(session_id)
     stem, frame = file_stem(wanted.name), session.model.frame_id

@@ -37,7 +37,7 @@ from server.parts.costmap.parameters import (
     rows_with,
 )
 from server.parts.costmap.zones import painted_filters, strokes_of
-from server.sessions.commands import UseTerrain
+from server.sessions.commands import UseCosts
 from server.sessions.part import Offers, Part, Robot, StaticMap
 from server.sessions.parts import Costed, FootprintAnswer, LayerCosts, UploadedCosts
 from server.sessions.tick import TickResult
@@ -53,7 +53,7 @@ _MOST_NAMES = 12  #: of parameters in one notice
 class CostmapPart(Part, Costed):
     """A costmap, from the command ``costmap`` on until the same command ends it."""
 
-    commands = (CostmapCommand, CostCommand, Nav2Command, UseTerrain)
+    commands = (CostmapCommand, CostCommand, Nav2Command, UseCosts)
     recorded = (CostmapCommand, Nav2Command)
     subject = "costmap"
 
@@ -148,13 +148,13 @@ class CostmapPart(Part, Costed):
 
     # -- commands -------------------------------------------------------------------------------------------------
 
-    def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseTerrain, result: TickResult) -> None:
+    def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseCosts, result: TickResult) -> None:
         """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then."""
         costmap = self._costmap
         if isinstance(command, CostmapCommand):
             self._set(command, result)
-        elif isinstance(command, UseTerrain):
-            self._use_terrain(command.terrain, result)
+        elif isinstance(command, UseCosts):
+            self._use_terrain(command.costs, result)
         elif costmap is None:
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         elif isinstance(command, CostCommand):

@@ -1,4 +1,4 @@
-"""``/api/sessions/{id}/localization``: find the robot of a log in a given map, by Monte Carlo localization."""
+"""``/api/sessions/{id}/localization``: find the robot of a log in a reference map, by Monte Carlo localization."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
 from server.library.library import Library
-from server.library.packs.given_map import ChosenMap
+from server.library.packs.reference_map import ChosenMap
 from server.library.processing.localization import (
     LocalizationParameters,
     LocalizationRequest,
@@ -28,11 +28,11 @@ from server.library.processing.localization import (
     parameter_table,
 )
 from server.library.processing.log_jobs import Parameters, ParameterTable
-from server.sessions.commands import ShowGivenMap
+from server.sessions.commands import ShowReferenceMap
 from server.sessions.parts import FilterHistory, Localized
 
 if TYPE_CHECKING:
-    from server.library.packs.given_map import GivenMap
+    from server.library.packs.reference_map import ReferenceMap
     from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
@@ -166,7 +166,7 @@ async def map_of_files(
 
 
 @router.get("/sessions/{session_id}/localization/map")
-async def given_map(library: Logs, sessions: Sessions, session_id: str) -> ChosenMap:
+async def reference_map(library: Logs, sessions: Sessions, session_id: str) -> ChosenMap:
     """Return the map that was chosen, and show it as a layer of the session; ``map`` is null where none was."""
     of_log = writable_session(sessions, session_id)
     try:
@@ -239,6 +239,6 @@ def _check_idle(library: Library, owner: str, log_id: str) -> None:
         raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
 
 
-def _show(session: SessionHost, given: GivenMap) -> ChosenMap:
-    session.enqueue(ShowGivenMap(given))
+def _show(session: SessionHost, given: ReferenceMap) -> ChosenMap:
+    session.enqueue(ShowReferenceMap(given))
     return ChosenMap(given.public())

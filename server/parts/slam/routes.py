@@ -59,7 +59,7 @@ class NewSlam(BaseModel):
     )
 
 
-class Healing(BaseModel):
+class PoseCorrection(BaseModel):
     """SLAM of a session's log."""
 
     model_config = ConfigDict(extra="forbid")
@@ -136,8 +136,8 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
 
 
 @router.post("/sessions/{session_id}/heal", status_code=202)
-async def heal(
-    library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[Healing | None, Body()] = None
+async def correct_poses(
+    library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[PoseCorrection | None, Body()] = None
 ) -> SlamStatus:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
@@ -157,14 +157,14 @@ async def heal(
 
 
 @router.get("/sessions/{session_id}/heal")
-async def healing(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
+async def correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Return the progress and the result of SLAM of the session's log."""
     session, recording = _healed(sessions, session_id)
     return library.slam.state(session.owner, recording.log_id)
 
 
 @router.delete("/sessions/{session_id}/heal")
-async def stop_healing(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
+async def stop_correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Cancel SLAM of the session's log, if it is queued or running."""
     session, recording = _healed(sessions, session_id)
     return await library.slam.cancel(session.owner, recording.log_id)

@@ -14,8 +14,8 @@ from server.http.clients import while_connected
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
 from server.library.library import Library
-from server.library.packs.given_map import ChosenMap
-from server.sessions.commands import UseTerrain
+from server.library.packs.reference_map import ChosenMap
+from server.sessions.commands import UseCosts
 
 if TYPE_CHECKING:
     from server.sessions.parts import UploadedCosts
@@ -44,7 +44,7 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
     from server.parts.volume.cloud_points import CloudPoints  # noqa: PLC0415
     from server.parts.volume.start import bounds_of  # noqa: PLC0415
 
-    given = await library.given_map(owner, log_id)
+    given = await library.reference_map(owner, log_id)
     if given is not None:
         if given.values.size > MOST_CELLS:
             raise LimitError(
@@ -85,5 +85,5 @@ async def terrain(
     found = None
     if wanted.log is not None:
         found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
-    of_log.session.enqueue(UseTerrain(found))
+    of_log.session.enqueue(UseCosts(found))
     return ChosenMap(None if found is None else found.public())

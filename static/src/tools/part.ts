@@ -34,6 +34,8 @@ export interface PartGroup {
 }
 
 export interface PagePart {
+  /** What is said while the session computes for it, by `what` of the message `working`. */
+  readonly computing?: Readonly<Record<string, string>>;
   readonly overlay?: Overlay;
   /** Its groups in the docks of the lab, of a log, and of a file in 3D. */
   readonly lab?: readonly PartGroup[];

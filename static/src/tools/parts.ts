@@ -26,3 +26,7 @@ export const OVERLAYS = PARTS.flatMap(({ overlay }) => overlay ?? []);
 /** The groups of the parts in a section of a page's dock. */
 export const groupsOfParts = (page: "lab" | "log" | "volume", section: string): readonly PartGroup[] =>
   PARTS.flatMap((part) => part[page] ?? []).filter((group) => group.section === section);
+
+/** What is said while the session computes `what`; undefined where no part computes it. */
+export const computingText = (what: string): string | undefined =>
+  PARTS.map(({ computing }) => computing?.[what]).find((text) => text !== undefined);

@@ -363,6 +363,8 @@ export interface LocalizationResult {
   readonly updates: number;
   readonly median_fit: number;
   readonly cpu_s: number;
+  readonly sure: number;
+  readonly is_sure: boolean;
   readonly trajectory: string;
 }
 
@@ -1162,11 +1164,9 @@ export interface Answers {
   "POST /api/classes/{code}/puzzle/sessions": SessionAnswer;
   "POST /api/classes/{code}/sessions": SessionAnswer;
   "POST /api/fleet": QueuedLogs;
-  "POST /api/links": LinkAnswer;
   "POST /api/logs/{log_id}/cancel": LogAnswer;
   "POST /api/logs/{log_id}/read": LogAnswer;
   "POST /api/logs/{log_id}/slam": SlamStatus;
-  "POST /api/puzzles": MadePuzzleAnswer;
   "POST /api/puzzles/{puzzle}/sessions": SessionAnswer;
   "POST /api/sessions": SessionAnswer;
   "POST /api/sessions/{session_id}/edited-map": LogAnswer;
@@ -1174,6 +1174,7 @@ export interface Answers {
   "POST /api/sessions/{session_id}/graph/keep": TrajectoryAnswer;
   "POST /api/sessions/{session_id}/heal": SlamStatus;
   "POST /api/sessions/{session_id}/kept-map": LogAnswer;
+  "POST /api/sessions/{session_id}/links": LinkAnswer;
   "POST /api/sessions/{session_id}/localization": LocalizationStatus;
   "POST /api/sessions/{session_id}/merge": MergeStatus;
   "POST /api/sessions/{session_id}/notes": NoteAnswer;
@@ -1181,6 +1182,7 @@ export interface Answers {
   "POST /api/sessions/{session_id}/puzzle/check": Attempt;
   "POST /api/sessions/{session_id}/puzzle/hint": Attempt;
   "POST /api/sessions/{session_id}/puzzle/solution": Attempt;
+  "POST /api/sessions/{session_id}/puzzles": MadePuzzleAnswer;
   "POST /api/shared-puzzles/{token}/sessions": SessionAnswer;
   "POST /api/shared/{token}/sessions": SessionAnswer;
   "POST /scenes/{session_id}/settings": SceneAnswer;

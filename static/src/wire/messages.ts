@@ -783,6 +783,8 @@ export interface LocalizationMessage {
   readonly covariance: readonly [number, number, number, number] | null;
   /** whether the particles agree on one place */
   readonly is_converged: boolean;
+  /** whether other places in the map were ruled out, too */
+  readonly is_sure: boolean;
   /** weight of the heaviest cluster, 0 to 1 */
   readonly share: number;
   /** how well the last scan that was used fits, 0 to 1 */
@@ -1975,6 +1977,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     at: oneOf(isPose, isNull),
     covariance: oneOf(isTuple(isNumber, isNumber, isNumber, isNumber), isNull),
     is_converged: isFlag,
+    is_sure: isFlag,
     share: isNumber,
     fit: isNumber,
     entropy: isNumber,

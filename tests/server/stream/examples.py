@@ -208,6 +208,7 @@ MESSAGES: tuple[Struct, ...] = (
         (1.0, 2.05, -0.5),
         (0.01, 0.0, 0.02, 0.001),
         True,
+        False,
         0.97,
         0.9,
         3.25,
@@ -216,7 +217,7 @@ MESSAGES: tuple[Struct, ...] = (
         0.05,
         0.01,
     ),
-    LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
+    LocalizationMessage(False, "plan", {}, None, None, None, False, False, 0.0, 0.0, 0.0, 0, 0, None, None),
     volume_messages.Map3dMessage(
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),

@@ -164,7 +164,11 @@ def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Work
     log = first.put("/api/logs", params={"name": "a.log"}, content=carmen(5)).raise_for_status().json()
     assert once_read(first, log["id"])["state"] == "ready"
     view = first.post("/api/sessions", json={"kind": "log", "log": log["id"]}).raise_for_status().json()["id"]
-    token = first.post("/api/links", json={"session": view}).raise_for_status().json()["token"]
+    # Who has the address of a session shares it, looks at it in 3D and makes a puzzle of it, from whichever worker.
+    shared = second.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
+    assert [one["token"] for one in first.get(f"/api/sessions/{view}/links").json()["links"]] == [shared]
+    assert second.get("/3d", params={"session": view}).headers["location"] == f"/scenes/{view}/plain/"
+    token = first.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
     # The other worker learns of the link from the records.
     answer = until(lambda: (got := second.get(f"/api/shared/{token}")).status_code == 200 and got)
     assert "a.log" in answer.text

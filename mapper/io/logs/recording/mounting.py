@@ -116,7 +116,9 @@ def _notes_on_frames(taken: Taken, tree: FrameTree, base: str, sensor: SensorSca
             "heights are those in that frame."
         )
     if base == sensor.frame and tree.frames and not tree.is_base(base, taken.children):
-        what = f"tf does not say where the frame {base!r} sits on the robot"
+        alike = tree.named_alike(base)
+        has = f", only where {', '.join(map(repr, alike))} sits" if alike else ""
+        what = f"tf does not say where the frame {base!r} sits on the robot{has}"
         if not base:
             what = "The scans name no frame (frame_id is empty), so tf cannot say where they were made on the robot"
         notes.append(

@@ -311,7 +311,8 @@ class RecordedLog:
         if sensor in self._in_other_tf or self._taken.tf.is_chosen:
             return [f"{said}."]
         named = listed([in_tf(sensor.topic, topic) for topic in choice.others])
-        return [f"{said}: to look all frames up in them, choose the sensor {named} (or --tf on the command line)."]
+        where = "in the list of logs, or name their topic with --tf on the command line"
+        return [f"{said}: to look all frames up in them, open the sensor {named} {where}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         listed_sensors = [*self._taken.sensors.values(), *self._in_other_tf]

@@ -146,6 +146,11 @@ class FrameTree:
         """Return whether a transform of or to a frame was stated."""
         return self._of_moving.knows(frame) or self._of_static.knows(frame)
 
+    def named_alike(self, frame: str) -> list[str]:
+        """Return a few frames whose names end as that of ``frame``, behind another prefix or none."""
+        names = [*self._of_moving.children, *self._of_static.children, *self._moving, *self._static]
+        return [name for name in dict.fromkeys(names) if name != frame and _last(name) == _last(frame)][:3]
+
     def _children_of(self, frame: str) -> tuple[str, ...]:
         moving, static = (one.children.get(frame, {}) for one in (self._of_moving, self._of_static))
         return tuple(dict.fromkeys([*moving, *static]))

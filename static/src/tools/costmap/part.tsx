@@ -5,6 +5,7 @@ import { costsOver, paintNavigation, watchNavigation } from "./paint";
 const CostmapGroup = lazy(async () => (await import("./CostmapGroup")).CostmapGroup);
 
 export const PART: PagePart = {
+  computing: { costmap: "Computing the costmap and the path" },
   overlay: { watch: watchNavigation, layers: costsOver, paint: paintNavigation },
   lab: [
     {

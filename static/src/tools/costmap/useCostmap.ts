@@ -13,7 +13,7 @@ export function useCostmap(store: Store): void {
   const isOn = state.costmap.value?.is_on === true;
   const isEnded = state.isEnded.value;
   const over = state.over.value;
-  // A given map may have speed limits of its own.
+  // A reference map may have speed limits of its own.
   const isGiven = state.values.values.value.map === "given";
   const isLimited = isGiven || state.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
   useEffect(() => {

@@ -5,6 +5,7 @@ import { paintLocalization } from "./paint";
 const Localization = lazy(async () => (await import("./Localization")).Localization);
 
 export const PART: PagePart = {
+  computing: { localization: "Computing where the robot is" },
   overlay: { watch: (store) => void store.part("localization").message.value, paint: paintLocalization },
   lab: [
     {

@@ -5,6 +5,7 @@ import { map3dOver, watchMap3d } from "./over";
 const Map3dGroup = lazy(async () => (await import("./Map3dGroup")).Map3dGroup);
 
 export const PART: PagePart = {
+  computing: { map_3d: "Computing the 3D map", voxel: "Computing which beams updated the voxel" },
   overlay: { watch: watchMap3d, layers: map3dOver },
   lab: [
     {

@@ -2,6 +2,7 @@
 
 import type { Store } from "../../store/store";
 import type { Point } from "../../wire/protocol";
+import { measuringOf } from "./measuring";
 import { snapped } from "./model";
 import { opening } from "./opening";
 
@@ -18,7 +19,7 @@ export function placeAt(store: Store, point: Point): Point {
 /** How far from a click walls are looked for, m; null where they are not. */
 function reachOf(store: Store): number | null {
   const [map, view] = [store.map.peek(), store.view.peek()];
-  if (!map || !view || !store.measuring.snaps.peek()) return null;
+  if (!map || !view || !measuringOf(store).snaps.peek()) return null;
   const reach = Math.max(SNAP_PX * view.scale, 0.75 * map.geometry.resolution);
   // Far out a cell is less than a pixel, and a search over thousands of them would take longer than a frame.
   return reach > 60 * map.geometry.resolution ? null : reach;
@@ -38,7 +39,7 @@ export function measuringTool(store: Store): {
   readonly tap: (point: Point) => boolean;
   readonly key: (key: string) => boolean;
 } {
-  const { measuring } = store;
+  const measuring = measuringOf(store);
   const tap = (point: Point): boolean => {
     if (measuring.tool.peek() === null) return false;
     const place = placeAt(store, point);

@@ -19,9 +19,9 @@ from server.jobs import process
 from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob, JobLimits
 from server.jobs.workers import Worker
-from server.library.packs.given_map import GivenMap, read_given_map
 from server.library.packs.log import log_in
 from server.library.packs.map_files import MOST_BYTES, read_map
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.log_jobs import Logs, packed
 from server.library.store.common_files import CommonFiles
 from server.storage import private_folder
@@ -33,7 +33,7 @@ MOST_CELLS = 1 << 26
 
 
 @dataclass(frozen=True, slots=True)
-class GivenMapJob(BoundedJob):
+class ReferenceMapJob(BoundedJob):
     """Make the map ``title`` in the file ``out``.
 
     ``source`` is the pack of a log, mapped along its ``trajectory``; or, where that is None, the map files: a tar
@@ -52,17 +52,17 @@ class GivenMapJob(BoundedJob):
     memory_bytes: int
 
     @property
-    def work(self) -> Callable[[GivenMapJob], GivenMap]:
+    def work(self) -> Callable[[ReferenceMapJob], ReferenceMap]:
         """The function that does it."""
-        return do_given_map_job
+        return do_reference_map_job
 
 
-def do_given_map_job(job: GivenMapJob) -> GivenMap:
+def do_reference_map_job(job: ReferenceMapJob) -> ReferenceMap:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a file that is no map, and for limits."""
     return job.bounded(lambda: _made(job))
 
 
-def _made(job: GivenMapJob) -> GivenMap:
+def _made(job: ReferenceMapJob) -> ReferenceMap:
     given = (
         read_map(Path(job.source), job.title, Path(job.out).parent)
         if job.trajectory is None
@@ -77,7 +77,7 @@ def _made(job: GivenMapJob) -> GivenMap:
     return given
 
 
-def _of_log(job: GivenMapJob, trajectory: str) -> GivenMap:
+def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
     from mapper.io.maps import occupancy_values  # noqa: PLC0415 - only this process maps
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from mapper.mapping.parameters import BY_NAME, MappingConfig  # noqa: PLC0415
@@ -98,17 +98,17 @@ def _of_log(job: GivenMapJob, trajectory: str) -> GivenMap:
         if grid.log_odds.size <= MOST_CELLS:
             break
     integrate_log(grid, log, config, trajectory)
-    return GivenMap(job.title, grid.geometry, occupancy_values(grid))
+    return ReferenceMap(job.title, grid.geometry, occupancy_values(grid))
 
 
 class MapLogs(Logs, Protocol):
     """Interface of the library that is used here."""
 
-    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+    async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
         """Return a map of the library, None for a log."""
 
 
-class GivenMaps:
+class ReferenceMaps:
     """All of them, as files in ``folder`` and in the store of ``common``. Used from the event loop only."""
 
     def __init__(
@@ -135,10 +135,10 @@ class GivenMaps:
         name = hashlib.sha256(f"{log_id}\n{owner}".encode()).hexdigest()[:40]
         return self._folder / f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-{name}.npz"
 
-    async def get(self, owner: str, log_id: str) -> GivenMap:
+    async def get(self, owner: str, log_id: str) -> ReferenceMap:
         """Return that map. Raises :class:`ConfigError` where there is none."""
         self._logs.get(owner, log_id)
-        return await asyncio.to_thread(read_given_map, await self.newest(owner, log_id))
+        return await asyncio.to_thread(read_reference_map, await self.newest(owner, log_id))
 
     async def newest(self, owner: str, log_id: str) -> Path:
         """Return :meth:`path`, at which the newest map is that another service may have chosen since."""
@@ -150,13 +150,13 @@ class GivenMaps:
 
     async def of_log(
         self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None, *, address: str = ""
-    ) -> GivenMap:
+    ) -> ReferenceMap:
         """Choose the map of the log ``other`` along one of its trajectories, None: its first; or ``other``, a map.
 
         Raises :class:`LimitError`, and as the library for logs that the owner may not open.
         """
         self._logs.get(owner, log_id)
-        kept = await self._logs.given_map(owner, other)
+        kept = await self._logs.reference_map(owner, other)
         if kept is not None:
             return await self._keep(owner, log_id, kept)
         log = await self._logs.load(owner, other, topic)
@@ -172,8 +172,8 @@ class GivenMaps:
 
     async def of_files(
         self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
-    ) -> GivenMap:
-        """Choose the map in uploaded files, as :class:`GivenMapJob` has them.
+    ) -> ReferenceMap:
+        """Choose the map in uploaded files, as :class:`ReferenceMapJob` has them.
 
         Raises :class:`LimitError` and :class:`mapper.core.errors.ReadError`.
         """
@@ -193,9 +193,9 @@ class GivenMaps:
 
     async def _made(
         self, owner: str, address: str, log_id: str, source: Path, title: str, trajectory: str | None
-    ) -> GivenMap:
+    ) -> ReferenceMap:
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
-        job = GivenMapJob(
+        job = ReferenceMapJob(
             str(source), str(fresh), title, trajectory, LIMITS.timeout_s, LIMITS.cpu_s, LIMITS.memory_bytes
         )
         try:
@@ -207,7 +207,7 @@ class GivenMaps:
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
 
-    async def _keep(self, owner: str, log_id: str, given: GivenMap) -> GivenMap:
+    async def _keep(self, owner: str, log_id: str, given: ReferenceMap) -> ReferenceMap:
         """Choose a map of the library."""
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         try:

@@ -19,7 +19,7 @@ VERSION = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GivenMap:
+class ReferenceMap:
     """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. ``title`` is for people.
 
     ``notes`` are those of its reader. ``keepout`` and ``speed`` (rows, cols) int8 are its keepout mask and its mask of
@@ -48,7 +48,7 @@ class GivenMap:
         return {"map_about": text, "map_values": self.values, **{k: v for k, v in masks.items() if v is not None}}
 
     @classmethod
-    def of_arrays(cls, arrays: Any) -> GivenMap:  # noqa: ANN401 - NumPy's archive has no type of its own
+    def of_arrays(cls, arrays: Any) -> ReferenceMap:  # noqa: ANN401 - NumPy's archive has no type of its own
         """Return the map in a file of arrays. Raises :class:`ValueError` and :class:`KeyError`."""
         about, values = json.loads(arrays["map_about"].tobytes()), arrays["map_values"]
         if about["version"] != VERSION:
@@ -117,10 +117,10 @@ class ChosenMap:
     map: MapAnswer | None
 
 
-def read_given_map(path: Path) -> GivenMap:
+def read_reference_map(path: Path) -> ReferenceMap:
     """Return the map in a file. Raises :class:`ConfigError` where there is none."""
     try:
         with np.load(path, allow_pickle=False) as arrays:
-            return GivenMap.of_arrays(arrays)
+            return ReferenceMap.of_arrays(arrays)
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
         raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None

@@ -1,7 +1,8 @@
 /** What the visitor measures on a map: points that were clicked, in metres of the map's frame. */
 
 import { signal } from "@preact/signals";
-import type { Point } from "../wire/protocol";
+import type { Store } from "../../store/store";
+import type { Point } from "../../wire/protocol";
 
 /** A line of points, or a polygon. */
 export type MeasuringTool = "distance" | "area";
@@ -36,3 +37,6 @@ export class Measuring {
     this.isDone.value = false;
   }
 }
+
+/** What is measured on the maps of a page. */
+export const measuringOf = (store: Store): Measuring => store.of(Measuring);
