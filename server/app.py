@@ -12,46 +12,42 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.classes import Classes
+from server.classes.prepared import Prepared, PreparedHere
 from server.downloads import Downloads
+from server.http.brake import CodeGuesses
 from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import (
     class_puzzles,
     classes,
     contents,
-    costmaps,
     docs,
     doctor,
+    fields,
     fleet,
     health,
     links,
-    localization,
     logs,
     map_editing,
     maps,
-    merging,
     notes,
     pages,
     puzzles,
-    relations,
+    reports,
     scan_series,
     scenes,
     sensor,
-    session_trajectories,
     sessions,
     sign_out,
-    slam,
-    stream,
     trajectories,
     trajectory_errors,
-    volumes,
 )
-from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
 from server.http.sign_ins import SignIns
 from server.library.library import Library
+from server.parts import stated
 from server.scenes import Scenes
 from server.sessions import Kind, SessionRegistry
 from server.settings import Settings
@@ -97,9 +93,9 @@ async def _lifespan(
         open_scenes = Scenes()
         stack.push_async_callback(open_scenes.close)
         is_own = (lambda _: True) if worker is None else worker.has_class
-        opened = Classes(settings.max_class_followers, settings.class_code, is_own=is_own)
-        watching = asyncio.create_task(opened.watch(), name="classes")
-        stack.callback(watching.cancel)
+        opened = Classes(settings.max_class_followers, _prepared(settings, worker), is_own=is_own)
+        for watch in (opened.watch, opened.watch_prepared) if worker else (opened.watch,):
+            stack.callback(asyncio.create_task(watch(), name="classes").cancel)
         install(
             app,
             Services(
@@ -112,9 +108,23 @@ async def _lifespan(
                 sign_ins=sign_ins,
                 classes=opened,
                 worker=worker,
+                code_brake=_code_brake(worker),
             ),
         )
         yield
+
+
+def _prepared(settings: Settings, worker: Worker | None) -> Prepared | None:
+    """Return the class that is open from the start, None for none."""
+    if worker is not None:
+        return worker.prepared
+    return None if settings.class_code is None else PreparedHere(settings.class_code)
+
+
+def _code_brake(worker: Worker | None) -> CodeGuesses:
+    if worker is None:
+        return CodeGuesses()
+    return CodeGuesses(of_visitor=worker.guesses.codes_of_visitor, of_network=worker.guesses.codes_of_network)
 
 
 async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
@@ -153,30 +163,24 @@ def create_app(
         sessions.router,
         doctor.router,
         contents.router,
+        reports.router,
+        fields.router,
         notes.router,
         scan_series.router,
         trajectory_errors.router,
-        comparing.router,
         maps.router,
-        volumes.router,
         map_editing.router,
-        costmaps.router,
         download_files.router,
-        stream.router,
         logs.router,
         fleet.router,
-        merging.router,
-        relations.router,
-        session_trajectories.router,
         sensor.router,
         trajectories.router,
-        slam.router,
-        localization.router,
         links.router,
         puzzles.router,
         scenes.router,
         classes.router,
         class_puzzles.router,
+        *stated("routes", "router"),
         docs.router,
         sign_out.router,
         pages.router,  # last: it has a route for any other name
@@ -188,6 +192,7 @@ def create_app(
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
-    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins)
+    wrong_tokens = None if worker is None else worker.guesses.tokens
+    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins, wrong_tokens=wrong_tokens)
     app.add_middleware(Ending)
     return app

@@ -228,7 +228,7 @@ class Client:
 
     def link(self, session: Session) -> str:
         """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""
-        return self.base + str(self._asked("POST", "/api/links", json={"session": session.id})["address"])
+        return self.base + str(self._asked("POST", f"/api/sessions/{session.id}/links", json={})["address"])
 
     # -- maps and findings -----------------------------------------------------------------------------------------
 

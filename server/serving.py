@@ -281,6 +281,7 @@ def _serve(settings: Settings) -> None:
             supervise(
                 settings.workers,
                 lambda worker: _run(make_server(settings.of_worker(worker.number), worker=worker), bound),
+                settings.class_code,
             )
         else:
             _run(server, bound)

@@ -217,8 +217,6 @@ class Settings(BaseSettings):
     def _one_wish(self) -> Settings:
         if self.no_token and self.token is not None:
             raise ValueError("a token and no_token contradict each other")
-        if self.workers > 1 and self.class_code is not None:
-            raise ValueError("a class that is open from the start needs one worker; open it on a page instead")
         if self.workers > 1 and not sys.platform.startswith("linux"):
             raise ValueError("several workers need Linux")
         return self

@@ -6,7 +6,7 @@
  */
 
 /** From the top down; folders on one line do not import each other. */
-const LAYERS = [["pages"], ["tools", "lessons"], ["store"], ["render"], ["grid"], ["wire"], ["ui"], ["style"]];
+const LAYERS = [["pages"], ["tools"], ["lessons"], ["store"], ["render"], ["grid"], ["wire"], ["ui"], ["style"]];
 
 const inside = (folders) => `^src/(${folders.join("|")})/`;
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -55,3 +56,10 @@ def test_links_between_sections_lead_to_sections() -> None:
     }
     assert len(linked) >= 5
     assert linked <= set(SECTIONS)
+
+
+def test_every_marked_answer_names_its_source() -> None:
+    answers = (LECTURE / "present" / "answers.ts").read_text().splitlines()
+    above = [before.strip() for before, line in pairwise(answers) if line.strip().startswith("right:")]
+    assert len(above) > 25
+    assert [line for line in above if not line.startswith("// ")] == []

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import yaml
 
-from server.library.processing.given_maps import LIMITS
+from server.library.processing.reference_maps import LIMITS
 from tests.browser.running import free_port
 from tests.haproxy import CONFIGURATION, haproxy, running_haproxy
 from tests.server.service import until

@@ -32,7 +32,7 @@ from mapper.costmap.parameters import (
     ObstacleConfig,
     StaticConfig,
 )
-from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, undeclared
+from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, checked, undeclared
 from mapper.io.ros_parameters import find_node, node_names, parse_ros_parameters
 from mapper.io.untrusted_yaml import load_untrusted
 
@@ -43,6 +43,9 @@ NODES = ("global_costmap", "local_costmap")
 DEFAULT_LAYERS = {"static_layer": "StaticLayer", "obstacle_layer": "ObstacleLayer", "inflation_layer": "InflationLayer"}
 #: Keys that name the parts of a file; they have an effect and are written again.
 _STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution", "plugin_names", "plugin_types"))
+#: Keys at the top of the files of ROS 1, and what is different in them.
+OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "robot_radius", "inflation_radius"))
+ROS1 = "whose parameters stand in its nodes by themselves: put them below ros__parameters, with a list of plugins"
 MAX_LAYERS = 20
 
 
@@ -65,11 +68,12 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
     if found is None:
         wanted = node or " or ".join(NODES)
         has = ", ".join(node_names(root))
-        raise ReadError(
-            "nav2.no_costmap",
-            f"The parameter file has no costmap: no {wanted} with ros__parameters"
-            + (f"; it has {has:.300}." if has else "."),
-        )
+        if has:
+            more = f"; it has {has:.300}."
+        else:
+            more = f"; as it seems it is one of ROS 1's move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
+        message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
+        raise ReadError("nav2.no_costmap", message)
     return _Reader(root, *found).read()
 
 
@@ -231,10 +235,7 @@ class _Reader:
         values = {}
         for key, value in self._renamed(given, where).items():
             if key in rows:
-                try:
-                    values[key] = rows[key].check(value)
-                except ConfigError as error:
-                    raise ConfigError("nav2.value", f"{where}.{key}: {error.message}") from error
+                values[key] = checked(rows[key], value, f"{where}.{key}", self.notes)
             elif key not in _STRUCTURE:
                 self.others[*path[1:], key] = value
                 # A block in a layer is that of a source of observations that is not in use.

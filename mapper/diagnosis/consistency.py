@@ -67,6 +67,10 @@ class Examined:
         moved = replace(one, poses=one.poses + by, timed=timed)
         return replace(self, log=with_trajectories(self.log, {self.trajectory: moved}))
 
+    def part(self, which: NDArray[np.int64]) -> Examined:
+        """Return the scans of these indices (n,) of what is looked at."""
+        return replace(self, log=self.log.take(which), scans=self.scans[which])
+
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
         return replace(self, log=with_trajectories(self.log, {self.trajectory: Trajectory(poses)}))

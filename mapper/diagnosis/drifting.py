@@ -8,7 +8,7 @@ from mapper.diagnosis.consistency import examined_as_mapped
 from mapper.diagnosis.examination import LEAST_SCANS, causes_of_drift
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.readings import max_range_finding
-from mapper.diagnosis.walls import check_drift
+from mapper.diagnosis.walls import check_drift, check_still
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import by_sensor, each_part
@@ -43,6 +43,8 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
             if (finding.parameters or {}).get("range_max", 0.0) < config.range_max:
                 return finding
     drift = drift_finding(log, trajectory, config)
+    if drift is None and is_alone and not log.trajectory(trajectory).is_placeholder:
+        return next(iter(check_still(*examined_as_mapped(log, trajectory, config))), None)
     if drift is None or not is_alone:
         return drift
     corrected = as_mapped(log, config)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
@@ -12,6 +14,7 @@ BETTER = 1.3  #: times as consistent, and by
 BY = 0.08  #: at least: only then a sensor is said to be turned
 FINER = 1.12  #: for an offset: what drifting poses gain by one is less
 FINER_BY = 0.04
+LEAST_TURN = 0.2  #: radians, of the robot, that tell where on it the sensor is
 
 _TURNS = (
     ("turned by 180°", math.pi),
@@ -48,12 +51,16 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
 
 
 def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
-    """Move and turn the mount a little, one axis after another, as long as the map gets sharper."""
+    """Move and turn the mount a little, one axis after another, as long as the map gets sharper.
+
+    Where the robot hardly turns, a mount that is moved moves the whole map: then it is only turned.
+    """
+    has_turned = np.ptp(np.unwrap(seen.log.trajectory().poses[:, 2])) >= LEAST_TURN
     now = best = seen.agreement
     at = {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": 0.0}
     steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
     for _ in range(5):
-        for name in ("mount_yaw", "mount_x", "mount_y"):
+        for name in ("mount_yaw", "mount_x", "mount_y") if has_turned else ("mount_yaw",):
             for sign in (1.0, -1.0):
                 tried = at | {name: at[name] + sign * steps[name]}
                 value = consistency(seen, **tried)

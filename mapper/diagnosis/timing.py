@@ -14,6 +14,8 @@ from mapper.sensors.scan import ScanLog
 
 DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
 FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one after another
+LEAST_SPANS = 8  #: times as long as a delay that is tried is the log at least
+LEAST_SCANS = 10
 OFF_BORDER = 0.13  #: of a cell: by it all is moved, so that walls at round coordinates are on no border of the grids
 BETTER = 1.06
 BY = 0.015
@@ -29,6 +31,14 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     times, yaw = stamps[order], np.unwrap(poses[:, 2])
     at = stamps[seen.scans]
 
+    delays = [delay for delay in DELAYS_S if LEAST_SPANS * delay <= times[-1] - times[0]]
+    # Poses at all times that are tried are known: beyond the first and the last, scans would be put upon each other.
+    margin = max(delays, default=0.0) + sum(FINER_S)
+    known = np.flatnonzero((at >= times[0] + margin) & (at <= times[-1] - margin))
+    if not delays or len(known) < LEAST_SCANS:
+        return []
+    at, seen = at[known], seen.part(known)
+
     columns = (poses[:, 0], poses[:, 1], yaw)
     middle = [float(np.interp(at, times, column).mean()) for column in columns[:2]]
 
@@ -42,7 +52,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         return consistency(seen.with_poses(np.stack(moved, axis=-1)))
 
     now = delayed(0.0)
-    tried = [(delayed(sign * delay), sign * delay) for delay in DELAYS_S for sign in (1.0, -1.0)]
+    tried = [(delayed(sign * delay), sign * delay) for delay in delays for sign in (1.0, -1.0)]
     best, delay = max(tried)
     if best < BETTER * now or best < now + BY:
         return []

@@ -12,7 +12,11 @@ and has no effect: rclcpp passes over values of parameters that no node declares
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Collection
+
+from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter
 
 RELEASES = "Foxy to Kilted"
 
@@ -103,3 +107,44 @@ def undeclared(where: str, name: str, declared: Collection[str]) -> str:
     close = difflib.get_close_matches(name[:100], [*declared], 1, 0.8)
     meant = f" (did you mean {close[0]!r}?)" if close else ""
     return f"{where}: Nav2 ({RELEASES}) declares no parameter {name!r:.80}{meant}; it has no effect there, nor here."
+
+
+def not_built(where: str, plugin: object, in_place: str) -> str:
+    """Return the sentence on a plugin of a server that is not built here, and what stands in its place."""
+    return f"{where}: {str(plugin)!r:.80} is not built here; {in_place}."
+
+
+def checked(row: Parameter, value: object, where: str, notes: list[str]) -> float | str | bool:
+    """Return a value of a parameter file as a row of ours has it; ``where`` is its path in the file.
+
+    A number beyond what is computed with here, as a greatest height of 1000 m, is wrong for nobody: the nearest value
+    is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
+    """
+    value = within(row, value, where, notes)
+    try:
+        return row.check(value)
+    except ConfigError as error:
+        why = ""
+        if isinstance(value, str) and ("$(" in value or value.startswith("<")):
+            why = " It is filled in where Nav2 is launched: put the value into the file."
+        raise ConfigError("nav2.value", f"{where}: {error.message}{why}") from error
+
+
+def within(row: Parameter, value: object, where: str, notes: list[str]) -> object:
+    """Return a number above the bounds of a row as the upper one, also one below bounds that are negative, as lower.
+
+    There is a note on it. Other values are returned as they are.
+    """
+    if (
+        row.kind != "number"
+        or isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not math.isfinite(value)
+    ):
+        return value
+    nearest = row.high if value > row.high else row.low if value < row.low < 0.0 else value
+    if nearest != value:
+        beyond = "more than" if value > row.high else "less than"
+        taken = f"{nearest:g} {row.unit}".rstrip()
+        notes.append(f"{where} is {value:g}, {beyond} is computed with here: {taken} is taken.")
+    return nearest

@@ -1,4 +1,4 @@
-"""Monte Carlo localization: where a robot is in a given map, by its odometry and its scans."""
+"""Monte Carlo localization: where a robot is in a reference map, by its odometry and its scans."""
 
 from typing import TYPE_CHECKING
 

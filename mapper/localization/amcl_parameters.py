@@ -16,7 +16,7 @@ from typing import Any, Literal
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.io.nav2_declared import AMCL, NODE, undeclared
+from mapper.io.nav2_declared import AMCL, NODE, undeclared, within
 from mapper.io.ros_parameters import MAX_DEPTH, find_node, parse_ros_parameters, read_parameter_file, value_below
 from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
@@ -87,11 +87,13 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
     names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
     others = {}
-    notes = []
+    notes: list[str] = []
     for name, value in (values | _remarks(data)).items():
         own = names.get(name, name)
         if own in BY_NAME:
             given[own] = _value(name, own, value)
+            if own not in OWN_ROWS:
+                given[own] = within(BY_NAME[own], given[own], f"amcl.{name}", notes)
         elif is_other(name):
             others[name] = _checked_other(name, value)
         else:

@@ -29,7 +29,9 @@ class Estimate:
     ``pose`` (3,) and ``covariance`` (3, 3) are, once it ``is_converged``, those of the heaviest cluster of particles;
     before, the covariance is that of all particles around that pose. ``share`` is the cluster's weight of 1, ``fit``
     how well the last scan fits: 1 where each end point is on a wall. ``entropy`` is that of the histogram of poses in
-    bins of 0.5 m and 10°, bits. ``is_updated`` tells whether the last scan was used.
+    bins of 0.5 m and 10°, bits. ``is_updated`` tells whether the last scan was used. ``is_sure`` tells whether other
+    places were ruled out (:mod:`mapper.localization.confidence`); ``contradicted`` is the share of readings of late, 0
+    to 1, that go on behind walls of the map.
     """
 
     pose: Float64Array
@@ -41,6 +43,8 @@ class Estimate:
     n_particles: int
     n_clusters: int
     is_updated: bool
+    is_sure: bool = False
+    contradicted: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError, WorkCancelledError
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
@@ -23,6 +25,8 @@ Float64Array = NDArray[np.float64]
 
 LOCALIZED = "localized"  #: name of the trajectory
 SETTLED = 20  #: scans after convergence, of which the most certain one's pose is carried back
+JUMP_M, JUMP_RAD = 0.5, math.radians(20.0)  #: of an estimate beside the odometry, from which on it is another place
+BEFORE_JUMP = 5  #: scans before such a jump at which the robot may have been elsewhere already
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +37,8 @@ class Localized:
     there (:func:`carry_back`); ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
     filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last
     scan that was used fits, ``n_particles`` (n,) how many there were, ``entropy`` (n,) that of their histogram, bits,
-    and ``is_updated`` (n,) whether the scan was used. ``odometry`` names the trajectory that was used.
+    and ``is_updated`` (n,) whether the scan was used. ``odometry`` names the trajectory that was used. ``is_sure`` (n,)
+    tells where other places were ruled out, by the scans up to then or by later ones (:func:`confirmed`).
     """
 
     poses: Float64Array
@@ -46,6 +51,7 @@ class Localized:
     is_updated: NDArray[np.bool_]
     odometry: str
     cpu_seconds: float
+    is_sure: NDArray[np.bool_]
 
     @property
     def first_converged(self) -> int | None:
@@ -110,6 +116,7 @@ def localize_log(
     poses, covariance = np.empty((n, 3)), np.empty((n, 3, 3))
     converged, numbers = np.zeros(n, dtype=np.bool_), np.empty((n, 3))
     counts, used = np.empty(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)
+    sure = np.zeros(n, dtype=np.bool_)
     sensors = sensor_of_scan(log).tolist()
     for i in range(n):
         if wanted is not None and not wanted():
@@ -118,16 +125,41 @@ def localize_log(
         found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config), sensors[i])
         poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
         numbers[i] = found.share, found.fit, found.entropy
-        counts[i], used[i] = found.n_particles, found.is_updated
+        counts[i], used[i], sure[i] = found.n_particles, found.is_updated, found.is_sure
         if watch is not None:
             watch(i, robot)
         if progress is not None:
             progress((i + 1) / n)
+    sure = confirmed(poses, odometry, converged, sure)
     carry_back(poses, odometry, covariance, converged)
     return Localized(
         poses, covariance, converged, numbers[:, 0], numbers[:, 1], counts, numbers[:, 2], used, name,
-        time.process_time() - began,
+        time.process_time() - began, sure,
     )  # fmt: skip
+
+
+def confirmed(
+    poses: Float64Array, odometry: Float64Array, converged: NDArray[np.bool_], sure: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return at which scans (n,) the place is sure in hindsight; ``sure`` (n,) are those at which the filter was.
+
+    As long as the estimates ``poses`` (n, 3) move as the ``odometry`` (n, 3) does, and the filter has ``converged``
+    (n,), they are of one place: what confirms it later confirms it for the scans before. Where the estimate jumps, the
+    robot may have been elsewhere for some scans before.
+    """
+    out = np.zeros(len(poses), dtype=np.bool_)
+    told, found = (compose(inverse(path[:-1]), path[1:]) for path in (odometry, poses))
+    off = compose(inverse(told), found)
+    is_jump = (np.hypot(off[:, 0], off[:, 1]) > JUMP_M) | (np.abs(wrap_angle(off[:, 2])) > JUMP_RAD)
+    ends = np.flatnonzero(is_jump | (converged[1:] != converged[:-1])) + 1
+    for first, stop in pairwise([0, *ends.tolist(), len(poses)]):
+        if not converged[first]:
+            continue
+        last = stop if stop == len(poses) else max(stop - BEFORE_JUMP, first)
+        confirmed_at = np.flatnonzero(sure[first:last])
+        if len(confirmed_at):
+            out[first : first + int(confirmed_at[-1]) + 1] = True
+    return out
 
 
 def carry_back(
@@ -150,12 +182,12 @@ def carry_back(
 
 def covariance_lines(log: ScanLog, found: Localized) -> list[str]:
     """Return a table as comma-separated text: a line for each scan with how certain its pose is."""
-    lines = ["scan,stamp_ns,converged,share,fit,particles,xx,xy,xyaw,yy,yyaw,yawyaw\n"]
+    lines = ["scan,stamp_ns,converged,sure,share,fit,particles,xx,xy,xyaw,yy,yyaw,yawyaw\n"]
     for i in range(log.n_scans):
         c = found.covariance[i]
         upper = ",".join(f"{value:.9g}" for value in (c[0, 0], c[0, 1], c[0, 2], c[1, 1], c[1, 2], c[2, 2]))
         lines.append(
-            f"{i},{int(log.stamps_ns[i])},{int(found.is_converged[i])},{found.share[i]:.6f},{found.fit[i]:.6f},"
-            f"{found.n_particles[i]},{upper}\n"
+            f"{i},{int(log.stamps_ns[i])},{int(found.is_converged[i])},{int(found.is_sure[i])},{found.share[i]:.6f},"
+            f"{found.fit[i]:.6f},{found.n_particles[i]},{upper}\n"
         )
     return lines

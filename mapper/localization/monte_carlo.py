@@ -9,6 +9,7 @@ second filter elsewhere in the map, which is tested against the first (:mod:`map
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,7 @@ from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
 from mapper.localization.alternative import SHARE as ALTERNATIVE_SHARE
 from mapper.localization.alternative import Alternative, alternative_config, alternative_particles, near
+from mapper.localization.confidence import Confidence, contradicted_share
 from mapper.localization.estimate import Estimate, estimate_of, find_clusters
 from mapper.localization.map_model import MapModel, check_pose, map_model
 from mapper.localization.motion import anywhere, around, key_of, motion_between, move
@@ -132,6 +134,7 @@ class MonteCarloLocalizer:
         self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
         self._recovery = Recovery(self.config, is_searched=not self.estimate.is_converged)
         self._alternative: Alternative | None = None
+        self._confidence = Confidence()
         self._base = tuple(self.estimate.pose.tolist())
 
     def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
@@ -166,12 +169,8 @@ class MonteCarloLocalizer:
         return self.estimate
 
     def _carried(self, moved: tuple[float, float, float]) -> Estimate:
-        last = self.estimate
         pose = np.array(compose_one(self._base, moved))
-        self.estimate = Estimate(
-            pose, last.covariance, last.is_converged, last.share, last.fit, last.entropy, last.n_particles,
-            last.n_clusters, is_updated=False,
-        )  # fmt: skip
+        self.estimate = replace(self.estimate, pose=pose, is_updated=False)
         return self.estimate
 
     def predict(self, before: Float64Array, after: Float64Array) -> None:
@@ -205,12 +204,26 @@ class MonteCarloLocalizer:
             self._test_alternative(scan)
             if self._recovery.wants_comparison():
                 self._compare(scan, fit)
+        if self.config.reset_below > 0.0:
+            self._judge(scan)
+
+    def _judge(self, scan: ScanBeams) -> None:
+        """Say whether the filter is sure of its place."""
+        confidence, found = self._confidence, self.estimate
+        confidence.look(contradicted_share(self.model, scan, found.pose))
+        if self._alternative is not None:
+            confidence.wait(self._alternative.n_scans)
+        if not found.is_converged or self._recovery.is_searched:
+            confidence.doubt()
+        is_sure = found.is_converged and confidence.is_confirmed
+        self.estimate = replace(found, is_sure=is_sure, contradicted=confidence.contradicted)
 
     def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
         """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
         self.config, self.model = config, model
         self._recovery = Recovery(config, is_searched=self._recovery.is_searched)
         self._alternative = None
+        self._confidence = Confidence()
 
     def weights_by(self, scan: ScanBeams) -> Float64Array:
         """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
@@ -334,8 +347,12 @@ class MonteCarloLocalizer:
         alternative.correct(scan, self.log_evidence)
         if alternative.has_won:
             self._add(alternative.robot.particles, ALTERNATIVE_SHARE * alternative.robot.weights)
-        if alternative.has_won or alternative.has_lost(self.estimate):
-            self._alternative = None
+            self._confidence.doubt()
+        elif alternative.has_lost(self.estimate):
+            self._confidence.rule_out(alternative.n_scans)
+        else:
+            return
+        self._alternative = None
 
     def _key(self, purpose: int) -> int:
         return key_of(self.seed, self._steps, purpose)

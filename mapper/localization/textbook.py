@@ -119,6 +119,25 @@ def expected_range(
     return range_max
 
 
+def count_contradicted(
+    readings: Sequence[float],
+    bearings: Sequence[float],
+    sensor_pose: Float64Array,
+    map_range: Callable[[Float64Array, float], float],
+    turn: float,
+    margin: float,
+) -> int:
+    """Return how many readings exceed what the map allows, within ``turn`` radians of their bearings, by ``margin`` m.
+
+    ``map_range`` returns the range that the map has at a sensor's pose in the direction of a bearing.
+    """
+    count = 0
+    for z, bearing in zip(readings, bearings, strict=True):
+        longest = max(map_range(sensor_pose, bearing + side * turn) for side in (-1, 0, 1))
+        count += z > longest + margin
+    return count
+
+
 def beam_density(
     z: float, expected: float, z_hit: float, z_short: float, z_max: float, z_rand: float, sigma_hit: float,
     lambda_short: float, range_max: float,

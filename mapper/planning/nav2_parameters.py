@@ -13,7 +13,7 @@ import yaml
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter
-from mapper.io.nav2_declared import CONTROLLER_SERVER, NAVFN, PLANNER_SERVER, PURSUIT, undeclared
+from mapper.io.nav2_declared import CONTROLLER_SERVER, NAVFN, PLANNER_SERVER, PURSUIT, checked, not_built, undeclared
 from mapper.io.nav2_declared import NODE as OF_EVERY_NODE
 from mapper.io.ros_parameters import find_node, parse_ros_parameters
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
@@ -25,6 +25,11 @@ _LISTS = {NODE: "planner_plugins", CONTROLLER: "controller_plugins"}
 #: controller_server.cpp: default_ids_, default_types_).
 _DEFAULTS = {NODE: ("GridBased", "NavfnPlanner"), CONTROLLER: ("FollowPath", "DWBLocalPlanner")}
 _DECLARED = {NODE: PLANNER_SERVER | OF_EVERY_NODE, CONTROLLER: CONTROLLER_SERVER | OF_EVERY_NODE}
+#: What is computed where the file has no plugin of a kind that is built here.
+_IN_PLACE = {
+    NODE: "the path is that of NavFn with Nav2's defaults",
+    CONTROLLER: "the path is followed by Regulated Pure Pursuit with Nav2's defaults",
+}
 _NAVFN = "nav2_navfn_planner::NavfnPlanner"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 _RENAMED = {"max_linear_vel": "desired_linear_vel"}  #: the name since the release after Kilted, and the one before
@@ -139,14 +144,15 @@ def _plugin(
     for name, value in (given.pop(own) if own else {}).items():
         parameter = _RENAMED.get(name, name)
         if parameter in rows:
-            try:
-                values[parameter] = rows[parameter].check(value)
-            except ConfigError as error:
-                raise ConfigError("nav2.value", f"{node}.{own}.{name}: {error.message}") from error
+            values[parameter] = checked(rows[parameter], value, f"{node}.{own}.{name}", notes)
         elif own and name != "plugin":
             others[node, own, name] = value
             if name not in declared:
                 notes.append(undeclared(f"{node}.{own}", name, {*declared, *rows}))
+    if own is None and found:
+        block = given.get(next(iter(names), ""))
+        plugin = block.get("plugin", usual) if isinstance(block, dict) else default_kind
+        notes.append(not_built(".".join([node, *names[:1]]), plugin, _IN_PLACE[node]))
     others |= {(node, str(name)): value for name, value in given.items()}
     blocks = {name for name, value in given.items() if isinstance(value, dict)}  # of other plugins
     known = _DECLARED[node]

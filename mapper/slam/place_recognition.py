@@ -19,7 +19,6 @@ from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam.config import SlamConfig
-from mapper.slam.consistency import largest_consistent
 from mapper.slam.front_end import FrontEnd
 from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
 from mapper.slam.local_map import LocalMap, local_map
@@ -28,8 +27,8 @@ from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted, spread
 
+MOST_STEPS = 20_000  #: of the search, after which the largest group so far counts
 STAGE = "place recognition: "  #: begins the reasons of what is refused here
-
 SPACING = 2.5  #: metres of the way between the ends of two submaps, so that a place lies well inside of one
 LEAST_WAY = 20.0  #: metres driven between two submaps, for them to be a loop
 TURN_WINDOW, TURN_DRIFT, MOST_TURN = 0.3, 0.01, np.pi  #: radians, radians for each metre of the way, radians
@@ -48,6 +47,37 @@ TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre d
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
 LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
+
+
+def largest_consistent(consistent: BoolArray) -> Int64Array:
+    """Return the numbers of the largest group (k,), in ascending order; ``consistent`` (n, n) is symmetric.
+
+    It is a maximum clique, found with Bron and Kerbosch's algorithm with pivots (Tomita 2006) and a bound; of equally
+    large ones the first that is found.
+    """
+    n = len(consistent)
+    others = [
+        {int(k) for k in np.flatnonzero(row)} - {i} for i, row in enumerate(np.asarray(consistent, dtype=np.bool_))
+    ]
+    best: list[int] = []
+    steps = 0
+    # Of each open branch: the group so far, what can still be added, and what was tried before.
+    stack: list[tuple[list[int], set[int], set[int]]] = [([], set(range(n)), set())]
+    while stack and steps < MOST_STEPS:
+        steps += 1
+        group, open_, tried = stack.pop()
+        if len(group) > len(best):
+            best = group
+        if len(group) + len(open_) <= len(best):
+            continue
+        pivot = max(sorted(open_ | tried), key=lambda k: len(open_ & others[k]))
+        branches = []
+        for k in sorted(open_ - others[pivot]):
+            branches.append(([*group, k], open_ & others[k], tried & others[k]))
+            open_ = open_ - {k}
+            tried = tried | {k}
+        stack += reversed(branches)
+    return np.array(sorted(best), dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from mapper.core.errors import MapperError
 from server.classes.classroom import MAX_NUMBERS, Classroom, Member
 from server.classes.codes import new_code, normalised
+from server.classes.prepared import Prepared
 
 MAX_CLASSES = 32
 MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
@@ -20,6 +21,7 @@ MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and
 ADDRESS_SHARE = 0.75
 LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
+LOOK_FOR_PREPARED_S = 0.5  #: time between two looks whether another process has the prepared class
 
 
 class ClassNotFoundError(MapperError):
@@ -40,11 +42,11 @@ class Classes:
     def __init__(
         self,
         max_followers: int,
-        prepared: str | None = None,
+        prepared: Prepared | None = None,
         clock: Callable[[], float] = time.monotonic,
         is_own: Callable[[str], bool] = lambda _: True,
     ) -> None:
-        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over.
+        """``prepared`` is a class that is open from the start; who opens a class first takes it over.
 
         ``is_own`` says whether requests with a code reach this process.
         """
@@ -52,8 +54,8 @@ class Classes:
         self._is_own = is_own
         self._clock = clock
         self._classes: dict[str, Classroom] = {}
-        if prepared is not None:
-            self._classes[prepared] = Classroom(prepared, None, clock)
+        self._prepared = prepared
+        self.find_prepared()
 
     @property
     def most_of_address(self) -> int:
@@ -63,11 +65,13 @@ class Classes:
     def open(self, owner: str) -> Classroom:
         """Return the class of a visitor, a new one if there is none. Raises :class:`ClassBudgetError`."""
         self.end_abandoned()
-        for one in self._classes.values():
-            if one.owner in (owner, None):
-                one.owner = owner
-                one.lecturer_seen = self._clock()
-                return one
+        own = self.of(owner)
+        if own is None and self._prepared is not None and self._prepared.take_over():
+            own = self._classes.setdefault(self._prepared.code, Classroom(self._prepared.code, None, self._clock))
+        if own is not None:
+            own.owner = owner
+            own.lecturer_seen = self._clock()
+            return own
         if len(self._classes) >= MAX_CLASSES:
             raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the maximum.")
         code = new_code()
@@ -148,6 +152,22 @@ class Classes:
         while True:
             self.end_abandoned()
             await asyncio.sleep(LOOK_EVERY_S)
+
+    async def watch_prepared(self) -> None:
+        """Look now and then where the prepared class is, until cancelled: another process may have taken it over."""
+        while True:
+            self.find_prepared()
+            await asyncio.sleep(LOOK_FOR_PREPARED_S)
+
+    def find_prepared(self) -> None:
+        """Have the prepared class where it waits for its lecturer; send its followers on where it does so no longer."""
+        if self._prepared is None:
+            return
+        code = self._prepared.code
+        if self._prepared.waits_here:
+            self._classes.setdefault(code, Classroom(code, None, self._clock))
+        elif (found := self._classes.get(code)) is not None and found.owner is None:
+            self._classes.pop(code).move()
 
     def end_abandoned(self) -> None:
         """End the classes without their lecturer for longer than :data:`LONGEST_ABSENCE_S`."""

@@ -80,6 +80,7 @@ class Classroom:
         self.stage_over = asyncio.Event()  #: set once that session is not shown any more
         self.view = ClassView("other")
         self.is_locked = self.has_ended = self.counts_joined_only = False
+        self.has_moved = False  #: whether another process has this class now
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
@@ -308,6 +309,12 @@ class Classroom:
         self.driver = None
         self.stage_over.set()
         self._publish_state()
+
+    def move(self) -> None:
+        """Close the connections, whose pages reach the process then that has the class."""
+        self.has_moved = True
+        for member in self.members:
+            member.wake.set()
 
     # -- messages -------------------------------------------------------------------------------------------------
 

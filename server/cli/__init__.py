@@ -18,6 +18,9 @@ from server.cli import logs  # noqa: F401
 from server.cli import check as checking  # noqa: F401
 
 # isort: split
+from server.cli import report as reporting  # noqa: F401
+
+# isort: split
 from server.cli import maps  # noqa: F401
 
 # isort: split
@@ -63,8 +66,7 @@ from server.cli import fleet as many  # noqa: F401
 from server.cli import bench as measuring  # noqa: F401
 
 # isort: split
-from server.cli.app import app
-from server.cli.common import SHORT_NAMES
+from server.cli.common import SHORT_NAMES, app
 
 __all__ = ["SHORT_NAMES", "app", "main"]
 

@@ -6,12 +6,12 @@ from typing import Annotated, Any
 
 import typer
 
-from server.cli.app import bench_app
 from server.cli.common import (
     AsJson,
     LogPath,
     TopicName,
     TrajectoryName,
+    bench_app,
     configured,
     given_parameters,
     print_json,

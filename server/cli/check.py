@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
-from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -16,6 +15,7 @@ from server.cli.common import (
     TfTopic,
     TopicNames,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,

@@ -1,4 +1,4 @@
-"""Shared by the commands: options, errors, reading a log."""
+"""The ``gridbloom`` application object, and what commands share: options, errors, reading a log."""
 
 from __future__ import annotations
 
@@ -18,9 +18,37 @@ from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
 from mapper.sensors.planar.options import PlanarCut
+from server.version import package_version
 
 if TYPE_CHECKING:
     from mapper.sensors.scan import ScanLog
+
+
+app = typer.Typer(
+    help="Occupancy grid maps of simulated worlds and robot logs.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+bench_app = typer.Typer(no_args_is_help=True)
+app.add_typer(bench_app, name="bench")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"gridbloom {package_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    show_version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Options of the command itself."""
+
 
 BAD_INPUT = 2  #: exit status
 MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 
 from mapper.mapping.parameters import BY_NAME, PARAMETERS
-from server.cli.app import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -18,6 +17,7 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,

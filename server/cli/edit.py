@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from server.cli.app import app
-from server.cli.common import AsJson, print_json, print_notes, refusing
+from server.cli.common import AsJson, app, print_json, print_notes, refusing
 
 
 @app.command()

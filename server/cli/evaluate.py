@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from server.cli.app import app
-from server.cli.common import AsJson, TopicName, fail, print_json, read_log, refusing
+from server.cli.common import AsJson, TopicName, app, fail, print_json, read_log, refusing
 
 if TYPE_CHECKING:
     from mapper.evaluation import ErrorSeries, PublishedResult, RelationErrors

@@ -8,8 +8,7 @@ from typing import Annotated
 
 import typer
 
-from server.cli.app import app
-from server.cli.common import AsJson, print_json, progress_bar, refusing
+from server.cli.common import AsJson, app, print_json, progress_bar, refusing
 
 PAGE_EVERY_S = 1.0
 

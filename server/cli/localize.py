@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
-from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -17,6 +16,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,
@@ -104,8 +104,7 @@ def localize(
     written = [] if out is None else _write(out, scans, found, loaded.description.frame or "map")
     notes = [*scans.notes, *loaded.notes, *of_parameters]
     first = found.first_converged
-    if first is not None and (uncertain := doubt(found, first)):
-        notes.append(uncertain)
+    notes += [] if first is None else doubts(found, first)
     facts: dict[str, Any] = {
         "log": scans.name,
         "map": map_file.name,
@@ -114,8 +113,10 @@ def localize(
         "initial_pose": begin,
         "converged_at_scan": first,
         "scans_converged": int(found.is_converged.sum()),
+        "scans_sure": int(found.is_sure.sum()),
         "last_pose": [round(float(v), 6) for v in found.poses[-1]],
         "last_converged": bool(found.is_converged[-1]),
+        "last_sure": bool(found.is_sure[-1]),
         "median_fit": round(float(sorted(found.fit)[len(found.fit) // 2]), 4),
         "cpu_seconds": round(found.cpu_seconds, 3),
         "files": [str(path) for path in written],
@@ -129,8 +130,11 @@ def localize(
         typer.echo("  The filter never converged: where the robot was is not known.")
     else:
         typer.echo(f"  converged at scan {first}; it had converged at {facts['scans_converged']} scans")
+        typer.echo(f"  sure of the place at {facts['scans_sure']} scans: other places in the map were ruled out there")
     x, y, yaw = facts["last_pose"]
-    not_there = "" if facts["last_converged"] else ", not certain: the filter had not converged there"
+    not_there = "" if facts["last_sure"] else ", not sure: other places in the map were not ruled out there"
+    if not facts["last_converged"]:
+        not_there = ", not certain: the filter had not converged there"
     typer.echo(f"  last pose {x:.3f} m, {y:.3f} m, {yaw:.4f} rad{not_there}")
     typer.echo(f"  median fit {facts['median_fit']:.2f}; 1 is the greatest")
     typer.echo(f"  {found.cpu_seconds:.1f} s of processor time")
@@ -140,15 +144,23 @@ def localize(
         typer.echo(f"  note: {note}")
 
 
-def doubt(found: Localized, first: int) -> str | None:
-    """Return a sentence where the filter, once converged, was mostly uncertain; ``first`` is where it converged."""
-    since = found.is_converged[first:]
-    if since.mean() >= LEAST_CONVERGED:
-        return None
-    return (
-        f"From scan {first} on the filter had converged at {int(since.sum())} of {len(since)} scans only: "
-        "this may not be the map of where the log was recorded."
-    )
+def doubts(found: Localized, first: int) -> list[str]:
+    """Return a sentence where the filter, once converged, was mostly uncertain, and one where it was never sure.
+
+    ``first`` is where it converged.
+    """
+    since, out = found.is_converged[first:], []
+    if since.mean() < LEAST_CONVERGED:
+        out.append(
+            f"From scan {first} on the filter had converged at {int(since.sum())} of {len(since)} scans only: "
+            "this may not be the map of where the log was recorded."
+        )
+    if not found.is_sure.any():
+        out.append(
+            "The place is not sure at any scan: the robot may have been elsewhere. The scans fit other places of this "
+            "map nearly as well, or they contradict it."
+        )
+    return out
 
 
 def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, list[str]]:

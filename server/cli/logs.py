@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import ReadError
-from server.cli.app import app
-from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -22,6 +20,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,
@@ -38,10 +37,13 @@ from server.cli.held import (
     contents_facts,
     held_line,
     imus_facts,
+    print_cloud,
+    print_depth_folder,
     print_held,
     size_line,
     stream_line,
 )
+from server.cli.map_files import describe_map
 from server.version import package_version
 
 if TYPE_CHECKING:
@@ -78,7 +80,7 @@ def info(
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
+    """Print the contents of a log, a recording, a cloud, a scan graph, depth images, an octree, a mesh or a map."""
     if report:
         _write_report(log)
         return
@@ -86,7 +88,7 @@ def info(
     from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
     from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up
 
-    if describe_octree(log, as_json=as_json) or describe_mesh(log, as_json=as_json):
+    if any(describe(log, as_json=as_json) for describe in (describe_octree, describe_mesh, describe_map)):
         return
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 

@@ -11,9 +11,9 @@ import typer
 from mapper.core.errors import ConfigError, MapperError
 from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
-from server.cli.app import app
 from server.cli.common import (
     AsJson,
+    app,
     fail,
     numbers,
     print_json,

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.sensors.georeference import NO_OFFSET, Offset
-from server.cli.common import fail, refusing
+from server.cli.common import fail, print_json, print_notes, refusing
 
 if TYPE_CHECKING:
     from mapper.grid import OccupancyGrid
 
 MODES = ("trinary", "scale", "raw")
 MapMode = Annotated[str, typer.Option("--mode", metavar="|".join(MODES), help="Kind of map file.")]
+MOST_HEAD = 1 << 16  #: bytes of a yaml in which its keys are looked for
 OUT_HELP = "Write PREFIX.yaml and its image, PREFIX.pgm (in mode scale PREFIX.png)."
 
 
@@ -54,3 +55,54 @@ def states(grid: OccupancyGrid) -> dict[str, float]:
         "entropy_bits": round(found.entropy_bits, 1),
         "information_gain_bits": round(found.information_gain_bits, 1),
     }
+
+
+def describe_map(path: Path, *, as_json: bool) -> bool:
+    """Print what the map is that a yaml describes; return whether the file is such a yaml."""
+    if path.suffix.lower() not in {".yaml", ".yml"} or not path.is_file():
+        return False
+    from mapper.grid import FREE, OCCUPIED, UNKNOWN  # noqa: PLC0415 - start-up
+    from mapper.io.logs.foreign import MAP, not_a_log  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+
+    with refusing(path):
+        with path.open("rb") as file:
+            is_map = not_a_log(file.read(MOST_HEAD)).code == MAP
+        if not is_map:
+            return False
+        loaded = load_map(path)
+    said, geometry, values = loaded.description, loaded.grid.geometry, loaded.values
+    counts = {"occupied": values == OCCUPIED, "free": values == FREE, "unknown": values == UNKNOWN}
+    found = {name: int(cells.sum()) for name, cells in counts.items()}
+    found["between"] = values.size - sum(found.values())
+    facts: dict[str, Any] = {
+        "name": path.name,
+        "format": f"map, {said.mode}",
+        "image": said.image,
+        "width": geometry.cols,
+        "height": geometry.rows,
+        "resolution": geometry.resolution,
+        "origin": list(geometry.origin),
+        "negate": said.negate,
+        "occupied_thresh": said.occupied_thresh,
+        "free_thresh": said.free_thresh,
+        "frame": said.frame,
+        **found,
+        "notes": list(loaded.notes),
+    }
+    if as_json:
+        print_json(facts)
+        return True
+    wide, high = geometry.cols * geometry.resolution, geometry.rows * geometry.resolution
+    typer.echo(f"{path.name}: {facts['format']}, of the image {said.image}")
+    typer.echo(f"  {geometry.size_text} cells of {geometry.resolution:g} m: {wide:.2f} × {high:.2f} m")
+    place = ", ".join(f"{value:.10g}" for value in geometry.origin)
+    typer.echo(f"  origin {place} (m, m, rad)" + ("" if said.frame is None else f", frame {said.frame}"))
+    typer.echo(
+        f"  occupied above {said.occupied_thresh:g}, free below {said.free_thresh:g}"
+        + (", negated: dark is free" if said.negate else "")
+    )
+    shares = [f"{n} {name} ({100.0 * n / values.size:.1f} %)" for name, n in found.items() if n or name != "between"]
+    typer.echo(f"  {', '.join(shares)}")
+    print_notes(loaded.notes)
+    return True

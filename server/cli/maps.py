@@ -11,7 +11,6 @@ import typer
 
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
-from server.cli.app import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -22,6 +21,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    app,
     check_mount,
     configured,
     fail,

@@ -13,11 +13,11 @@ import typer
 
 from mapper.core.errors import MapperError
 from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
-from server.cli.app import app
 from server.cli.common import (
     AsJson,
     TopicName,
     TrajectoryName,
+    app,
     fail,
     numbers,
     print_json,

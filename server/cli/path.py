@@ -9,9 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
-from server.cli.app import app
-from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
-from server.cli.filter_masks import (
+from server.cli.common import AsJson, app, fail, numbers, print_json, print_notes, refusing
+from server.cli.costmap import (
     UNKNOWN_AS_FREE,
     KeepoutMask,
     SpeedAbsolute,

@@ -9,8 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from server.cli.app import app
-from server.cli.common import AsJson, fail, print_json, progress_bar, refusing
+from server.cli.common import AsJson, app, fail, print_json, progress_bar, refusing
 from server.imports import fast_imports
 
 

@@ -12,7 +12,6 @@ import typer
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.georeference import NO_OFFSET
-from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -21,6 +20,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     fail,
     given_parameters,

@@ -10,8 +10,7 @@ import typer
 
 from mapper.core.errors import ConfigError, MapperError
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
-from server.cli.app import app
-from server.cli.common import AsJson, fail, print_json, refusing, value_of, with_parameter_options
+from server.cli.common import AsJson, app, fail, print_json, refusing, value_of, with_parameter_options
 
 if TYPE_CHECKING:
     from mapper.core.array_types import BoolArray

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import typer
 
 from mapper.mapping.parameters import PARAMETERS
-from server.cli.app import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -18,6 +17,7 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
+    app,
     configured,
     given_parameters,
     place,

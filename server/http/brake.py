@@ -9,18 +9,56 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable
+from typing import Protocol
 
 from server.network_address import network_of
+from server.workers.shared_counts import MAX_NETWORKS
 
-MAX_NETWORKS = 4096  #: of which wrong secrets are recorded
+
+class Counts(Protocol):
+    """Numbers with the time at which each was set, by key."""
+
+    def get(self, key: str) -> tuple[float, float]:
+        """Return the number of a key and its time; 0 and 0 for none."""
+
+    def set(self, key: str, number: float, at: float) -> None:
+        """Set the number of a key."""
+
+
+class OwnCounts:
+    """The newest ``size`` numbers, of one process."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._entries: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: oldest first
+
+    def get(self, key: str) -> tuple[float, float]:
+        """Return the number of a key and its time; 0 and 0 for none."""
+        return self._entries.get(key, (0.0, 0.0))
+
+    def set(self, key: str, number: float, at: float) -> None:
+        """Set the number of a key."""
+        self._entries[key] = (number, at)
+        self._entries.move_to_end(key)
+        while len(self._entries) > self._size:
+            self._entries.popitem(last=False)
 
 
 class Brake:
-    """Allows ``burst`` wrong secrets of a network at once, and one more each ``60 / per_minute`` seconds."""
+    """Allows ``burst`` wrong secrets of a network at once, and one more each ``60 / per_minute`` seconds.
 
-    def __init__(self, burst: int, per_minute: float, clock: Callable[[], float] = time.monotonic) -> None:
+    ``counts`` are those of all processes of the service; None: it has one.
+    """
+
+    def __init__(
+        self,
+        burst: int,
+        per_minute: float,
+        clock: Callable[[], float] = time.monotonic,
+        counts: Counts | None = None,
+    ) -> None:
         self._burst, self._per_s, self._clock = burst, per_minute / 60.0, clock
-        self._wrong: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: number and time, oldest first
+        self._wrong: Counts = OwnCounts(MAX_NETWORKS) if counts is None else counts
 
     def wait_s(self, address: str) -> float:
         """Return the seconds for which a network is refused; 0 if it is not."""
@@ -29,13 +67,10 @@ class Brake:
     def count(self, address: str) -> None:
         """Count a wrong secret."""
         network = network_of(address)
-        self._wrong[network] = (self._count(network) + 1.0, self._clock())
-        self._wrong.move_to_end(network)
-        while len(self._wrong) > MAX_NETWORKS:
-            self._wrong.popitem(last=False)
+        self._wrong.set(network, self._count(network) + 1.0, self._clock())
 
     def _count(self, network: str) -> float:
-        number, at = self._wrong.get(network, (0.0, 0.0))
+        number, at = self._wrong.get(network)
         return max(0.0, number - (self._clock() - at) * self._per_s)
 
 
@@ -46,9 +81,15 @@ class CodeGuesses:
     is. A visitor is known by a cookie and can drop it: what bounds guessing is the limit of the network.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._of_visitor = Brake(burst=12, per_minute=12.0, clock=clock)
-        self._of_network = Brake(burst=300, per_minute=55.0, clock=clock)
+    def __init__(
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        of_visitor: Counts | None = None,
+        of_network: Counts | None = None,
+    ) -> None:
+        """Count for this process, or for all that share ``of_visitor`` and ``of_network``."""
+        self._of_visitor = Brake(burst=12, per_minute=12.0, clock=clock, counts=of_visitor)
+        self._of_network = Brake(burst=300, per_minute=55.0, clock=clock, counts=of_network)
 
     def wait_s(self, visitor: str, address: str) -> float:
         """Return the seconds for which a visitor's codes are refused, right ones too; 0 if they are not."""

@@ -12,7 +12,7 @@ from mapper.core.errors import MapperError
 from server.classes import Classroom, Member
 from server.http.stream_connection import Allowance, accepted
 from server.stream.class_messages import ClassCommand, ClassError
-from server.stream.close_codes import ENDED, POLICY
+from server.stream.close_codes import ENDED, POLICY, RESTARTING
 
 MAX_BYTES = 256 * 1024  #: of a message: an explanation of a cell has up to 300 updates
 MAX_REFUSED = 50  #: commands that were refused, before the socket is closed
@@ -46,6 +46,9 @@ async def _send(websocket: WebSocket, room: Classroom, member: Member) -> None:
             await websocket.send_text(message)
         if room.has_ended:
             await _close(websocket, ENDED.code, "class.ended")
+            return
+        if room.has_moved:
+            await _close(websocket, RESTARTING.code, "class.moved")
             return
         await member.wake.wait()
 

@@ -22,7 +22,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from server.http.brake import Brake
+from server.http.brake import Brake, Counts
 from server.http.errors import error_response
 from server.http.guests import GuestRight, right_of_request
 from server.http.services import services_of
@@ -69,7 +69,14 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 class Security:
     """The outermost middleware."""
 
-    def __init__(self, app: ASGIApp, settings: Settings, routes: Sequence[BaseRoute], sign_ins: SignIns) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        settings: Settings,
+        routes: Sequence[BaseRoute],
+        sign_ins: SignIns,
+        wrong_tokens: Counts | None = None,
+    ) -> None:
         self._app = app
         self._routes = routes
         self._hosts = frozenset(name.lower() for name in settings.allowed_hosts)
@@ -80,7 +87,7 @@ class Security:
         self._token = token
         self._sign_ins = sign_ins
         #: Wrong tokens. Whoever has the cookie is not concerned.
-        self._brake = Brake(burst=50, per_minute=30.0)
+        self._brake = Brake(burst=50, per_minute=30.0, counts=wrong_tokens)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check a request or a WebSocket, and forward it."""

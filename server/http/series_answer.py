@@ -49,15 +49,28 @@ class SeriesAnswer:
 
     @classmethod
     def of(
-        cls, series: Series, origin_ns: int, start: float | None, end: float | None, buckets: int, **more: str
+        cls,
+        series: Series,
+        origin_ns: int,
+        start: float | None,
+        end: float | None,
+        buckets: int,
+        *,
+        evenly: bool = False,
+        **more: str,
     ) -> Self:
         """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its ends.
 
-        At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null. ``gaps`` are
-        the ``buckets`` longest. ``more`` are fields of a subclass.
+        At most ``2 · buckets`` rows, with the least and the greatest value of each bucket, or ``evenly`` whole rows of
+        samples; NaN is null. ``gaps`` are the ``buckets`` longest. ``more`` are fields of a subclass.
         """
         all_stamps, all_values = _between(series, origin_ns, start, end)
-        stamps, values = min_max(all_stamps, all_values, buckets)
+        if evenly:
+            every = slice(None, None, max(1, -(-len(all_stamps) // (2 * buckets))))
+            stamps, values = all_stamps[every], all_values[every]
+        else:
+            stamps, values = min_max(all_stamps, all_values, buckets)
+        is_double = values.dtype == np.float64
         return cls(
             topic=series.topic,
             type=series.type,
@@ -69,12 +82,19 @@ class SeriesAnswer:
                     label=column.label,
                     unit=column.unit,
                     plot=column.plot,
-                    values=[None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
+                    values=[_written(value, is_double=is_double) for value in values[:, n].tolist()],
                 )
                 for n, column in enumerate(series.columns)
             ],
             **more,
         )
+
+
+def _written(value: float, *, is_double: bool) -> float | None:
+    """Return a number without the digits beyond its precision; None for one that JSON has not."""
+    if not math.isfinite(value):
+        return None
+    return float(f"{value:.12g}") if is_double else round(value, 6)
 
 
 def json_answer(answer: SeriesAnswer) -> Response:

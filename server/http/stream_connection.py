@@ -14,13 +14,14 @@ from typing import Any
 import structlog
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
+from server.parts.wire import Command, decode_command
 from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
-from server.stream.commands import AckCommand, Command, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
+from server.stream.commands import AckCommand, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
-from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text, type_of
+from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
 

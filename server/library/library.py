@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.io.contents.model import Contents
+from mapper.io.contents.model import Contents, Series
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
@@ -32,10 +32,10 @@ from server.library.logs.errors import LogReadOnlyError
 from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
 from server.library.logs.sample import SAMPLE_ID, Sample
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
+from server.library.processing.field_lookups import FieldLookups
 from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.fleet_jobs import FleetJobs
-from server.library.processing.given_maps import GivenMaps
 from server.library.processing.inspections import Inspections
 from server.library.processing.job_rows import JobRowsOfLogs
 from server.library.processing.localization import LocalizationKind
@@ -44,6 +44,7 @@ from server.library.processing.merging import MergeKind
 from server.library.processing.moment_pictures import MomentPicture, MomentPictures
 from server.library.processing.reader import Reader
 from server.library.processing.reading_jobs import Jobs
+from server.library.processing.reference_maps import ReferenceMaps
 from server.library.processing.relation_scores import RelationScores
 from server.library.processing.slam import SlamKind
 from server.library.scans import Scans
@@ -64,6 +65,7 @@ from server.settings import Settings
 from server.storage import private_folder
 
 if TYPE_CHECKING:
+    from mapper.io.contents.fields import TopicFields
     from mapper.io.contents.raw_message import RawMessage
     from mapper.io.costmaps import CostmapStream
     from server.library.packs.volume import VolumeSource
@@ -120,7 +122,7 @@ class Library:
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         rows = JobRowsOfLogs(self._database, self.get)
         self.slam = LogJobs(rows, leases, self, new_worker, root / "slam", SlamKind())
-        self.maps = GivenMaps(self, new_worker, root / "maps", self._room, common)
+        self.maps = ReferenceMaps(self, new_worker, root / "maps", self._room, common)
         kind = LocalizationKind(self.maps)
         self.localization = LogJobs(rows, leases, self, new_worker, root / "localization", kind)
         self.merges = LogJobs(rows, leases, self, new_worker, root / "merges", MergeKind())
@@ -145,6 +147,7 @@ class Library:
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
+        self._fields = FieldLookups(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
@@ -181,6 +184,7 @@ class Library:
         await self._inspections.close()
         await self.scores.close()
         await self._pictures.close()
+        await self._fields.close()
         if self._own_reader:
             await self._reader.close()
         await asyncio.to_thread(self._database.close)
@@ -342,9 +346,9 @@ class Library:
         """Return what a map in 3D of a log is made of: the scans of its clouds, or an octree. As :meth:`load`."""
         return await self._loading.volume(owner, log_id, topic)
 
-    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+    async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
         """Return the map that map files are, named as their record; None for any other log. As :meth:`load`."""
-        return await self._loading.given_map(owner, log_id)
+        return await self._loading.reference_map(owner, log_id)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
@@ -382,8 +386,8 @@ class Library:
 
     async def choose_map(
         self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
-    ) -> GivenMap:
-        """Choose the map in uploaded files to localize a log in. Raises as :meth:`GivenMaps.of_files`."""
+    ) -> ReferenceMap:
+        """Choose the map in uploaded files to localize a log in. Raises as :meth:`ReferenceMaps.of_files`."""
         async with self._slots.take(owner, address) as slot:
             return await self.maps.of_files(owner, log_id, title, slot.read(chunks), address=address)
 
@@ -392,6 +396,18 @@ class Library:
     ) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
         return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns, address=address)
+
+    async def fields(
+        self, owner: str, log_id: str, visitor: str, topics: Sequence[tuple[str, str]], *, address: str = ""
+    ) -> Sequence[TopicFields] | float:
+        """Return the fields of the messages in a log of ``owner``; see :meth:`FieldLookups.names`."""
+        return await self._fields.names(self.get(owner, log_id), visitor, topics, address=address)
+
+    async def field_series(
+        self, owner: str, log_id: str, visitor: str, topic: str, kind: str, *, address: str = ""
+    ) -> Series | float:
+        """Return the numbers of a topic of a log of ``owner``; see :meth:`FieldLookups.series`."""
+        return await self._fields.series(self.get(owner, log_id), visitor, topic, kind, address=address)
 
     async def message(
         self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int, *, address: str = ""

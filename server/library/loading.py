@@ -18,8 +18,8 @@ from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.logs.sample import Sample
 from server.library.packs.costmaps import read_costmap_pack
-from server.library.packs.given_map import GivenMap, read_given_map
 from server.library.packs.log import StalePackError
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reader import Reader
 from server.library.processing.reading_jobs import Jobs, unstored
 from server.library.scans import Scans
@@ -144,7 +144,7 @@ class Loading:
                 self.jobs.queue(record)
         raise unstored()
 
-    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+    async def reference_map(self, owner: str, log_id: str) -> ReferenceMap | None:
         """Return the map in map files, None for any other log; as :meth:`load`."""
         record = self.get(owner, log_id)
         if record.source == "sample":
@@ -155,7 +155,7 @@ class Loading:
                 return None
             try:
                 await self.catalogue.fetch(record.id)
-                found = await asyncio.to_thread(read_given_map, self.catalogue.pack(record.id))
+                found = await asyncio.to_thread(read_reference_map, self.catalogue.pack(record.id))
             except ConfigError:
                 if record.summary is None:
                     return None

@@ -1,18 +1,45 @@
-"""The parts of sessions: the one list that names them. Their messages are in the unions of :mod:`server.stream`."""
+"""The parts of sessions: :data:`PARTS` is the one list that names them.
+
+A part is a folder here. Of its modules the service knows these; a part may lack any of them:
+
+``messages``  ``COMMANDS`` and ``MESSAGES``, the Structs that it adds to the stream (:mod:`server.parts.wire`)
+``part``      ``part_of``, which returns its :class:`server.sessions.part.Part` for what a source offers, or None;
+              without it sources make the part themselves
+``routes``    ``router``, its routes
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from server.sessions.part import Offers, Part
 
+#: each behind those whose results it uses
+PARTS = (
+    "comparison",
+    "slam",
+    "localization",
+    "volume",
+    "terrain",
+    "costmap",
+    "path",
+)
+
+
+def stated(module: str, name: str) -> Iterator[Any]:
+    """Yield what the modules of this name of the parts have as ``name``, in the order of :data:`PARTS`; import them."""
+    for part in PARTS:
+        if find_spec(path := f"{__name__}.{part}.{module}") is not None:
+            found = vars(import_module(path))
+            if name in found:
+                yield found[name]
+
 
 def parts_of(offers: Offers) -> list[Part]:
     """Return the parts that have what they need, in the order in which they follow the source."""
-    from server.parts.costmap.part import CostmapPart  # noqa: PLC0415 - imported with the first session
-    from server.parts.path.part import PathPart  # noqa: PLC0415
-    from server.parts.terrain.part import TerrainPart  # noqa: PLC0415
-
-    made = (made_by(offers) for made_by in (TerrainPart.of, CostmapPart.of, PathPart.of))
+    made = (part_of(offers) for part_of in stated("part", "part_of"))
     return [part for part in made if part is not None]

@@ -1,7 +1,7 @@
 """Pacing of a 3D view: a browser that draws slowly is sent the newest state instead of every state.
 
 viser's client takes messages as fast as they come, keeps them, and works them off frame by frame; in a tab that is
-hidden it draws no frames. A script in its page (:mod:`server.scenes.client_script`) reports each message once it was
+hidden it draws no frames. A script in its page (:data:`server.scenes.proxy.SCRIPT`) reports each message once it was
 worked off. While a few messages are not reported, the proxy takes no further ones from viser, whose buffer meanwhile
 drops what newer messages replace.
 """

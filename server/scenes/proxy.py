@@ -26,10 +26,31 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.scenes.browser_messages import passes
-from server.scenes.client_script import SCRIPT
 from server.scenes.pacing import DRAWN, Pace
 from server.scenes.visitors import VISITOR_HEADER
 from server.sessions.drawings import MAX_DRAWING_BYTES
+
+#: It reports each message that was worked off (:mod:`server.scenes.pacing`): viser's worker sends what is posted to it
+#: as ``send`` once it has told of the connection, and a message is worked off in the frame after its arrival. The
+#: first report says that the page has this script.
+#:
+#: Viser's client connects again only while its document has the focus, which a view inside of a page rarely has. Here
+#: it is enough that the page is visible.
+SCRIPT = b"""<script>
+window.Worker = class extends window.Worker {
+  constructor(...given) {
+    super(...given);
+    const report = () => this.postMessage({ type: "send", message: { type: "GridbloomDrawn" } });
+    this.addEventListener("message", ({ data }) => {
+      if (data?.type === "connected") report();
+      if (data?.type === "message_batch") requestAnimationFrame(() => requestAnimationFrame(report));
+    });
+  }
+};
+document.hasFocus = () => document.visibilityState === "visible";
+document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
+</script>"""
+
 
 SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: from the metadata, since importing viser is slow
 MAX_FROM_BROWSER = 16 * 1024  #: most bytes of one message from the browser; a camera message has about 300
@@ -42,6 +63,14 @@ TOO_BIG = 1009  #: the close code for a message that is too large
 _log = structlog.get_logger(__name__)
 
 _TITLE = (b"<title>Viser</title>", b"<title>Gridbloom \xe2\x80\x93 3D view</title>")
+#: Of a view whose controls are the page's own: the canvas alone, on the ground of the page.
+_PLAIN_STYLE = b"""<style>
+body *:not(canvas):not(:has(canvas)) { visibility: hidden !important; pointer-events: none !important; }
+[data-dock-root] *:has(canvas) { inset: 0 !important; width: 100% !important; }
+:root, body, body *:has(canvas) { background: #faf8f2 !important; }
+:root[data-mantine-color-scheme="dark"], [data-mantine-color-scheme="dark"] body,
+[data-mantine-color-scheme="dark"] body *:has(canvas) { background: #11151d !important; }
+</style></head>"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,16 +80,6 @@ class Page:
     plain: bytes
     compressed: bytes
     etag: str
-
-
-#: Of a view whose controls are the page's own: the canvas alone, on the ground of the page.
-_PLAIN_STYLE = b"""<style>
-body *:not(canvas):not(:has(canvas)) { visibility: hidden !important; pointer-events: none !important; }
-[data-dock-root] *:has(canvas) { inset: 0 !important; width: 100% !important; }
-:root, body, body *:has(canvas) { background: #faf8f2 !important; }
-:root[data-mantine-color-scheme="dark"], [data-mantine-color-scheme="dark"] body,
-[data-mantine-color-scheme="dark"] body *:has(canvas) { background: #11151d !important; }
-</style></head>"""
 
 
 @lru_cache(maxsize=2)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from mapper.sensors.scan import ScanLog
     from server.library.packs.course import Course
-    from server.library.packs.given_map import GivenMap
+    from server.library.packs.reference_map import ReferenceMap
     from server.library.processing.localization import LocalizeProgress
     from server.sessions.parts import UploadedCosts
     from server.sessions.view import LogView
@@ -50,10 +50,10 @@ class PosesEnded(Struct):
     trajectory: str | None
 
 
-class ShowGivenMap(Struct):
+class ShowReferenceMap(Struct):
     """The log is localized in this map."""
 
-    map: GivenMap
+    map: ReferenceMap
 
 
 class ShowCourse(Struct):
@@ -63,7 +63,7 @@ class ShowCourse(Struct):
     course: Course
 
 
-class UseTerrain(Struct):
-    """Take the costs of an upload for the terrain's layer of the costmap; None for none."""
+class UseCosts(Struct):
+    """Take the costs of an upload for a layer of the costmap; None for none."""
 
-    terrain: UploadedCosts | None
+    costs: UploadedCosts | None

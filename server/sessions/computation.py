@@ -1,10 +1,11 @@
-"""One tick of a session's computation: commands, then time, then layers, then questions."""
+"""One tick of a session's computation: commands, then time, then layers, then questions; and the time between ticks."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import structlog
 
@@ -12,6 +13,7 @@ from mapper.core.errors import MapperError, WorkCancelledError
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.commands import PauseCommand, PlayCommand, SpeedCommand
+from server.stream.hub import Hub
 from server.stream.protocol import ProtocolError, type_of
 
 COMMANDS_S = (
@@ -19,6 +21,10 @@ COMMANDS_S = (
 )
 
 _log = structlog.get_logger(__name__)
+T = TypeVar("T")
+TICK_S = 1.0 / 30.0
+MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
+OVERLOADED_TICK_S = 0.5  #: between ticks that nobody has acknowledged, while ticks wait long for a thread
 
 
 def compute_tick(
@@ -84,3 +90,34 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
         _log.exception("a command failed", command=type_of(command))
         message = "The command failed because of a defect in the service."
         result.answers.append((queued.client, error_message("internal", message)))
+
+
+class TickPace:
+    """Chooses the time to the next tick: a frame that no client may be sent yet is not computed.
+
+    While ticks wait for a thread for longer than :data:`TICK_S`, none is computed before a client has acknowledged the
+    last frame, or :data:`OVERLOADED_TICK_S` have passed: of two frames that a page receives between two of its own it
+    paints the newer one only.
+    """
+
+    def __init__(self) -> None:
+        self.is_full = False  #: whether no client could be sent a frame when the time was chosen last
+        self.waited_s = 0.0  #: for which the newest tick waited for a thread
+
+    def tick_s(self, hub: Hub, *, has_listeners: bool) -> float:
+        """Return the time from one tick to the next, seconds; listeners are called at each tick."""
+        is_overloaded = self.waited_s > TICK_S
+        self.is_full = not has_listeners and not (hub.has_acknowledged if is_overloaded else hub.has_room)
+        if not self.is_full:
+            return TICK_S
+        return OVERLOADED_TICK_S if is_overloaded else MAX_TICK_S
+
+    def measured(self, job: Callable[[], T]) -> Callable[[], T]:
+        """Return ``job``, a tick, as a job that notes how long it has waited since now for its thread."""
+        asked = time.monotonic()
+
+        def run() -> T:
+            self.waited_s = time.monotonic() - asked
+            return job()
+
+        return run

@@ -72,6 +72,7 @@ def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> dict[s
         "parameters": {"table": [], "values": {}},
         "sensor": None,
         "log": None,
+        "tables": model.tables(),
     } | model.particulars()
 
 

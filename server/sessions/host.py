@@ -21,14 +21,12 @@ import structlog
 from msgspec import Struct
 
 from mapper.core.limits import Limits
-from server.sessions.command_queue import CommandQueue
-from server.sessions.computation import compute_tick
+from server.sessions.command_queue import CommandQueue, ReplacingRequests
+from server.sessions.computation import MAX_TICK_S, TICK_S, TickPace, compute_tick
 from server.sessions.delivery import call_each, hello_message, publish_frame, send_result
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
-from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.sessions.tick_pace import MAX_TICK_S, TICK_S, TickPace
 from server.stream.commands import CancelCommand
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text

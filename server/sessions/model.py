@@ -119,12 +119,8 @@ class SessionModel(ABC):
         return {}
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
-        """Return the rows of the parameters of the parts, by the field of ``hello`` that has them."""
-        found: dict[str, list[dict[str, Any]]] = {}
-        for part in self.parts:
-            for field, rows in part.tables.items():
-                found.setdefault(field, []).extend(rows)
-        return found
+        """Return the rows of the parameters of the parts, by the type of the command that sets them."""
+        return {command: rows for part in self.parts for command, rows in part.tables.items()}
 
     def messages(self) -> list[Message]:
         """Return the messages for a new client, the newest of each type: by default those of the parts."""
@@ -231,7 +227,7 @@ class SessionModel(ABC):
     @property
     def working_on(self) -> str:
         """Subject of the present computation, as in the message ``working`` (any thread)."""
-        return self._subject
+        return next((part.answering for part in self.parts if part.answering), self._subject)
 
     @contextmanager
     def computing(self, subject: str) -> Iterator[None]:

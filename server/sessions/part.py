@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from msgspec import Struct
 
@@ -13,11 +13,15 @@ from mapper.grid import OccupancyGrid
 from mapper.sensors.scan import RangeScan, ScanLog
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
-from server.sessions.parts import Costs, LayerCosts
+from server.sessions.parts import Costs, LayerCosts, Recording
+from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sessions.view import Pose
 from server.stream.layers import Layer
 from server.stream.protocol import Message
+
+if TYPE_CHECKING:
+    from mapper.simulation.live_map import LiveMap
 
 
 class Cloud(Protocol):
@@ -98,8 +102,11 @@ class Offers:
 
     ``grid`` returns the source's map, which ``map_title`` describes as the title of a plan does, and ``robot`` the
     robot in it; ``drive`` drives the robot with velocities in m/s and rad/s. ``plans`` and ``maps`` are other maps by
-    name, ``costs`` costs of a layer of a costmap by the layer's name: another object when they have changed, None while
-    there are none. ``costmap`` returns the costs that a path is planned on, None while there is no costmap.
+    name. ``costs`` are costs of a layer of a costmap by the layer's name: another object when they have changed, None
+    while there are none. ``costmap`` returns the costs that a path is planned on, None while there is no costmap.
+
+    ``recording`` is the log that is played, ``update_log`` replaces it by one with other trajectories. ``simulation``
+    is the simulated world with its robot.
     """
 
     host: ModelHost
@@ -112,6 +119,10 @@ class Offers:
     maps: dict[str, OtherMap] = field(default_factory=dict)
     costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)
     costmap: Callable[[], Costs | None] | None = None
+    recording: Recording | None = None
+    update_log: Callable[[ScanLog, TickResult], None] | None = None
+    simulation: LiveMap | None = None
+    playback: Playback = field(default_factory=Playback)
 
 
 class Part:
@@ -120,7 +131,7 @@ class Part:
     commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
     recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
     subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
-    tables: Mapping[str, list[dict[str, Any]]] = {}  #: rows of its parameters, by the field of ``hello`` that has them
+    tables: Mapping[str, list[dict[str, Any]]] = {}  #: rows of its parameters, by the type of the command for them
 
     @property
     def layers(self) -> Sequence[Layer]:
@@ -141,6 +152,16 @@ class Part:
     def is_behind(self) -> bool:
         """Whether it has not done yet what commands requested: the next tick goes on (event loop)."""
         return False
+
+    @property
+    def answering(self) -> str:
+        """Subject of an answer that is being computed beside the ticks, "" for none (any thread)."""
+        return ""
+
+    @property
+    def hint(self) -> str:
+        """The effect of a click into the 3D view where the click is for this part, "" where it is not (event loop)."""
+        return ""
 
     @property
     def logs(self) -> Sequence[ScanLog]:
@@ -175,6 +196,13 @@ class Part:
 
     def changed(self, result: TickResult) -> None:
         """Follow what changed in the source in this tick: ``result`` has the cells of its map. Update the layers."""
+
+    def forget(self) -> None:
+        """Read again what belongs to trajectories of the log: one of them was replaced."""
+
+    def over(self, flat: list[Drawing]) -> list[Drawing]:
+        """Return the source's drawings, without those that this part replaces (event loop, between two ticks)."""
+        return flat
 
     def drawings(self) -> list[Drawing]:
         """Return what it shows in 3D (event loop, between two ticks)."""

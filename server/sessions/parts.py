@@ -11,7 +11,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.library.packs.given_map import MapAnswer
+from server.library.packs.reference_map import MapAnswer
 from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
 from server.sessions.view import GraphChange, LogView, Pose, Wanted
 

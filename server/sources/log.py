@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from msgspec import Struct
+from msgspec import Struct, to_builtins
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
@@ -20,9 +20,7 @@ from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
-from server.parts.localization.logged import LogLocalization
 from server.parts.mapping.part import MappingParameters
-from server.parts.slam.graph import LogGraph
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -33,9 +31,8 @@ from server.sessions.playback import Playback
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
-from server.sources.log_healing import LogHealing
 from server.sources.log_recording import LogRecording
-from server.sources.log_updates import LogUpdates
+from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings
 from server.sources.robot_report import RobotReport
 from server.stream.commands import (
@@ -53,6 +50,9 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import TrajectoryInfo
+from server.stream.messages import Trajectories
+from server.stream.messages import Trajectory as TrajectoryMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
@@ -111,8 +111,6 @@ class LogModel(SessionModel):
 
     recording: LogRecording
     comparison: LogComparison
-    graph: LogGraph
-    localization: LogLocalization
 
     def __init__(
         self,
@@ -137,19 +135,17 @@ class LogModel(SessionModel):
         self.recording = self.source = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
-        self.graph = LogGraph(host, self.recording)
-        self.localization = LogLocalization(host, self.recording)
-        self._healing = LogHealing(self.recording)
-        self._updates = LogUpdates(self, self._healing)
+        self._followed = FollowedPoses(self.recording)
+        self._updates = LogUpdates(self, self._followed)
         offers = Offers(
             host,
             grid=lambda: self.grid,
             map_title="the log's own",
             robot=self._robot,
-            plans={"given": self.localization.plan},
+            recording=self.recording,
+            update_log=self._update_log,
         )
-        shown = (self.comparison, self.graph, self._updates, self.localization)
-        own = (self.parameters, CellQuestions(self._explained), *shown)
+        own = (self.parameters, CellQuestions(self._explained), self.comparison, self._updates)
         self.parts = (*own, *parts_of(offers))
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
@@ -162,7 +158,7 @@ class LogModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map of a comparison, the pose graph, and what it is localized in."""
+        """The map, and those of the parts."""
         of_parts = (layer for part in self.parts for layer in part.layers)
         return (self._map, *of_parts)
 
@@ -261,13 +257,12 @@ class LogModel(SessionModel):
         recording, log = self.recording, self.recording.log
         return {
             "parameters": self.parameters.table(recording.first_config()),
-            **self.tables(),
             "log": {
                 "id": recording.log_id,
                 "topic": log.topic,
                 "cut": recording.cut_table(),
                 "trajectory": recording.trajectory,
-                "trajectories": self._trajectories_message()["trajectories"],
+                "trajectories": to_builtins(self._trajectories_message().trajectories),
                 "n_beams": log.n_beams,
                 "n_scans": log.n_scans,
                 "duration_s": float(recording.recorded[-1]),
@@ -278,31 +273,24 @@ class LogModel(SessionModel):
         }
 
     def messages(self) -> list[Message]:
-        """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
+        """Return the parameters, the trajectory, and those of the parts."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
 
-    def _trajectories_message(self) -> dict[str, Any]:
+    def _trajectories_message(self) -> Trajectories:
         found = self.recording.log.trajectories.items()
-        return {"type": "trajectories", "trajectories": [{"name": k, "description": t.description} for k, t in found]}
+        return Trajectories([TrajectoryInfo(name, trajectory.description) for name, trajectory in found])
 
-    def _trajectory_message(self) -> dict[str, Any]:
+    def _trajectory_message(self) -> TrajectoryMessage:
         recording = self.recording
         trajectory = recording.log.trajectory(recording.trajectory)
         poses = trajectory.poses
         every = -(-len(poses) // MAX_PATH_POINTS)
         path = np.round(poses[::every, :2], 3).tolist()
         stamps = np.round(recording.recorded[::every], 3).tolist()
-        return {
-            "type": "trajectory",
-            "name": recording.trajectory,
-            "frame": trajectory.frame_id,
-            "every": every,
-            "poses": path,
-            "stamps": stamps,
-        }
+        return TrajectoryMessage(recording.trajectory, trajectory.frame_id, every, path, stamps)
 
     def frame(self) -> dict[str, Any]:
         """Return the robot's pose at the newest scan."""
@@ -354,7 +342,7 @@ class LogModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
-        self._healing.leave()
+        self._followed.leave()
         if self.recording.replay.index == self.recording.log.n_scans:
             self.go_to(0)
         super().play()
@@ -363,7 +351,7 @@ class LogModel(SessionModel):
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         count = self.recording.log.n_scans
         if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
-            self._healing.leave()
+            self._followed.leave()
         match command:
             case SeekCommand(index=index):
                 if not 0 <= index <= count:
@@ -396,6 +384,9 @@ class LogModel(SessionModel):
                 return
         result.changed = True
 
+    def _update_log(self, log: ScanLog, result: TickResult) -> None:
+        self.updated(result, is_new=self.recording.update(log))
+
     def updated(self, result: TickResult, *, is_new: bool) -> None:
         """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
         if is_new:
@@ -412,8 +403,9 @@ class LogModel(SessionModel):
         reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)
         recording.use(log, view)
         self.comparison.end(result)
-        self.graph.forget()
-        self._healing.leave()
+        for part in self.parts:
+            part.forget()
+        self._followed.leave()
         self.parameters.adopt(recording.replay.config)
         self._times = play_times(log.stamps_ns)
         self._path_bounds = bounds_of(log.trajectory(recording.trajectory).poses)

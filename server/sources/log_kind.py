@@ -15,7 +15,7 @@ from server.sources.volume_plan import volume_plan
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
-    from server.library.packs.given_map import GivenMap
+    from server.library.packs.reference_map import ReferenceMap
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
 
@@ -76,7 +76,7 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
             title = library.get(resources.visitor, wanted.log).name
             view = LogView(trajectory=wanted.topic)
             return costmaps_plan(costmaps, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
-        given = await library.given_map(resources.visitor, wanted.log)
+        given = await library.reference_map(resources.visitor, wanted.log)
         if given is not None:
             return _map_plan(given, wanted)
         summary = library.get(resources.visitor, wanted.log).summary
@@ -104,7 +104,7 @@ def costmaps_plan(
     return Plan(make, name=name, playing=playing)
 
 
-def _map_plan(given: GivenMap, wanted: NewLog) -> Plan:
+def _map_plan(given: ReferenceMap, wanted: NewLog) -> Plan:
     """Return the plan of a session that shows and edits a map."""
 
     def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans

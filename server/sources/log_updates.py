@@ -1,18 +1,18 @@
-"""Commands of the service to a log session, which no client can send: other trajectories, a pose graph, a job."""
+"""Commands of the service to a log session, which no client can send: other trajectories, another sensor, a job."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
-from mapper.sensors.scan import ScanLog
-from server.parts.localization.logged import LogLocalization
-from server.parts.slam.graph import LogGraph
-from server.parts.slam.solved_graph import ShowGraph
+from mapper.core.se2 import compose, inverse
+from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions.commands import (
     FollowPoses,
     PosesEnded,
@@ -24,19 +24,53 @@ from server.sessions.part import Part
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
-from server.sources.log_healing import LogHealing
 from server.sources.log_recording import LogRecording
 
-if TYPE_CHECKING:
-    from server.library.processing.localization import LocalizeProgress
+
+class FollowedPoses:
+    """Maps along the poses that a job has made so far, SLAM or localization, until the user looks at something else."""
+
+    def __init__(self, recording: LogRecording) -> None:
+        self._recording = recording
+        self._before: str | None = None  #: the trajectory from which the session began to follow; None: it does not
+        self._name = ""  #: of the trajectory while the job runs
+        self.is_following = False
+
+    def begin(self, name: str) -> None:
+        """Follow a job from now on, whose trajectory is called ``name``."""
+        self.is_following = True
+        self._name = name
+        self._before = self._recording.trajectory
+
+    def leave(self) -> None:
+        """Follow it no longer: the user chose another trajectory or another scan."""
+        self.is_following = False
+
+    def show(self, poses: NDArray[np.float64]) -> bool:
+        """Map along ``poses`` (k, 3), ``T_map_base``, of the first k scans; return whether the map is a new one.
+
+        Scans after them continue the trajectory as the log's own poses move there, so that the grid has room for them.
+        """
+        log, count = self._recording.log, len(poses)
+        before = self._before if self._before in log.trajectories else log.default_trajectory
+        own = log.trajectory(before).poses
+        correction = compose(poses[-1], inverse(own[count - 1]))
+        whole = np.concatenate([poses, compose(correction, own[count:])])
+        followed = Trajectory(whole, "poses that are being computed", "map", from_scans=True)
+        log = replace(log, trajectories={**log.trajectories, self._name: followed})
+        return self._recording.show(log, self._name)
+
+    def end(self) -> str | None:
+        """Return the trajectory to go back to where the job has made none; None where the session did not follow."""
+        was, self.is_following = self.is_following, False
+        return self._before if was else None
 
 
 class Updated(Protocol):
     """The model of a log session, as far as it is updated."""
 
     recording: LogRecording
-    graph: LogGraph
-    localization: LogLocalization
+    parts: Sequence[Part]
     playback: Playback
 
     @property
@@ -59,14 +93,13 @@ class LogUpdates(Part):
     commands = (
         UpdateLog,
         UseSensor,
-        ShowGraph,
         FollowPoses,
         PosesSoFar,
         PosesEnded,
     )
 
-    def __init__(self, model: Updated, healing: LogHealing) -> None:
-        self._model, self._healing = model, healing
+    def __init__(self, model: Updated, followed: FollowedPoses) -> None:
+        self._model, self._followed = model, followed
 
     def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command of the service."""
@@ -79,43 +112,42 @@ class LogUpdates(Part):
                     model.use_sensor(log, view, result)
                 except MapperError as error:
                     result.notices.append(error_message(error.code, error.message))
-            case ShowGraph(solved=solved):
-                model.graph.show(solved)
-                model.updated(result, is_new=model.recording.update(solved.in_log(model.recording.log)))
             case FollowPoses(name=name):
-                self._healing.begin(name)
-            case PosesSoFar(poses=poses, report=report):
-                self._show_poses(poses, report, result)
+                self._followed.begin(name)
+            case PosesSoFar():
+                self._show_poses(command, result)
             case PosesEnded(trajectory=trajectory):
+                self._tell(command, result)
                 self._end_poses(trajectory, result)
         result.changed = True
 
-    def _show_poses(self, poses: NDArray[np.float64], report: LocalizeProgress | None, result: TickResult) -> None:
+    def _tell(self, command: Struct, result: TickResult) -> None:
+        """Have the other parts take note of a command."""
+        for part in self._model.parts:
+            part.note(command, result)
+
+    def _show_poses(self, command: PosesSoFar, result: TickResult) -> None:
         """Map the scans whose poses a job has made so far."""
-        model = self._model
-        if not self._healing.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
+        model, poses = self._model, command.poses
+        if not self._followed.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
             return
         if model.is_catching_up:
             return  # with the poses from before; there are newer ones soon
         model.playback.playing = False
-        is_new = self._healing.show(poses)
-        if report is not None:
-            model.localization.show_progress(report)
-            result.slot(model.localization.message())
+        is_new = self._followed.show(poses)
+        self._tell(command, result)
         model.go_to(len(poses))
         model.updated(result, is_new=is_new)
 
     def _end_poses(self, trajectory: str | None, result: TickResult) -> None:
         """Show the whole map along the trajectory that the job has made, None: along the one from before."""
         model = self._model
-        model.localization.end_progress()
-        result.slot(model.localization.message())
-        before = self._healing.end()
+        before = self._followed.end()
         chosen = before if trajectory is None else trajectory
         if before is None or chosen is None or chosen not in model.recording.log.trajectories:
             return
-        model.graph.forget()
-        model.localization.forget()
+        for part in model.parts:
+            part.forget()
         is_other = chosen != model.recording.trajectory
         if is_other:
             model.recording.choose(chosen)

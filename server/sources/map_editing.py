@@ -20,7 +20,7 @@ from mapper.grid import TILE, CellBox, GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED
 from mapper.io.maps.reading import grid_of_values
 from mapper.mapping.parameters import MappingConfig
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
@@ -66,7 +66,7 @@ class MapModel(SessionModel, EditedFiles):
 
     kind: ClassVar[str] = "map"
 
-    def __init__(self, host: ModelHost, given: GivenMap, *, log_id: str) -> None:
+    def __init__(self, host: ModelHost, given: ReferenceMap, *, log_id: str) -> None:
         """Show a map. Raises :class:`LimitError` for one of more than :data:`MOST_CELLS` cells."""
         super().__init__(Playback(playing=False))
         self._host, self._given, self._log_id = host, given, log_id

@@ -20,16 +20,14 @@ from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.parts import parts_of
-from server.parts.localization.live import LocalizationView
 from server.parts.mapping.part import MappingParameters
-from server.parts.slam.live import SlamView
-from server.parts.volume.part import VolumeView
+from server.parts.wire import command_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.part import Offers, OtherMap, Plan, Robot, StaticMap
+from server.sessions.part import Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
@@ -55,7 +53,7 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import Message, ProtocolError, command_of, type_of
+from server.stream.protocol import Message, ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
@@ -79,20 +77,18 @@ class SimulationModel(SessionModel):
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
-        self._volume = VolumeView(host, mapper, self.playback)
         offers = Offers(
             host,
-            self._volume,
             grid=lambda: mapper.grid,
             map_title="the belief as it changes",
             robot=self._robot,
             drive=lambda linear, angular, result: act(mapper, DriveCommand(linear, angular), result),
             plans={"plan": Plan("the plan of the world as it was when chosen", self._plan)},
-            maps={"map_3d": OtherMap("the 3D map from above, while there is one", lambda: self._volume.projection)},
+            simulation=mapper,
+            playback=self.playback,
         )
         story = SimulationStory(host, mapper, self.playback, max_story_s, self.history)
-        own = (self.parameters, CellQuestions(self._explained), story, LocalizationView(mapper), self._volume)
-        self.parts = (*own, *parts_of(offers), SlamView(mapper))
+        self.parts = (self.parameters, CellQuestions(self._explained), story, *parts_of(offers))
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
@@ -103,7 +99,7 @@ class SimulationModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map if there is one, and those of what else is on."""
+        """The map, the second map if there is one, and those of the parts."""
         second = () if self._second is None else (self._second,)
         return (self._map, *second, *(layer for part in self.parts for layer in part.layers))
 
@@ -129,7 +125,7 @@ class SimulationModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
+        """The cells of the map, and of the parts."""
         return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts))
 
     @property
@@ -144,13 +140,13 @@ class SimulationModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the recomputation of the map, or of the 3D map, that is done."""
+        """The share of the recomputation of the map, or of what a part computes, that is done."""
         shares = (self._mapper.fraction, *(part.progress for part in self.parts))
         return next((share for share in shares if share is not None), None)
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether the 3D map is made again."""
+        """Whether a part goes on with what commands requested."""
         return any(part.is_behind for part in self.parts)
 
     @property
@@ -202,11 +198,13 @@ class SimulationModel(SessionModel):
         return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
 
     def drawings(self) -> list[Drawing]:
-        """Return the map, which the 3D map takes the place of, the robot, a marked patch and the true world."""
-        world, robot = self.world, self.robot_state()
-        flat = map_drawings(self.grid, robot, self.config)
+        """Return the map and the robot, what the parts show, some of them instead of the map, and the true world."""
+        world = self.world
+        flat = map_drawings(self.grid, self.robot_state(), self.config)
+        for part in self.parts:
+            flat = part.over(flat)
         return [
-            *(self._volume.over(flat) if self._volume.is_on else flat),
+            *flat,
             *(drawing for part in self.parts for drawing in part.drawings()),
             Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
         ]
@@ -216,19 +214,12 @@ class SimulationModel(SessionModel):
         sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), SensorCommand, ("sensor",))
         return SceneControls(
             playing=self.playback.playing,
-            hint="Click a voxel to ask about it."
-            if self._volume.is_asked
-            else "Click the floor to place the robot there.",
+            hint=next((part.hint for part in self.parts if part.hint), "Click the floor to place the robot there."),
             tables=(self.parameters.controls(), sensor),
             choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
             can_restart=True,
             bounds=self.world.bounds,
         )
-
-    @property
-    def working_on(self) -> str:
-        """The answer about a voxel, or else what is computed."""
-        return "voxel" if self._volume.is_answering else super().working_on
 
     def on_scene_click(self, x: float, y: float) -> Struct:
         """Return the command that places the robot at (x, y)."""
@@ -243,11 +234,10 @@ class SimulationModel(SessionModel):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
-            **self.tables(),
         }
 
     def messages(self) -> list[Message]:
-        """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
+        """Return the parameters, the world, and those of the parts."""
         return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 
     def _parameters_message(self) -> dict[str, Any]:

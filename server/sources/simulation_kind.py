@@ -78,7 +78,7 @@ def simulation_plan(
     :class:`mapper.core.errors.ConfigError` for an unknown world; making it raises as :func:`replayed`.
     """
     from mapper.simulation.live_map import world_named  # noqa: PLC0415 - the simulator is imported with the first session
-    from server.sources.story_cost import check_story  # noqa: PLC0415
+    from server.sources.story import check_story  # noqa: PLC0415
 
     story = story or {}
     cost_s = check_story(story, max_story_s)

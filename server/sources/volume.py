@@ -25,7 +25,6 @@ from server.parts import parts_of
 from server.parts.volume.cloud_points import CloudPoints
 from server.parts.volume.comparison import VolumeComparison
 from server.parts.volume.drawings import VolumeDrawings
-from server.parts.volume.limits import map_limits
 from server.parts.volume.look import LOOK_PARAMETERS
 from server.parts.volume.message_fields import log_fields, look_table, volume_message, voxel_message
 from server.parts.volume.messages import (
@@ -35,7 +34,7 @@ from server.parts.volume.messages import (
     VoxelCommand,
     VoxelRayCommand,
 )
-from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, times_of
+from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, map_limits, times_of
 from server.parts.volume.surface import VolumeSurface
 from server.parts.volume.voxel_questions import VoxelQuestions
 from server.sessions.drawings import Drawing, Point
@@ -177,7 +176,6 @@ class VolumeModel(SessionModel, Volumetric):
         """Return the file as a log without planar scans, and the table of the map's parameters."""
         rows = [asdict(row) for row in VOLUME_PARAMETERS] if isinstance(self._source, ScanSequence) else []
         return {
-            "map3d": self.tables().get("map3d", []) if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
             "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
         }

@@ -1,4 +1,6 @@
-"""The commands from the browser to the server, each stated once; see :mod:`server.stream.messages`.
+"""The commands of every session from the browser to the server, each stated once; see :mod:`server.stream.messages`.
+
+Those of parts are in the folders of the parts; :mod:`server.parts.wire` has all of them.
 
 Fields with a default may be left out. Fields that are not stated here are ignored.
 """
@@ -9,18 +11,6 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.parts.costmap.messages import CostCommand, CostmapCommand, Nav2Command
-from server.parts.localization.messages import LocalizeCommand
-from server.parts.path.messages import GoalCommand
-from server.parts.terrain.messages import TerrainCommand
-from server.parts.volume.messages import (
-    Map3dCommand,
-    SurfaceCommand,
-    VolumeKeepCommand,
-    VolumeLookCommand,
-    VoxelCommand,
-    VoxelRayCommand,
-)
 from server.stream.message_parts import DrawnSolid, Number, Point, Values, Whole
 
 
@@ -194,42 +184,30 @@ class PingCommand(Struct, tag_field="type", tag="ping"):
     id: Annotated[Whole, Meta(description="returned in the answer")]
 
 
-Command = (
-    AckCommand
-    | ResumeCommand
-    | SubscribeCommand
-    | PlayCommand
-    | PauseCommand
-    | RestartCommand
-    | StepCommand
-    | SpeedCommand
-    | SeekCommand
-    | CancelCommand
-    | ParametersCommand
-    | SensorCommand
-    | FaultsCommand
-    | CompareCommand
-    | TeleportCommand
-    | LocalizeCommand
-    | Map3dCommand
-    | TerrainCommand
-    | CostmapCommand
-    | GoalCommand
-    | CostCommand
-    | Nav2Command
-    | MapEditCommand
-    | MapHistoryCommand
-    | DriveCommand
-    | AutoCommand
-    | EditCommand
-    | WorldCommand
-    | TrajectoryCommand
-    | InspectCommand
-    | WhyCommand
-    | VolumeLookCommand
-    | SurfaceCommand
-    | VoxelCommand
-    | VoxelRayCommand
-    | VolumeKeepCommand
-    | PingCommand
+COMMANDS = (
+    AckCommand,
+    ResumeCommand,
+    SubscribeCommand,
+    PlayCommand,
+    PauseCommand,
+    RestartCommand,
+    StepCommand,
+    SpeedCommand,
+    SeekCommand,
+    CancelCommand,
+    ParametersCommand,
+    SensorCommand,
+    FaultsCommand,
+    CompareCommand,
+    TeleportCommand,
+    MapEditCommand,
+    MapHistoryCommand,
+    DriveCommand,
+    AutoCommand,
+    EditCommand,
+    WorldCommand,
+    TrajectoryCommand,
+    InspectCommand,
+    WhyCommand,
+    PingCommand,
 )

@@ -18,13 +18,36 @@ from typing import get_args
 import msgspec
 from msgspec import inspect as types
 
+from mapper.diagnosis.examination import LEAST_SCANS
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
+from mapper.grid.merge import LATTICE_TOLERANCE
+from mapper.mapping.parameters import PARAMETERS
+from mapper.simulation.edits import WALL_THICKNESS
+from mapper.simulation.lidar import SensorConfig
+from mapper.simulation.live_map import LiveMap
+from mapper.simulation.simulation import ROBOT_RADIUS
+from server.parts import wire
 from server.stream import message_parts, protocol
 from server.stream.class_messages import ClassCommand, ClassMessage
 from server.stream.close_codes import CLOSE_CODES
-from server.stream.commands import Command
-from server.stream.generate_constants import constants
-from server.stream.messages import ServerMessage
 
+#: rows of the table of mapping parameters that the profile of the sensor model shows
+_SHOWN = [
+    row for row in PARAMETERS if row.group == "model" or row.name in {"log_odds_prior", "no_return", "resolution"}
+]
+_LIVE = LiveMap.first_config(SensorConfig())
+
+#: name, value, meaning
+CONSTANTS: tuple[tuple[str, float, str], ...] = (
+    ("ROBOT_RADIUS", ROBOT_RADIUS, "Radius of the simulated robot, which is a disc, metres."),
+    ("WALL_THICKNESS", WALL_THICKNESS, "Thickness of a wall that is drawn into a world, metres."),
+    ("LIVE_RANGE_MAX", _LIVE.range_max, "Longest range that a live world's map begins with, metres."),
+    ("LIVE_WINDOW", _LIVE.window, "Window of a hit that a live world's map begins with, metres."),
+    ("LATTICE_TOLERANCE", LATTICE_TOLERANCE, "How far two lattices may lie apart and still be the same, in cells."),
+    ("OCCUPIED_THRESHOLD", OCCUPIED_THRESHOLD, "p_occ above which a cell is occupied, as in map_server."),
+    ("FREE_THRESHOLD", FREE_THRESHOLD, "p_occ below which a cell is free, as in map_server."),
+    ("DOCTOR_LEAST_SCANS", LEAST_SCANS, "Scans of a sensor below which the doctor refuses to judge a log."),
+)
 ROOT = Path(__file__).parents[2]
 COMMAND = "python -m server.stream.generate"
 _SCALARS: dict[type[types.Type], tuple[str, str]] = {  # type in TypeScript, and validator
@@ -34,17 +57,6 @@ _SCALARS: dict[type[types.Type], tuple[str, str]] = {  # type in TypeScript, and
     types.BoolType: ("boolean", "isFlag"),
     types.NoneType: ("null", "isNull"),
 }
-
-
-def _structs(union: object) -> list[types.StructType]:
-    """Return the classes of a union in their order."""
-    found = [types.type_info(cls) for cls in get_args(union)]
-    return [one for one in found if isinstance(one, types.StructType)]
-
-
-MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
-CLASS_MESSAGES, CLASS_COMMANDS = _structs(ClassMessage), _structs(ClassCommand)
-
 #: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
 ALIASES: dict[str, str] = {
     meta.title: meta.description or ""
@@ -52,6 +64,37 @@ ALIASES: dict[str, str] = {
     for meta in getattr(alias, "__metadata__", ())
     if isinstance(meta, msgspec.Meta) and meta.title is not None
 }
+_CHECKS = (
+    "isFlag", "isInteger", "isListOf", "isLiteral", "isNull", "isNumber", "isObject", "isPositive", "isRecordOf",
+    "isText", "isTuple", "oneOf", "optional",
+)  # fmt: skip
+
+
+def constants(command: str) -> str:
+    """Return ``static/src/wire/constants.ts``, which says that ``command`` writes it."""
+    lines = [f"// Written by `{command}` from constants of mapper/: change those."]
+    for name, value, meaning in CONSTANTS:
+        lines += ["", f"/** {meaning} */", f"export const {name} = {value!r};"]
+    initial = [f"  {row.name}: {json.dumps(row.initial)}," for row in _SHOWN]
+    bounds = [
+        f"  {row.name}: {{ low: {row.low!r}, high: {row.high!r}, step: {row.step!r} }},"
+        for row in _SHOWN
+        if row.kind == "number"
+    ]
+    lines += ["", "/** Initial values of the parameters of the sensor model. */"]
+    lines += ["export const SENSOR_MODEL_INITIAL = {", *initial, "} as const;"]
+    lines += ["", "/** Bounds and steps of their numbers. */"]
+    lines += ["export const SENSOR_MODEL_BOUNDS = {", *bounds, "} as const;"]
+    return "\n".join([*lines, ""])
+
+
+def _structs(classes: Iterable[type[msgspec.Struct]]) -> list[types.StructType]:
+    found = [types.type_info(cls) for cls in classes]
+    return [one for one in found if isinstance(one, types.StructType)]
+
+
+MESSAGES, COMMANDS = _structs(wire.MESSAGES), _structs(wire.COMMANDS)
+CLASS_MESSAGES, CLASS_COMMANDS = _structs(get_args(ClassMessage)), _structs(get_args(ClassCommand))
 
 
 def _children(of: types.Type) -> tuple[types.Type, ...]:
@@ -187,7 +230,7 @@ def typescript() -> str:
     parts = {name: part for name, part in _named_parts(every).items() if part not in every}
     read = _named_parts([*MESSAGES, *CLASS_MESSAGES])
     lines = [
-        f"// Written by `{COMMAND}` from server/stream/messages.py, message_parts.py and commands.py: change those.",
+        f"// Written by `{COMMAND}` from the Structs of server/stream and server/parts: change those.",
         "",
         "import {",
         "  type Check,",
@@ -240,17 +283,11 @@ def typescript() -> str:
     return "\n".join(lines)
 
 
-_CHECKS = (
-    "isFlag", "isInteger", "isListOf", "isLiteral", "isNull", "isNumber", "isObject", "isPositive", "isRecordOf",
-    "isText", "isTuple", "oneOf", "optional",
-)  # fmt: skip
-
-
 def schema() -> str:
     """Return ``docs/wire.schema.json``, with the definitions ``ServerMessage`` and ``Command``."""
     unions = {
-        "ServerMessage": ServerMessage,
-        "Command": Command,
+        "ServerMessage": wire.ServerMessage,
+        "Command": wire.Command,
         "ClassMessage": ClassMessage,
         "ClassCommand": ClassCommand,
     }
@@ -298,7 +335,12 @@ def _table(fields: Iterable[types.Field]) -> list[str]:
 
 def page() -> str:
     """Return ``docs/wire.md``."""
-    lines = [f"<!-- Written by `{COMMAND}`: change server/stream/*.py instead. -->", "", "# Wire protocol", ""]
+    lines = [
+        f"<!-- Written by `{COMMAND}`: change server/stream and server/parts instead. -->",
+        "",
+        "# Wire protocol",
+        "",
+    ]
     lines += [inspect.cleandoc(protocol.__doc__ or ""), ""]
     lines += ["The schema of all text messages: [wire.schema.json](wire.schema.json).", ""]
     sections = (

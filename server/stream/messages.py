@@ -1,9 +1,8 @@
 """The text messages from the server to the browser, each stated once.
 
 :mod:`server.stream.generate` writes the JSON Schema, the TypeScript types and validators, and ``docs/wire.md`` from
-these classes and those of the parts (:mod:`server.parts`). A field
-whose default is ``UNSET`` may be left out of the message. Angles are in radians, lengths in metres, times in seconds;
-poses are ``[x, y, yaw]`` in the map frame.
+these classes and those of the parts (:mod:`server.parts.wire`). A field whose default is ``UNSET`` may be left out of
+the message. Angles are in radians, lengths in metres, times in seconds; poses are ``[x, y, yaw]`` in the map frame.
 """
 
 from __future__ import annotations
@@ -12,17 +11,6 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from server.parts.costmap.messages import CostmapMessage, CostMessage, Nav2Message
-from server.parts.localization.messages import LocalizationMessage
-from server.parts.path.messages import PathMessage
-from server.parts.terrain.messages import TerrainMessage
-from server.parts.volume.messages import (
-    Map3dMessage,
-    SurfaceMessage,
-    SurfaceVoxelMessage,
-    VolumeMessage,
-    VoxelMessage,
-)
 from server.stream.message_parts import (
     Block,
     CellState,
@@ -62,16 +50,14 @@ class Hello(Struct, tag_field="type", tag="hello"):
     parameters: Annotated[Table, Meta(description="mapping parameters")]
     sensor: Annotated[Table | None, Meta(description="parameters of the simulated sensor; null if there is none")]
     log: Annotated[LogInfo | None, Meta(description="the log; null if there is none")]
+    tables: Annotated[
+        dict[str, list[Parameter]],
+        Meta(description="parameters of the parts of the session, by the type of the command that sets them"),
+    ]
     world: Annotated[str | UnsetType, Meta(description="simulations: name of the world")] = UNSET
     seed: Annotated[
         int | UnsetType,
         Meta(description="simulations: seed; the same seed and commands give the same scans"),
-    ] = UNSET
-    navigation: Annotated[list[Parameter] | UnsetType, Meta(description="parameters of the costmap and the path")] = (
-        UNSET
-    )
-    map3d: Annotated[
-        list[Parameter] | UnsetType, Meta(description="parameters of the 3D sensor, its map and the terrain")
     ] = UNSET
 
 
@@ -217,9 +203,7 @@ class WorkingMessage(Struct, tag_field="type", tag="working"):
     fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null if not known")]
     what: Annotated[
         str,
-        Meta(
-            description="`map`, `map_3d`, `costmap`: with its path, `localization`, `terrain`, or `voxel`: why it is so"
-        ),
+        Meta(description="`map`, or what a part computes, such as `costmap`; its words are in the page"),
     ] = "map"
 
 
@@ -294,34 +278,23 @@ class Pong(Struct, tag_field="type", tag="pong"):
     t: Annotated[float, Meta(description="monotonic clock of the server, s")]
 
 
-ServerMessage = (
-    Hello
-    | LayersMessage
-    | Geometry
-    | FrameMessage
-    | Trajectory
-    | Trajectories
-    | NotesMessage
-    | ParametersMessage
-    | ComparisonMessage
-    | WorldMessage
-    | Forgetting
-    | LocalizationMessage
-    | Map3dMessage
-    | TerrainMessage
-    | CostmapMessage
-    | PathMessage
-    | CostMessage
-    | MapEditsMessage
-    | Nav2Message
-    | VolumeMessage
-    | SurfaceMessage
-    | SurfaceVoxelMessage
-    | VoxelMessage
-    | WorkingMessage
-    | NoticeMessage
-    | ErrorMessage
-    | CellMessage
-    | WhyMessage
-    | Pong
+MESSAGES = (
+    Hello,
+    LayersMessage,
+    Geometry,
+    FrameMessage,
+    Trajectory,
+    Trajectories,
+    NotesMessage,
+    ParametersMessage,
+    ComparisonMessage,
+    WorldMessage,
+    Forgetting,
+    MapEditsMessage,
+    WorkingMessage,
+    NoticeMessage,
+    ErrorMessage,
+    CellMessage,
+    WhyMessage,
+    Pong,
 )

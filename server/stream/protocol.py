@@ -67,26 +67,14 @@ such a connection has no `session`.
 from __future__ import annotations
 
 import json
-import re
 from typing import Any, TypeAlias
 
 import msgspec
 from msgspec import Struct
 
-from server.stream.commands import Command
-
 Message: TypeAlias = Struct | dict[str, Any]  #: a message to the browser
 SUBPROTOCOL = "gridbloom.v3"
 MAX_COMMAND_BYTES = 64 * 1024
-_TYPE_WORDS = {
-    "float": "a number",
-    "int": "a whole number",
-    "str": "a string",
-    "bool": "true or false",
-    "array": "a list",
-    "object": "an object",
-    "null": "null",
-}  #: descriptions of msgspec's names of types
 
 
 class ProtocolError(Exception):
@@ -102,49 +90,6 @@ def encode_text(message: Message) -> str:
     """Return a text frame. Raises :class:`ValueError` for NaN and infinities, which JSON does not have."""
     plain = msgspec.to_builtins(message) if isinstance(message, msgspec.Struct) else message
     return json.dumps(plain, separators=(",", ":"), allow_nan=False)
-
-
-def _refuse_constant(name: str) -> float:
-    raise ProtocolError("command.number", f"{name} is not a JSON number.")
-
-
-def decode_command(text: str | bytes) -> Command:
-    """Return a command from the browser, checked as :func:`command_of` does.
-
-    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
-    unknown ``type``, a field that is missing or of another type.
-    """
-    if isinstance(text, bytes):
-        raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
-    if len(text) > MAX_COMMAND_BYTES:
-        raise ProtocolError("command.too_long", f"A command has at most {MAX_COMMAND_BYTES} characters.")
-    try:
-        fields = json.loads(text, parse_constant=_refuse_constant)
-        if "\\u" in text:  # elsewhere there can be none: a frame is UTF-8
-            json.dumps(fields, ensure_ascii=False).encode()
-    except UnicodeEncodeError as error:
-        raise ProtocolError("command.json", "A command contains a surrogate without its pair.") from error
-    except (ValueError, RecursionError) as error:
-        raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
-    return command_of(fields)
-
-
-def command_of(fields: object) -> Command:
-    """Return the command with these fields, its ``type`` among them, as one of :mod:`server.stream.commands`.
-
-    Its ``values`` are those that were given: the table of the parameters checks them, and names the parameter that is
-    wrong. Raises :class:`ProtocolError`.
-    """
-    if not isinstance(fields, dict) or not isinstance(fields.get("type"), str):
-        raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
-    given = fields.get("values")
-    try:
-        command: Command = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, Command)
-    except msgspec.ValidationError as error:
-        raise _refused(fields["type"], str(error)) from error
-    if isinstance(given, dict) and hasattr(command, "values"):
-        command.values = given
-    return command
 
 
 def fields_of(command: Struct) -> dict[str, Any]:
@@ -173,17 +118,3 @@ def type_of(message: Message) -> str:
     if isinstance(message, dict):
         return str(message["type"])
     return str(message.__struct_config__.tag or type(message).__name__)
-
-
-def _refused(kind: str, error: str) -> ProtocolError:
-    """Return the error for a command of type ``kind`` from msgspec's message ``error``."""
-    what, _, path = error.partition(" - at `$.")
-    if path == "type`":
-        return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
-    missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
-    if missing is not None:
-        return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')
-    what = re.sub(r"`([^`]+)`", lambda name: " or ".join(_TYPE_WORDS.get(k, k) for k in name[1].split(" | ")), what)
-    path = path.removesuffix("`").replace("[...]", "")
-    name = path.partition("[")[0]
-    return ProtocolError(f"command.{name}", f'"{path}" of the command "{kind}" is wrong: {what}.')

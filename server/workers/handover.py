@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from server.workers.places import worker_of
+from server.workers.shared_class import SharedClass
 
 MAX_HEAD = 1 << 16  #: bytes of a request up to the end of its headers; a longer one is refused where it arrives
 READ_BYTES = 1 << 18  #: that asyncio reads at once: the beginning of a body may be read with the headers
@@ -40,10 +41,14 @@ class Channel:
 
 
 class Handover:
-    """What worker ``own`` passes to the others and gets from them, by ``channels``, one for each. Event loop only."""
+    """What worker ``own`` passes to the others and gets from them, by ``channels``, one for each. Event loop only.
 
-    def __init__(self, own: int, channels: Sequence[Channel]) -> None:
+    ``prepared`` is the class that is open from the start, None for none.
+    """
+
+    def __init__(self, own: int, channels: Sequence[Channel], prepared: SharedClass | None = None) -> None:
         self.own = own
+        self._prepared = prepared
         self._channels = channels
         self._telling: set[asyncio.Future[None]] = set()
 
@@ -66,7 +71,8 @@ class Handover:
 
     def other(self, head: bytes, address: str) -> int | None:
         """Return the other worker that has a request, None for one that may be answered here."""
-        found = worker_of(head, address, self.workers)
+        one = self._prepared
+        found = worker_of(head, address, self.workers, {} if one is None else {one.code: one.worker})
         return None if found == self.own else found
 
     def pass_on(self, worker: int, head: bytes, descriptor: int) -> bool:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import zlib
+from collections.abc import Mapping
+from types import MappingProxyType
 from urllib.parse import unquote
 
 from server.classes.codes import normalised
@@ -11,11 +13,12 @@ from server.classes.codes import normalised
 PLACE_HEADER = "X-Gridbloom-Place"
 VISITOR_COOKIE = "gridbloom_visitor"
 
-_LINE = re.compile(rb"[A-Z]+ (?:[a-z]+://[^/ ]+)?(/[^ ?]*)")
-_SESSION = re.compile(rb"/(?:api/sessions|scenes)/([0-9a-z]{1,32})[.]")
+_LINE = re.compile(rb"[A-Z]+ (?:[a-z]+://[^/ ]+)?((/[^ ?]*)[^ ]*)")
+_SESSION = re.compile(rb"/(?:(?:api/sessions|scenes)/|3d[?](?:[^ ]*&)?session=)([0-9a-z]{1,32})[.]")
 _CLASS = re.compile(rb"/(?:api/classes|class)/([A-Za-z][^/]*)")
 _COOKIE = re.compile(rb"\r\ncookie:(?:[^\r\n]*?[ ;])?" + VISITOR_COOKIE.encode() + rb"=([^;\r\n ]*)", re.IGNORECASE)
 _PLACE = re.compile(rb"\r\n" + PLACE_HEADER.encode() + rb": *([0-9a-z]{1,32}) *\r\n", re.IGNORECASE)
+_NONE: Mapping[str, int] = MappingProxyType({})
 #: What every worker answers alike: the files of the pages, and whether it lives.
 _ANYWHERE = re.compile(rb"/(?:assets/.*|livez|readyz)")
 
@@ -30,23 +33,24 @@ def worker_of_class(code: str, workers: int) -> int:
     return zlib.crc32(code.encode()) % workers
 
 
-def worker_of(head: bytes, address: str, workers: int) -> int | None:
+def worker_of(head: bytes, address: str, workers: int, classes: Mapping[str, int] = _NONE) -> int | None:
     """Return the worker that has a request; None where each of them may answer it.
 
     ``head`` is the request at least up to the end of its headers, ``address`` that of the client, which counts for
-    visitors without a cookie.
+    visitors without a cookie; ``classes`` names the workers of those classes whose codes say nothing about it.
     """
     head = head[: head.find(b"\r\n\r\n") + 2]
     line = _LINE.match(head)
     if line is None:  # not HTTP: any worker refuses it
         return None
-    path = line[1]
+    target, path = line[1], line[2]
     if _ANYWHERE.fullmatch(path):
         return None
-    if session := _SESSION.match(path):
+    if session := _SESSION.match(target):
         return worker_of_place(session[1].decode(), workers)
     if room := _CLASS.match(path):
-        return worker_of_class(normalised(unquote(room[1].decode("latin-1"))), workers)
+        code = normalised(unquote(room[1].decode("latin-1")))
+        return classes[code] if code in classes else worker_of_class(code, workers)
     if place := _PLACE.search(head):  # a reverse proxy has chosen this service by it
         return worker_of_place(place[1].decode(), workers)
     cookie = _COOKIE.search(head)

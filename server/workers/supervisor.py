@@ -20,7 +20,7 @@ from typing import NoReturn
 import structlog
 
 from server.workers.handover import Channel
-from server.workers.use import SharedUse
+from server.workers.shared import Shared
 from server.workers.worker import Worker
 
 SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGCHLD})
@@ -56,27 +56,30 @@ def in_child(work: Callable[[], None]) -> None:
         raise SystemExit(status if status > 0 else 1)
 
 
-def supervise(workers: int, serve: Callable[[Worker], None]) -> None:
-    """Fork so many processes, each of which calls ``serve`` once; return when the service was ended by a signal."""
+def supervise(workers: int, serve: Callable[[Worker], None], class_code: str | None = None) -> None:
+    """Fork so many processes, each of which calls ``serve`` once; return when the service was ended by a signal.
+
+    ``class_code`` is that of a class that is open from the start.
+    """
     channels = [Channel.make() for _ in range(workers)]
-    use = SharedUse(workers)
+    shared = Shared.make(workers, class_code)
     alive, held = os.pipe()  # the workers see its end when this process ends, however that is
 
     def run(number: int) -> None:
         os.close(held)
-        serve(Worker.of(number, channels, use, alive))
+        serve(Worker.of(number, channels, shared, alive))
 
     gc.collect()
     gc.freeze()  # the collector would write into memory that the workers share
     with _blocked():
-        _Supervisor(workers, run, use).watch()
+        _Supervisor(workers, run, shared).watch()
 
 
 class _Supervisor:
     """The running workers by their process, and when each number is due to be started again."""
 
-    def __init__(self, workers: int, run: Callable[[int], None], use: SharedUse) -> None:
-        self._run, self._use = run, use
+    def __init__(self, workers: int, run: Callable[[int], None], shared: Shared) -> None:
+        self._run, self._shared = run, shared
         self._numbers: dict[int, int] = {}
         self._began: dict[int, float] = {}
         self._due: dict[int, float] = {}
@@ -126,7 +129,7 @@ class _Supervisor:
             if not ended:
                 continue
             number = self._numbers.pop(process)
-            self._use.clear(number)
+            self._shared.clear(number)
             now = time.monotonic()
             is_short = now - self._began[number] < SHORT_LIFE_S
             self._due[number] = now + (SHORT_LIFE_S if is_short else 0.0)

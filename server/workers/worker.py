@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 from server.workers.handover import Channel, Handover
 from server.workers.places import worker_of_class
-from server.workers.use import SharedUse, WorkersUse
+from server.workers.shared import Guesses, Shared
+from server.workers.shared_class import WorkersClass
+from server.workers.use import WorkersUse
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,12 +25,16 @@ class Worker:
     number: int
     handover: Handover
     use: WorkersUse
+    guesses: Guesses
+    prepared: WorkersClass | None
     alive: int
 
     @classmethod
-    def of(cls, number: int, channels: Sequence[Channel], use: SharedUse, alive: int) -> Worker:
+    def of(cls, number: int, channels: Sequence[Channel], shared: Shared, alive: int) -> Worker:
         """Return a worker with what was made for all of them."""
-        return cls(number, Handover(number, channels), use.of(number), alive)
+        prepared = None if shared.prepared is None else shared.prepared.of(number)
+        handover = Handover(number, channels, shared.prepared)
+        return cls(number, handover, shared.use.of(number), shared.guesses, prepared, alive)
 
     def has_class(self, code: str) -> bool:
         """Return whether requests with this code of a class reach this worker."""

@@ -16,6 +16,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.localization import LocalizationConfig, textbook
 from mapper.localization.estimate import find_clusters
 from mapper.localization.kernels.beam_model import weigh_by_beams
+from mapper.localization.kernels.contradiction import count_contradicted
 from mapper.localization.kernels.motion import draw_normal, draw_uniform, move_particles
 from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.kernels.score_poses import score_poses
@@ -231,6 +232,30 @@ def beams_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
         ]
         out.append(math.log(max(textbook.beam_range_finder_model(case.ranges.tolist(), expected, *mixture), 1e-300)))
     return (np.array(out),)
+
+
+def contradicted_by_kernel(case: LocalizationCase) -> tuple[Any, ...]:
+    beams, sensor = np.column_stack([case.ranges, case.bearings]), np.array([0.1, -0.05])
+    cells = OccupiedCells(occupied_cells(case.grid), case.grid.geometry.frame)
+    return (np.array([count_contradicted(cells, beams, sensor, one, 0.1, 0.3, RANGE_MAX) for one in case.particles]),)
+
+
+def contradicted_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
+    occupied, geometry = occupied_cells(case.grid), case.grid.geometry
+
+    def map_range(sensor_pose: np.ndarray, bearing: float) -> float:
+        return textbook.expected_range(occupied, geometry, sensor_pose, bearing, RANGE_MAX)
+
+    return (
+        np.array(
+            [
+                textbook.count_contradicted(
+                    case.ranges.tolist(), case.bearings.tolist(), compose(one, (0.1, -0.05, 0.0)), map_range, 0.1, 0.3
+                )
+                for one in case.particles
+            ]
+        ),
+    )
 
 
 def resampled_by_kernel(case: LocalizationCase) -> tuple[Any, ...]:

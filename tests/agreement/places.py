@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from mapper.core.se2 import transform_points
 from mapper.slam import places_textbook as textbook
-from mapper.slam.consistency import largest_consistent
 from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
 from mapper.slam.kernels.local_map import (
     MOST_PASSES,
@@ -21,6 +20,7 @@ from mapper.slam.kernels.local_map import (
     write_states,
 )
 from mapper.slam.local_map import BINS, RADIUS, RINGS, SECTORS, SIZES
+from mapper.slam.place_recognition import largest_consistent
 from tests.agreement.matching import MatchCase, point_scan
 
 #: Walls at whole tenths of a metre do not lie on the borders of cells, where rounding would decide.

@@ -23,6 +23,7 @@ from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.tools.bench import bench_map
+from tests.bench.calibration import calibration
 from tests.bench.causes import causes
 from tests.bench.chunk_files import chunk_files
 from tests.bench.costmap import costmap
@@ -30,6 +31,7 @@ from tests.bench.doctor import doctor
 from tests.bench.events import events
 from tests.bench.feel import feel
 from tests.bench.fleet import fleet
+from tests.bench.hard import hard
 from tests.bench.inspecting import inspecting
 from tests.bench.localization import localization
 from tests.bench.matching import matching
@@ -216,6 +218,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "reading": reading,
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
+    "calibration": calibration,
     "causes": causes,
     "doctor": doctor,
     "events": events,
@@ -230,6 +233,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
+    "hard": hard,
     "fleet": fleet,
 }
 

@@ -30,7 +30,7 @@ from mapper.core.array_types import Float64Array
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
 from mapper.core.se2 import compose, inverse, transform_points
-from mapper.evaluation.record_order import records_of_relations
+from mapper.evaluation.relations import records_of_relations
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
 from mapper.matching.kernels.types import ScanArrays

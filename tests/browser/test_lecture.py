@@ -151,7 +151,13 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
     assert printed["figures"] == page.locator(".lesson").count()
     assert printed["light"] == printed["canvases"] >= 14
     expect(page.locator("html")).not_to_have_attribute("data-theme", "light")
+    # All that is seen once every figure is set up, with tables, captions, labels and formulas: few enough to be read.
+    words = [word for word in page.locator("main").inner_text().split() if any(map(str.isalnum, word))]
+    assert 7000 < len(words) <= 8500
     page.emulate_media(media="print")
+    # Nobody drags paper; this reads what the print shows.
+    asked = re.findall(r"\b(?:Drag|Press|Switch|Move the) [^.]*\.", page.locator("main").inner_text())
+    assert asked == []
     expect(page.locator(".section-list")).to_be_hidden()
     expect(page.locator("#rays .stage")).to_be_visible()
     expect(page.locator("#rays .rays-controls")).to_be_hidden()

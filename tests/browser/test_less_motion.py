@@ -75,7 +75,7 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
     # So is a link to its start, which plays for who does not ask for less motion.
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 0 })")
     until("the start", lambda: frame(page)["index"] == 0)
-    link = page.request.post(f"{server}/api/links", data={"session": begun.value.json()["id"]}).json()
+    link = page.request.post(f"{server}/api/sessions/{begun.value.json()['id']}/links", data={}).json()
     page.goto(f"{server}{link['address']}")
     await_map(page)
     until("the whole log", lambda: frame(page)["index"] == frame(page)["count"] > 0)

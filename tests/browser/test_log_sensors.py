@@ -187,7 +187,7 @@ def test_two_lidars_of_one_log_are_healed_together(page: Page, server: str, tmp_
     heal.get_by_role("button", name="Heal its poses").click()
     panel = page.get_by_role("region", name="Heal its poses")
     expect(panel).to_contain_text("Healed", timeout=5 * SECONDS * 1000)
-    cell = panel.locator("dd[data-before]")
+    cell = panel.locator("dd[data-figure=sharpness]")
     before, after = (float(str(cell.get_attribute(name))) for name in ("data-before", "data-after"))
     assert before < after
     until("both sensors", lambda: frame(page)["index"] == 2 * len(path))

@@ -14,6 +14,8 @@ from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
 
+LINES = [(2, 20, "Ready"), (12, 30, "Wheel slips"), (15, 20, "Planning"), (21, 40, "Bumper pressed")]  # tenths of s
+
 SCREEN = """(point) => {
   const { left, top } = document.querySelector(".picture").getBoundingClientRect();
   const [x, y] = gridbloom.screen(point);
@@ -23,7 +25,8 @@ SCREEN = """(point) => {
 
 def opened(page: Page, server: str, folder: Path) -> None:
     camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
-    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera]))
+    lines = [recorded.log_line(T0 + at * recorded.SECOND // 10, level, words) for at, level, words in LINES]
+    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera, *lines]))
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(folder / "robot.mcap")
     await_map(page)
@@ -53,6 +56,16 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     page.get_by_label("Layout", exact=True).select_option("Map")
     expect(views).to_have_count(1)
 
+    # Two maps beside each other, of which the second is that of a comparison.
+    page.get_by_label("Layout", exact=True).select_option("Two maps")
+    second = page.get_by_role("region", name="Second map")
+    second.get_by_role("button", name="With the present settings").click()
+    expect(second.locator(".compare-name")).to_contain_text("saved settings")
+    expect(views.first.locator(".compare-name")).to_contain_text("current settings")
+    expect(views.first.locator(".compare-divider")).to_have_count(0)
+    page.get_by_label("Layout", exact=True).select_option("Map")
+    expect(page.locator(".compare-divider")).to_have_count(1)
+
     # A moment is chosen by its time.
     page.get_by_role("button", name="Go to a time").click()
     field = page.get_by_label("Time to go to")
@@ -70,6 +83,50 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     expect(messages.get_by_label("Topic")).to_have_value("/imu")
     expect(messages.locator(".message-tree").first).to_contain_text("angular_velocity")
     expect(messages).to_contain_text("sensor_msgs/Imu")
+
+    # What nodes logged: the next match is its moment, also of a line that is pressed; the slider marks the grave ones.
+    logged = open_group(page, "Log lines")
+    rows = logged.locator(".log-line")
+    expect(rows).to_have_count(4)
+    expect(page.locator(".timeline-tick")).to_have_count(2)
+    assert violations(page, ".dock") == []
+    logged.get_by_label("Level").select_option(label="warning and above (2)")
+    expect(rows).to_have_count(2)
+    logged.get_by_label("Search in the lines").press("Enter")
+    until("the moment of the next line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
+    expect(logged.locator(".log-line[aria-selected=true]")).to_contain_text("Wheel slips")
+    logged.get_by_role("listbox", name="Log lines").press("ArrowDown")
+    until("the moment of the line below", lambda: abs(frame(page)["stamp"] - 2.1) < 0.051)
+    expect(logged.locator(".log-line[aria-selected=true]")).to_contain_text("error")
+    logged.get_by_label("Search in the lines").fill("slips")
+    rows.first.click()
+    until("the moment of a pressed line", lambda: abs(frame(page)["stamp"] - 1.2) < 0.051)
+
+    # Any field is found by a part of its name and plotted, over time and over another one.
+    plots = open_group(page, "Plots")
+    field = plots.get_by_label("Add a field to the plot")
+    field.fill("imu yaw")
+    expect(plots.get_by_role("button", name="/imu orientation.yaw")).to_be_visible()
+    field.press("Enter")
+    field.fill("odom position.x")
+    field.press("Enter")
+    legend = plots.get_by_role("list", name="Fields of the plot").get_by_role("listitem")
+    expect(legend).to_have_count(2)
+    over = plots.locator(".field-plot .u-over")
+    expect(over).to_be_visible()
+    assert violations(page, ".dock") == []
+    over.click()
+    until("the middle of the log", lambda: abs(frame(page)["stamp"] - 1.475) < 0.1)
+    with page.expect_response(lambda answer: "made=derivative" in answer.url and answer.status == 200) as answered:
+        plots.get_by_label("What is shown of /imu orientation.yaw").select_option("derivative")
+    assert set(answered.value.json()["columns"][0]["values"][1:]) == {0.2}
+    with page.expect_download() as saved:
+        plots.get_by_role("button", name="CSV of what is shown").click()
+    rows_of_csv = saved.value.path().read_text().splitlines()
+    assert rows_of_csv[0] == "time_s,d/dt /imu orientation.yaw (rad/s),/odom pose.pose.position.x (m)"
+    assert len(rows_of_csv) == 1 + 60
+    plots.get_by_label("Horizontal").select_option("/odom pose.pose.position.x")
+    expect(plots.locator(".field-plot .u-label").filter(has_text="position.x")).to_have_count(1)
 
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:

@@ -114,7 +114,7 @@ async def guest_session(process: Process) -> str:
             watcher = Watcher(connection)
             await watcher.send("seek", index=36)
             await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 36)
-        token = owner.post("/api/links", json={"session": session}).json()["token"]
+        token = owner.post(f"/api/sessions/{session}/links", json={}).json()["token"]
         assert owner.delete(f"/api/sessions/{session}").status_code == 204
         answer = guest.post(f"/api/shared/{token}/sessions")
         assert answer.status_code == 201, answer.text

@@ -9,6 +9,7 @@ from tests.load.fairness import fairness
 from tests.load.followers import followers
 from tests.load.memory import memory
 from tests.load.sessions import services, sessions, workers
+from tests.load.soak import soak
 from tests.load.ticks import ticks
 
 RUNS = {
@@ -20,11 +21,12 @@ RUNS = {
     "fairness": fairness,
     "memory": memory,
     "ending": ending,
+    "soak": soak,
 }
 
 
 def main() -> None:
-    """Run what the first argument names; further arguments are numbers of sessions or followers."""
+    """Run what the first argument names; further arguments are numbers of sessions, followers or minutes."""
     name, numbers = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     if name not in RUNS or not all(number.isdigit() for number in numbers):
         sys.exit(f"python -m tests.load {'|'.join(RUNS)} [NUMBER...]")

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping import per_scan_update as fields
 from mapper.mapping import textbook
+from mapper.mapping import update as fields
 from mapper.mapping.integrate import integrate_log
 from mapper.mapping.kernels.bitmask_fill import HITS
 from mapper.mapping.parameters import MappingConfig

@@ -20,6 +20,7 @@ from laspy.vlrs.vlr import VLR
 from mapper.core.errors import ReadError
 from mapper.io.clouds import read_cloud
 from mapper.io.clouds.projection import units_of
+from mapper.io.logs import open_log
 from mapper.io.maps import load_map
 from mapper.volume import Octree, VolumeConfig, octree_file
 from mapper.volume.octree.files import octree_of_bytes
@@ -49,6 +50,7 @@ def read(tmp_path: Path, data: bytes, name: str = "a.xyz") -> tuple[np.ndarray, 
 
 THREE = "{:.3f}"
 TEXTS: dict[str, bytes] = {
+    "a table's index in a column without a name": lines("7,{:.3f},{:.3f},{:.3f}", head=",x,y,z\n"),
     "decimal commas, blanks": commas("{:.3f} {:.3f} {:.3f}"),
     "decimal commas, a tab": commas("{:.3f}\t{:.3f}\t{:.3f}"),
     "decimal commas, semicolons and blanks": commas("{:.3f}; {:.3f}; {:.3f}"),
@@ -89,6 +91,7 @@ def test_texts(tmp_path: Path, case: str) -> None:
         ),
         (b"1.5 2,5 3.5\n4.5 5,5 6.5\n", "some numbers have decimal commas, others decimal points"),
         (b"1,234.5 2,345.5 678.5\n" * 3, "commas between their thousands"),
+        (b"x,y\n1,2\n3,4\n", "columns are named x, y; a cloud needs x, y, z"),
         (b"id,distance,angle\n1,2.5,3\n1,2.5,3\n", "columns are named id, distance, angle; a cloud needs x, y, z"),
     ],
 )
@@ -96,6 +99,35 @@ def test_texts_that_could_be_two_things_are_refused(tmp_path: Path, data: bytes,
     """They were other points before, without a word."""
     with pytest.raises(ReadError, match=said):
         read(tmp_path, data)
+
+
+PTX = "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n4 5 6 0.5\n"
+OTHER_FORMATS = {
+    "E57": b"ASTM-E57" + bytes(40),
+    "OBJ": b"# by a program\nmtllib a.mtl\no room\nv 1.0 2.0 3.0\nv 1.0 2.0 4.0\nf 1 2 1\n",
+    "STL": b"solid room\n facet normal 0 0 1\n",
+    "PTX": PTX.encode(),
+    "glTF": b"glTF" + struct.pack("<II", 2, 20) + bytes(8),
+    "ESRI": b"ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n",
+}
+
+
+@pytest.mark.parametrize("name", OTHER_FORMATS)
+def test_files_of_other_formats_are_named_with_what_converts_them(tmp_path: Path, name: str) -> None:
+    """Of clouds and of logs alike: which of them a file was meant to be, nobody knows."""
+    said = rf"\b{name}\b.*save its points as PLY, LAS or PCD"
+    with pytest.raises(ReadError, match=said):
+        read(tmp_path, OTHER_FORMATS[name])
+    with pytest.raises(ReadError, match=said):
+        open_log(tmp_path / "a.xyz")
+
+
+def test_a_las_file_whose_points_would_all_be_one_is_refused(tmp_path: Path) -> None:
+    path = las(tmp_path / "a.las", POINTS, {})
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<3d", data, 131, 0.0, 0.0, 0.0)
+    with pytest.raises(ReadError, match="scale factors of 0, 0, 0"):
+        read(tmp_path, bytes(data), "a.las")
 
 
 def test_whole_numbers_between_commas_are_no_decimals(tmp_path: Path) -> None:

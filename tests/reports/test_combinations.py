@@ -207,6 +207,25 @@ CASES = {
     "scans with one stamp of long ago": Case(
         stamped(BASE, "/scan", lambda at: 7 * SECOND), sensor_at(), "All 20 scans on /scan have the same stamp"
     ),
+    "transforms with one stamp": Case(
+        stamped(BASE, "/tf", lambda at: T0), sensor_at(), "All 21 transforms between two frames on /tf have the same"
+    ),
+    "transforms with one stamp of long ago, and scans by a clock of their own": Case(
+        stamped(stamped(BASE, "/tf", lambda at: 7 * SECOND), "/scan", lambda at: at - T0 + 12 * SECOND),
+        sensor_at(),
+        "All 21 transforms .* each scan gets the pose of when it was",
+    ),
+    "transforms whose stamps are whole seconds": Case(
+        stamped(BASE, "/tf", lambda at: at // SECOND * SECOND), sensor_at(), "no more than 5 different stamps"
+    ),
+    "odometry with one stamp": Case(
+        stamped([LASER, *drive(wheels)], "/odom", lambda at: T0), sensor_at(), "All 21 poses on /odom have the same"
+    ),
+    "transforms that are sent again and again": Case(
+        [replace(one, stamp_ns=one.stamp_ns + k) for one in BASE for k in range(3 if one.topic == "/tf" else 1)],
+        sensor_at(),
+        "^$",
+    ),
     "scans by the time since the lidar was switched on": Case(
         stamped(BASE, "/scan", lambda at: at - T0 + 12 * SECOND), sensor_at(), "each scan gets the pose of when it was"
     ),

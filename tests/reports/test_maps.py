@@ -6,6 +6,7 @@ loadMapYaml and map_mode_from_string of nav2_map_server; stdr_simulator issue 16
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from mapper.core.errors import ReadError
 from mapper.editing import EditedMap
 from mapper.editing.files import edits_text
 from mapper.grid import GridGeometry
+from mapper.io.logs import open_log
 from mapper.io.maps import load_map
 from tests.server.cli.running import Run
 
@@ -103,6 +105,35 @@ def test_unknown_that_counts_as_free_has_a_note_with_the_remedy(tmp_path: Path, 
     assert f"{remedy:g}" in note
     cured = written(tmp_path, "room.png", free_thresh=remedy)
     assert ((load_map(cured).values == -1).sum(), load_map(cured).notes) == (2, ())
+
+
+def test_info_says_what_a_map_is(tmp_path: Path, run: Run) -> None:
+    path = written(tmp_path, "/home/anna/room.pgm")
+    out = run("info", path).out
+    assert "room.yaml: map, trinary, of the image /home/anna/room.pgm\n  4 × 2 cells of 0.5 m: 2.00 × 1.00 m" in out
+    assert "occupied above 0.65, free below 0.196" in out
+    assert "2 occupied (25.0 %), 4 free (50.0 %), 2 unknown (25.0 %)" in out
+    assert "'room.pgm' beside the yaml is read in its place" in out
+    facts = json.loads(run("info", path, "--json").out)
+    assert (facts["occupied"], facts["free"], facts["unknown"], facts["between"]) == (2, 4, 2, 0)
+    path.write_text(path.read_text().replace("resolution: 0.5", "resolution: wide"))
+    assert "resolution" in run("info", path).err
+
+
+YAMLS = {
+    "a map": ("resolution: 0.05\nimage: a.pgm\n", "describes a map, and is no log"),
+    "parameters": ("amcl:\n  ros__parameters:\n    alpha1: 0.2\n", "has parameters of ROS nodes, and is no log"),
+    "parameters in one line": ("/**: {ros__parameters: {a: 1}}\n", "has parameters of ROS nodes"),
+    "a bag's metadata": ("rosbag2_bagfile_information:\n  version: 5\n", "open the bag's folder"),
+}
+
+
+@pytest.mark.parametrize("name", YAMLS)
+def test_a_yaml_in_place_of_a_log_is_told_what_it_is(tmp_path: Path, name: str) -> None:
+    text, said = YAMLS[name]
+    (tmp_path / "a.yaml").write_text(text)
+    with pytest.raises(ReadError, match=said):
+        open_log(tmp_path / "a.yaml")
 
 
 COMMANDS = {

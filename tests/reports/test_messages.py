@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -227,6 +228,38 @@ def test_sweeps_that_cannot_be_are_not_used(tmp_path, increment, scan_time, is_p
         assert log.time_increment == pytest.approx(increment)
 
 
+@pytest.mark.parametrize(("step", "contradicts"), [(2.0, False), (2.6, True)])
+def test_an_angle_max_that_contradicts_the_increment_is_named(tmp_path, step, contradicts):
+    """SteveMacenski/slam_toolbox#430: a count of beams that is not (angle_max − angle_min) / angle_increment + 1."""
+    log = open_log(written(tmp_path, drive(lambda i: measured(i, angle_increment=math.radians(step))), "mcap"))
+    said = [note for note in log.notes if "contradict themselves" in note]
+    assert bool(said) == contradicts
+    if contradicts:
+        assert "All 12 messages on /scan" in said[0]
+        assert "angle_max is 178°, and 180 beams 2.6° apart from -180° end at 285.4°" in said[0]
+
+
+@pytest.mark.parametrize("stated", [30_000.0, 30.0])
+def test_readings_in_millimetres_are_named(tmp_path, stated):
+    said = [
+        replace(one, fields=one.fields | {"ranges": 1000.0 * one.fields["ranges"], "range_max": stated})
+        if one.topic == "/scan"
+        else one
+        for one in drive(measured)
+    ]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert re.fullmatch(r"The readings are usually 3,\d\d\d m, farther than a lidar measures: .*", note)
+
+
+def test_scans_that_name_no_frame_say_so(tmp_path):
+    said = [
+        replace(one, fields=one.fields | {"header": recorded.header(one.stamp_ns, "")}) if one.topic == "/scan" else one
+        for one in drive(measured)
+    ]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert note.startswith("The scans name no frame (frame_id is empty), so tf cannot say where they were made")
+
+
 def test_logs_without_a_measured_distance_say_why(tmp_path):
     """SteveMacenski/slam_toolbox#662, ros-perception/slam_gmapping#47, and the fixed-distance rangers of REP 117."""
     nothing = drive(lambda i: replace(said := measured(i), fields=said.fields | {"ranges": np.full(180, np.inf, "f4")}))
@@ -285,6 +318,21 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
     (361, -180.0, 1.0, ("PARAM laser_front_laser_fov 360", "PARAM laser_front_laser_resolution 1"), "as PARAM states"),
     (91, -90.0, 2.0, (), "180° is assumed"),
 )  # fmt: skip
+
+
+TEXTS_THAT_ARE_NO_LOGS = {
+    "a table of rostopic echo": ("%time,field.header.seq,field.ranges0\n1,2,3.0\n", "as rostopic echo -p prints it"),
+    "messages of ros2 topic echo": ("header:\n  stamp:\n    sec: 1\nranges:\n- 1.0\n", "as ros2 topic echo prints"),
+    "CSV of a German spreadsheet": ("angle_min;-3,14\nangle_increment;0,01\n", "CSV with semicolons or tabs"),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS_THAT_ARE_NO_LOGS)
+def test_texts_that_are_no_logs_are_told_what_they_are(tmp_path, name):
+    text, said = TEXTS_THAT_ARE_NO_LOGS[name]
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(ReadError, match=said):
+        open_log(tmp_path / "a.csv")
 
 
 @pytest.mark.parametrize(("n", "first", "step", "head", "words"), ANGLES)

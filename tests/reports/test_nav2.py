@@ -18,7 +18,7 @@ from mapper.costmap.costs import LETHAL, NO_INFORMATION
 from mapper.costmap.nav2_costmap import Nav2Costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
 from mapper.costmap.nav2_writing import nav2_yaml
-from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig
+from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
 from mapper.localization import parse_amcl_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
@@ -251,6 +251,68 @@ def test_a_local_costmap_without_the_map_says_so() -> None:
     found = node("plugins: [v]\nv: {plugin: nav2_costmap_2d::VoxelLayer}\nrolling_window: true", "local_costmap")
     assert lethal(found) == 0
     assert "local_costmap has no static layer in use: nothing of the map is in its costs" in found.notes[0]
+
+
+def test_values_beyond_what_is_computed_with_are_taken_as_the_nearest() -> None:
+    """Heights of 1000 m stand for no limit; z_voxels above 16 are 16 in Nav2's VoxelGrid too."""
+    found = node(
+        "plugins: [s, v]\ns: {plugin: n::StaticLayer}\n"
+        "v: {plugin: nav2_costmap_2d::VoxelLayer, z_voxels: 20, max_obstacle_height: 1000.0, "
+        "min_obstacle_height: -1000.0}"
+    )
+    config = found.layers[1].config
+    assert isinstance(config, VoxelConfig)
+    assert (config.z_voxels, config.max_obstacle_height, config.min_obstacle_height) == (16, 50.0, -10.0)
+    assert found.notes == (
+        "global_costmap.v.z_voxels is 20, more than is computed with here: 16 is taken.",
+        "global_costmap.v.max_obstacle_height is 1000, more than is computed with here: 50 m is taken.",
+        "global_costmap.v.min_obstacle_height is -1000, less than is computed with here: -10 m is taken.",
+    )
+    read = parse_amcl_yaml(b"amcl: {ros__parameters: {lambda_short: 30.0}}")
+    assert (read.config.lambda_short, len(read.notes)) == (10.0, 1)
+
+
+def test_a_value_that_is_filled_in_at_the_launch_is_named_as_such() -> None:
+    for value in ("$(var radius)", "<radius>"):
+        with pytest.raises(MapperError, match=r"global_costmap\.robot_radius: .* filled in where Nav2 is launched"):
+            parse_nav2_costmap(f"/**/global_costmap: {{ros__parameters: {{robot_radius: {value}}}}}".encode())
+    found = parse_nav2_costmap(
+        b"global_costmap: {ros__parameters: {robot_radius: 0.3, use_sim_time: $(var t), global_frame: <ns>/map}}"
+    )
+    assert (found.general.robot_radius, found.notes) == (0.3, ())
+
+
+OTHER_PLANNERS = {
+    "nav2_smac_planner::SmacPlanner2D": "cost_travel_multiplier: 2.0",
+    "nav2_smac_planner/SmacPlannerHybrid": "minimum_turning_radius: 0.4",
+    "nav2_smac_planner::SmacPlannerLattice": "lattice_filepath: a.json",
+    "nav2_theta_star_planner::ThetaStarPlanner": "how_many_corners: 8",
+}
+
+
+@pytest.mark.parametrize("plugin", OTHER_PLANNERS)
+def test_a_planner_that_is_not_built_is_named_with_the_one_in_its_place(plugin: str) -> None:
+    block = f'{{plugin: "{plugin}", {OTHER_PLANNERS[plugin]}, smoother: {{w_smooth: 0.3}}}}'
+    text = f"planner_server: {{ros__parameters: {{planner_plugins: [G], costmap_update_timeout: 1.0, G: {block}}}}}"
+    (note,) = parse_nav2_path(text.encode()).notes
+    assert note == f"planner_server.G: {plugin!r} is not built here; the path is that of NavFn with Nav2's defaults."
+    both = text.replace("[G]", "[N, G]").replace("G: {", "N: {plugin: n::NavfnPlanner}, G: {")
+    assert parse_nav2_path(both.encode()).notes == ()
+
+
+def test_a_follower_that_is_not_built_is_named_with_the_one_in_its_place() -> None:
+    for plugin in ("nav2_mppi_controller::MPPIController", "dwb_core::DWBLocalPlanner"):
+        text = (
+            f"controller_server: {{ros__parameters: {{FollowPath: {{plugin: {plugin}, critics: [A], A.scale: 2.0}}}}}}"
+        )
+        (note,) = parse_nav2_path(text.encode()).notes
+        assert note.startswith(f"controller_server.FollowPath: {plugin!r} is not built here; the path is followed by")
+
+
+@pytest.mark.parametrize("text", ["obstacle_range: 2.5\nfootprint: [[0, 0]]\n", "global_costmap: {robot_radius: 0.3}"])
+def test_a_file_of_ros_1_is_named_as_such(text: str) -> None:
+    with pytest.raises(MapperError, match="one of ROS 1's move_base, whose parameters stand in its nodes"):
+        parse_nav2_costmap(text.encode())
 
 
 def test_a_file_of_other_nodes_is_refused_with_their_names() -> None:

@@ -110,7 +110,10 @@ def test_a_sensor_is_offered_with_each_topic_of_transforms(tmp_path: Path) -> No
     assert list(robot.sensors) == ["/scan", "/scan#/tf_gt"]
     assert robot.sensors["/scan"].mount == pytest.approx(MOUNT)
     assert [topic.name for topic in robot.first.topics if topic.beams] == ["/scan", "/scan#/tf_gt"]
-    assert any("choose the sensor /scan#/tf_gt (or --tf" in note for note in robot.first.notes)
+    assert any(
+        "open the sensor /scan#/tf_gt in the list of logs, or name their topic with --tf" in note
+        for note in robot.first.notes
+    )
     assert not any("Only /scan is mapped" in note for note in robot.first.notes)
     true_one = open_log(path, topic="/scan#/tf_gt")
     assert true_one.default_trajectory == "tf/world"

@@ -330,6 +330,18 @@ CASES: dict[str, Case] = {
         ],
         sensor_at(),
     ),
+    "poses without a header": Case(
+        "geometry_msgs/Pose",
+        [LASER, *drive(lambda at, pose: [recorded.bare_pose(at, *pose)])],
+        sensor_at(),
+        r"on /robot_pose \(geometry_msgs/Pose\) state no time: each has that at which it was recorded",
+    ),
+    "planar poses without a header": Case(
+        "geometry_msgs/Pose2D, as of laser_scan_matcher",
+        [LASER, *drive(lambda at, pose: [recorded.pose_2d(at, *pose)])],
+        sensor_at(),
+        "Pose2D. state no time",
+    ),
     "transforms of a motion capture": Case(
         "vicon_bridge#10", [LASER, *drive(lambda at, pose: [recorded.transform_stamped(at, *pose)])], sensor_at(),
         "tf does not say where 'robot'",
@@ -388,6 +400,43 @@ def test_a_quaternion_that_is_no_rotation_is_the_reason_that_is_given(tmp_path: 
     notes = open_log(written(tmp_path, said, "mcap")).notes
     assert any("poses can be used" in note and why in note for note in notes)
     assert not any("holds no poses" in note for note in notes)
+
+
+NOT_SOURCES: dict[str, tuple[Callable[[int, Pose], list[Said]], str]] = {
+    "particles": (
+        lambda at, pose: [recorded.pose_array(at, [pose, pose])],
+        r"\(/particlecloud: geometry_msgs/PoseArray, many poses at one time\)",
+    ),
+    "a path without stamps": (
+        lambda at, pose: [recorded.path(at, [recorded.pose_stamped(0, *pose) for _ in range(2)])],
+        r"\(/trajectory: nav_msgs/Path, poses whose stamps do not ascend\)",
+    ),
+    "goals": (
+        lambda at, pose: [recorded.pose_stamped(at, *pose, "/goal_pose")],
+        r"\(/goal_pose: geometry_msgs/PoseStamped, at which the robot shall be\)",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NOT_SOURCES)
+def test_poses_that_are_no_source_are_named_with_the_reason(tmp_path: Path, name: str) -> None:
+    poses, why = NOT_SOURCES[name]
+    log = open_log(written(tmp_path, [LASER, *drive(poses)], "bag"))
+    (note,) = log.notes
+    assert re.search(f"^The file holds no poses along which the robot moved {why}, so the map shows all", note), note
+
+
+def test_a_frame_of_the_same_name_behind_a_prefix_is_named(tmp_path: Path) -> None:
+    """geometry2#32: the scans lack the prefix that the robot's frames have, so that no look-up finds them."""
+    said = [static("r1/base_link", "r1/laser", MOUNT), *drive(by_tf("r1/odom", "r1/base_link"))]
+    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    assert note.startswith("tf does not say where the frame 'laser' sits on the robot, only where 'r1/laser' sits; ")
+
+
+def test_poses_in_millimetres_are_named(tmp_path: Path) -> None:
+    far = [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, 1000 * pose[0], 1000 * pose[1], pose[2])])]
+    (note,) = open_log(written(tmp_path, far, "mcap")).notes
+    assert re.search(r"By pose the robot usually moves at 7\d\d m/s: as it seems its poses are in millimetres", note)
 
 
 def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path) -> None:

@@ -24,11 +24,11 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from server.http.services import Services, services_of
+from server.parts.wire import ServerMessage
 from server.serving import Server, listen, make_server
 from server.sessions import Kind, SessionNotFoundError
 from server.settings import Settings
 from server.sources import KINDS
-from server.stream.messages import ServerMessage
 from tests.server.stream.applied_frames import apply_frame
 
 PATIENCE_S = 240.0  #: how long a test waits for what a machine with other work to do is slow at; only then it fails

@@ -12,6 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from server.classes import ClassBudgetError, Classes, ClassNotFoundError, Classroom, classes, classroom, results_csv
+from server.classes.prepared import PreparedHere
 from server.stream.class_messages import AnswerCommand, AskCommand, ClassAxis, ClassView, RevealCommand, ShowCommand
 
 Page = Literal["lecture", "lab", "logs", "other"]
@@ -140,7 +141,7 @@ async def test_a_class_ends_some_time_after_its_lecturer_left_without_anybody_as
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = 0.0
-    every = Classes(max_followers=9, prepared="BCDFGH", clock=lambda: now)
+    every = Classes(max_followers=9, prepared=PreparedHere("BCDFGH"), clock=lambda: now)
     room = every.open("lecturer")
     member = room.join("lecturer")
     monkeypatch.setattr(classes, "LOOK_EVERY_S", 0.0)

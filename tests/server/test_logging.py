@@ -69,7 +69,7 @@ def test_no_log_line_contains_a_secret(
         log = once_read(http, http.put("/api/logs", content=carmen(5)).json()["id"])
         session_id = http.post("/api/sessions", json={"kind": "log", "log": log["id"]}).json()["id"]
         world_id = service.begin()
-        link = http.post("/api/links", json={"session": session_id})
+        link = http.post(f"/api/sessions/{session_id}/links", json={})
         secret = link.json()["token"]
         base = f"http://127.0.0.1:{service.port}"
         guest_id = httpx.post(f"{base}/api/shared/{secret}/sessions", json={}, timeout=PATIENCE_S).json()["id"]

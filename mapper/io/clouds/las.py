@@ -76,6 +76,9 @@ def _read(data: bytes, limits: Limits, notes: tuple[str, ...], *, is_cut: bool =
     backend = laspy.LazBackend.Lazrs if is_cut else None
     with laspy.open(io.BytesIO(data), closefd=False, laz_backend=backend) as reader:
         header = reader.header
+        if not (np.isfinite(header.scales).all() and np.all(header.scales)):
+            steps = ", ".join(f"{step:g}" for step in header.scales)
+            raise ReadError("cloud.scale", f"The LAS header has scale factors of {steps}: all points would be one.")
         n = int(header.point_count)
         check_count(n, limits)
         there = (len(data) - int(header.offset_to_point_data)) // int(header.point_format.size)

@@ -19,7 +19,7 @@ from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
-from mapper.io.logs.foreign import is_tum
+from mapper.io.logs.foreign import is_tum, what_else
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 Reader = Callable[[bytes, Limits], PointCloud]
@@ -66,7 +66,9 @@ def read_cloud(
     if kind == "scan graph":
         return _joined(graph_nodes(data, limits), limits)
     if kind is None:
-        raise ReadError("cloud.format", f"The file {Path(path).name!r} is none of the known formats: {_known()}.")
+        what = what_else(data[:HEAD_BYTES])
+        is_none = f"is {what}, and none" if what else "is none"
+        raise ReadError("cloud.format", f"The file {Path(path).name!r} {is_none} of the known formats: {_known()}.")
     return (read_text if kind == TEXT else FORMATS[kind][1])(data, limits)
 
 

@@ -59,7 +59,8 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     else:
         words = text.rstrip(separator + " ").split(separator)
     names = tuple(word.strip(" \"'\r") for word in words)
-    if not names or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in names):
+    given = [name for name in names if name]  # that of a table's index is empty
+    if not given or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in given):
         return None
     return names
 
@@ -79,7 +80,7 @@ def looks_like_text(data: bytes) -> bool:
     except ReadError:
         return True
     numbers = layout.numbers(first)
-    if numbers is None or len(numbers) < 3:
+    if numbers is None or len(numbers) < (3 if begin.names is None else 2):
         return False
     return begin.names is None or len(begin.names) == len(numbers)
 

@@ -34,7 +34,7 @@ def min_max(
     first_low = np.minimum.reduceat(np.where(low_filled == low[of_row], rows, n), starts)
     first_high = np.minimum.reduceat(np.where(high_filled == high[of_row], rows, n), starts)
     rises = first_low <= first_high
-    out = np.empty((2 * len(starts), values.shape[1]), dtype=np.float32)
+    out = np.empty((2 * len(starts), values.shape[1]), dtype=values.dtype)
     out[0::2] = np.where(is_empty, np.nan, np.where(rises, low, high))
     out[1::2] = np.where(is_empty, np.nan, np.where(rises, high, low))
     times = np.empty(2 * len(starts), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""One pass over a recording that counts every message, and keeps its transforms' times and the numbers for plots."""
+"""One pass over a recording that counts every message, and keeps times of transforms, numbers and log lines."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.carmen_lines import inspect_carmen
 from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.log_lines import LOGGED, LineReader
 from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.series_messages import PLOTTED, PlottedType
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
@@ -38,6 +39,7 @@ MAX_EDGES = 5000  #: pairs of frames
 MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
 KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
 LAST_NS = 1 << 62  #: a time beyond this is a defect
+_READ = LOGGED | TRANSFORMS.keys()  #: types that are read, besides those with numbers for plots
 
 
 @dataclass(slots=True)
@@ -46,6 +48,8 @@ class _Topic:
     type: str
     cdr: bool
     plotted: PlottedType | None
+    readable: bool
+    recorded: bool = False  #: whether the stamps are those of the recording, as a message has none
     messages: int = 0
     bytes: int = 0
     first_ns: int = 0
@@ -53,6 +57,11 @@ class _Topic:
     bad: int = 0
     stamps: array[int] = field(default_factory=lambda: array("q"))
     values: array[float] = field(default_factory=lambda: array("f"))
+
+    @property
+    def is_read(self) -> bool:
+        """Whether the messages themselves are read."""
+        return self.plotted is not None or (self.readable and self.type in _READ)
 
 
 class Inspector(MessageSink):
@@ -64,6 +73,7 @@ class Inspector(MessageSink):
         self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
         self._counted_by_key: dict[int, _Topic] = {}
         self._stamps_of_edge: dict[tuple[str, str, str], array[int]] = {}
+        self._lines = LineReader()
         self._n_messages = 0
         self._values_left = MAX_VALUES
 
@@ -79,7 +89,7 @@ class Inspector(MessageSink):
         if stream not in self._counted:
             if len(self._counted) >= self.limits.max_topics:
                 raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
-            self._counted[stream] = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None)
+            self._counted[stream] = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None, readable)
         self._counted_by_key[key] = self._counted[stream]
 
     def next_file(self) -> None:
@@ -89,7 +99,7 @@ class Inspector(MessageSink):
     def wants(self, key: int) -> bool:
         """Return whether this stream's messages are to be read; of the others the sizes are enough."""
         topic = self._counted_by_key.get(key)
-        return topic is not None and (topic.plotted is not None or topic.type in TRANSFORMS)
+        return topic is not None and topic.is_read
 
     def knows(self, key: int) -> bool:  # noqa: ARG002 - as all sinks have it
         """Return False for any stream: no chunk is passed over by its index, which has no sizes."""
@@ -111,24 +121,28 @@ class Inspector(MessageSink):
         if 0 < stamp_ns < LAST_NS:
             topic.first_ns = min(topic.first_ns or stamp_ns, stamp_ns)
             topic.last_ns = max(topic.last_ns, stamp_ns)
-        if topic.plotted is None and topic.type not in TRANSFORMS:
+        if not topic.is_read:
             return
         try:
             if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
-            if topic.plotted is None:
+            if topic.plotted is not None:
+                self._take_row(topic, topic.plotted, stamp_ns, data)
+            elif topic.type in TRANSFORMS:
                 self._take_transforms_of(topic, stamp_ns, data)
             else:
-                self._take_row(topic, topic.plotted, stamp_ns, data)
+                self._lines.take(topic.type, topic.name, stamp_ns, data, cdr=topic.cdr)
         except (BadMessageError, ReadError):
             topic.bad += 1
 
     def _take_row(self, topic: _Topic, plotted: PlottedType, stamp_ns: int, data: bytes) -> None:
         stated, row = plotted.decode(data, cdr=topic.cdr)
-        at = stated if 0 < stated < LAST_NS else stamp_ns
+        is_stated = 0 < stated < LAST_NS
+        at = stated if is_stated else stamp_ns
         if not 0 <= at < LAST_NS or self._values_left < len(row):
             return
         self._values_left -= len(row)
+        topic.recorded |= not is_stated
         topic.stamps.append(at)
         topic.values.extend(_float32(value) for value in row)
 
@@ -164,6 +178,8 @@ class Inspector(MessageSink):
             ),
             series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
             notes=tuple(notes),
+            lines=tuple(self._lines.lines),
+            lines_left_out=self._lines.left_out,
         )
 
 
@@ -194,7 +210,7 @@ def _series(topic: _Topic, plotted: PlottedType) -> Series:
         order = np.argsort(stamps, kind="stable")
         stamps, values = stamps[order], values[order]
     stamps, values = min_max(stamps, values, KEPT_ROWS // 2)
-    return Series(topic.name, topic.type, plotted.columns, stamps, values)
+    return Series(topic.name, topic.type, plotted.columns, stamps, values, recorded=topic.recorded)
 
 
 def inspect(

@@ -30,7 +30,11 @@ def tree_of(kind: str, definition: str, data: bytes, *, cdr: bool) -> Tree:
     An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON has not are
     the texts ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
     """
-    types = definitions_of(kind, definition)
+    return decoded(definitions_of(kind, definition), kind, data, cdr=cdr)
+
+
+def decoded(types: Definitions, kind: str, data: bytes, *, cdr: bool) -> Tree:
+    """Return :func:`tree_of` a message whose definitions are known. Raises as it does."""
     try:
         decoder = _Decoder(types, MessageFields(data, cdr=cdr))
         tree: Tree = decoder.message(plain_type(kind), 0)

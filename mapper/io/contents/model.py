@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.io.contents.log_lines import LogLine
 
 Int64Array = NDArray[np.int64]
 
@@ -83,13 +85,17 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Series:
-    """The numbers of one topic: ``values`` (n, columns) float32 at ``stamps_ns`` (n,), ascending."""
+    """The numbers of one topic: ``values`` (n, columns) at ``stamps_ns`` (n,), ascending.
+
+    The stamps are those that messages state; with ``recorded`` those of their recording, where they state none.
+    """
 
     topic: str
     type: str
     columns: tuple[Column, ...]
     stamps_ns: Int64Array
-    values: NDArray[np.float32]
+    values: NDArray[np.floating[Any]]
+    recorded: bool = False
 
     def __post_init__(self) -> None:
         if self.values.shape != (len(self.stamps_ns), len(self.columns)):
@@ -102,9 +108,14 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Contents of a recording. ``notes`` state what could not be read."""
+    """Contents of a recording. ``notes`` state what could not be read.
+
+    ``lines`` are what nodes logged, ascending in time, and ``lines_left_out`` the number of those beyond the limit.
+    """
 
     topics: tuple[TopicContents, ...]
     edges: tuple[FrameEdge, ...] = ()
     series: tuple[Series, ...] = ()
     notes: tuple[str, ...] = ()
+    lines: tuple[LogLine, ...] = ()
+    lines_left_out: int = 0

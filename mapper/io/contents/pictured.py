@@ -1,3 +1,4 @@
 """The types of messages of which a picture can be made (:mod:`mapper.io.contents.pictures`)."""
 
-PICTURED = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage", "sensor_msgs/PointCloud2"})
+CAMERAS = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
+PICTURED = CAMERAS | {"sensor_msgs/PointCloud2"}

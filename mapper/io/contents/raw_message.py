@@ -30,17 +30,25 @@ def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIM
     and :class:`LimitError`.
     """
     found = message_at(path, topic, at_ns, limits)
+    tree = tree_of(found.type, definition_of(path, topic, limits), found.data, cdr=found.cdr)
+    return RawMessage(found.type, found.stamp_ns, len(found.data), tree)
+
+
+def definition_of(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> str:
+    """Return the definition that a recording carries of the messages of a topic, as text.
+
+    Raises :class:`ReadError` where it has none, or one of another kind than ROS's own.
+    """
     stated = stated_in(path, topic, limits)
     if stated is None or not stated.definition.strip():
         raise ReadError(
             "message.no_definition",
-            f"The recording does not define {found.type!r:.100}: bags before ROS 2 Iron and files without an index do "
-            "not.",
+            f"The recording does not define the type of {topic!r:.200}: bags before ROS 2 Iron and files without an "
+            "index do not.",
         )
     if stated.definition_encoding not in TEXT_DEFINITIONS:
         raise ReadError(
             "message.encoding",
             f"Definitions as {stated.definition_encoding!r:.40} are not read, only ROS's own (.msg).",
         )
-    tree = tree_of(found.type, stated.definition, found.data, cdr=found.cdr)
-    return RawMessage(found.type, found.stamp_ns, len(found.data), tree)
+    return stated.definition

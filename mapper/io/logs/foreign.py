@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC
@@ -15,23 +16,76 @@ KNOWN_3D = "PCD, PLY, VTK, LAS, LAZ, XYZ, PTS, CSV, a scan graph, an octree (.bt
 #: What every file of an unknown kind is told.
 READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 
+AS_CLOUD = "save its points as PLY, LAS or PCD, as CloudCompare does"
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
     (b"\xfd7zXZ\0", "xz data (unpack it)"),
-    (b"\x89PNG\r\n", "a PNG picture"),
+    (b"\x89PNG\r\n", "a PNG picture (of a map, open the yaml that names it)"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"BM", "a BMP picture"),
-    (b"P5", "a PGM picture"),
+    (b"P5", "a PGM picture (of a map, open the yaml that names it)"),
     (b"%PDF", "a PDF document"),
     (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
     (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
     (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
     (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
+    (b"ASTM-E57", f"an E57 file ({AS_CLOUD})"),
+    (b"glTF", f"a scene in binary glTF ({AS_CLOUD})"),
+    (b"solid ", f"a mesh in the format STL ({AS_CLOUD})"),
+    (b"OFF\n", f"a mesh in the format OFF ({AS_CLOUD})"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"\x93NUMPY", "an array of NumPy"),
     (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
 )
 
+#: How texts begin that are neither logs nor clouds that are read, and what they are.
+_NUMBERS = rb"[-+.\deE]+"
+FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
+    (
+        re.compile(rb"(?:[ \t]*(?:#[^\n]*)?\r?\n|(?:mtllib|o|g)[ \t][^\n]*\n)*v[ \t]+[-+.\d]"),
+        f"a mesh in the format OBJ ({AS_CLOUD})",
+    ),
+    (
+        re.compile(
+            rb"\d+\s+\d+\s*\n(?:%b[ \t]+%b[ \t]+%b\s*\n){4}(?:%b[ \t]+%b[ \t]+%b[ \t]+%b\s*\n){4}" % ((_NUMBERS,) * 7)
+        ),
+        f"a scan in the format PTX of Leica ({AS_CLOUD})",
+    ),
+    (
+        re.compile(rb"%time,field\."),
+        "a table of one topic, as rostopic echo -p prints it (record the topics in a bag, those of poses as well)",
+    ),
+    (
+        re.compile(rb"(?:---\s*)?header:\s*\n\s+(?:seq|stamp):"),
+        "messages as text, as ros2 topic echo prints them (record the topics in a bag, those of poses as well)",
+    ),
+    (
+        re.compile(rb"(?:angle_min|angle_increment|range_min|range_max|mount)[ \t]*[;\t]"),
+        "a log as CSV with semicolons or tabs (save it with commas between the fields, and with decimal points)",
+    ),
+    (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
+)
+MAP = "log.map"  #: of the error for the yaml of a map
+#: Lines of yaml files that belong to logs and are none, and what such a file is.
+YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
+    (
+        re.compile(rb"^rosbag2_bagfile_information\s*:", re.MULTILINE),
+        "log.metadata",
+        "The file describes a ROS 2 bag and holds none of its messages: open the bag's folder.",
+    ),
+    (
+        re.compile(rb"^\s+[\"']?ros__parameters[\"']?\s*:|[{,]\s*[\"']?ros__parameters[\"']?\s*:", re.MULTILINE),
+        "log.parameters",
+        "The file has parameters of ROS nodes, and is no log: gridbloom costmap, path and localize take it (--params).",
+    ),
+    (
+        re.compile(rb"^[\"']?image[\"']?\s*:", re.MULTILINE),
+        MAP,
+        "The file describes a map, and is no log: gridbloom info and view tell what it is, and the page edits it.",
+    ),
+)
 GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines
 TUM_LINES = 20  #: lines of a text that tell whether it is a trajectory
 TUM_NORM = 0.05  #: how far from 1 the length of a quaternion may be
@@ -67,13 +121,19 @@ def _old_bag(head: bytes) -> ReadError:
     )
 
 
+def what_else(head: bytes) -> str | None:
+    """Return what a file is that begins with ``head`` and is neither a log nor a cloud; None where it is not known."""
+    known = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
+    return known or next((what for pattern, what in FOREIGN_TEXT if pattern.match(head)), None)
+
+
 def not_a_log(head: bytes) -> ReadError:
     """Return the error that says what a file is that begins with ``head`` as no log does."""
     if not head:
         return ReadError("log.empty", "The file is empty.")
     if head.startswith(OLD_BAGS):
         return _old_bag(head)
-    foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
+    foreign = what_else(head)
     if foreign is not None:
         return ReadError("log.unknown_format", f"The file is {foreign}. {READ_HERE}")
     if b"\0" in head:
@@ -92,6 +152,9 @@ def not_a_log(head: bytes) -> ReadError:
         )
     if head.lstrip().startswith(GRAPH_WORDS):
         return ReadError("log.poses", "The file is a pose graph in the format g2o, without scans: open its log.")
+    for pattern, code, what in YAML:
+        if pattern.search(head):
+            return ReadError(code, what)
     lines = [line for line in head.split(b"\n") if line.strip()]
     if all(line.lstrip().startswith(b"#") for line in lines):
         return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")

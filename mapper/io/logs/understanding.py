@@ -16,6 +16,9 @@ from mapper.sensors.scan import ScanLog
 
 JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
 LEAST_SCANS = 3  #: fewer tell nothing of the time between them
+FARTHEST_USUAL_M = 300.0  #: the usual reading of no lidar that drives: those of the longest range see so far at most
+ENOUGH_READINGS = 100_000
+FASTEST_USUAL = 60.0  #: m/s, of what drives with a lidar
 PAUSE = 5.0  #: times between scans that are longer than so many usual ones are pauses
 
 
@@ -30,7 +33,17 @@ def _understood(log: ScanLog) -> ScanLog:
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
     if any(why):
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
-    return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log)])
+    return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
+
+
+def _usual_reading(log: ScanLog) -> float:
+    """Return the median of the readings that are distances, metres, whether they are in range or not; 0 without.
+
+    Of a long log only some of the scans are looked at.
+    """
+    some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
+    readings = some[np.isfinite(some) & (some > 0.0)]
+    return float(np.median(readings)) if len(readings) else 0.0
 
 
 def _at_once(log: ScanLog) -> ScanLog:
@@ -66,7 +79,30 @@ def impossible_sweep(log: ScanLog, period: float) -> str:
     return ""
 
 
+def _notes_on_speed(log: ScanLog) -> list[str]:
+    """Return a note on each trajectory by which the robot usually moves faster than robots do."""
+    seconds = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
+    notes = []
+    for name, way in log.trajectories.items():
+        steps = np.hypot(*np.diff(way.poses[:, :2], axis=0).T)
+        speeds = steps[(seconds > 0.0) & (steps > 0.0)] / seconds[(seconds > 0.0) & (steps > 0.0)]
+        usual = float(np.median(speeds)) if len(speeds) >= LEAST_SCANS else 0.0
+        if usual > FASTEST_USUAL:
+            notes.append(
+                f"By {name} the robot usually moves at {usual:,.0f} m/s: as it seems its poses are in millimetres or "
+                "centimetres, or the times are in another unit. They are taken for metres and seconds."
+            )
+    return notes
+
+
 def _notes_on_readings(log: ScanLog) -> list[str]:
+    usual = max(_usual_reading(part) for part in sensors_of(log))
+    if usual > FARTHEST_USUAL_M:
+        note = (
+            f"The readings are usually {usual:,.0f} m, farther than a lidar measures: as it seems they are in "
+            "millimetres or centimetres. They are taken for metres, so hardly any is within the map's max range."
+        )
+        return [note]
     total = no_return = 0
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):

@@ -9,9 +9,9 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from server.http.clients import client_address
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.classes import joined_class, owned_class, places_of, puzzle_link_of
-from server.http.routes.clients import client_address
 from server.http.routes.puzzles import Name, begin_puzzle
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, ServiceSettings, Sessions, Visitor

@@ -19,10 +19,10 @@ from mapper.core.errors import MapperError
 from server.classes import Classes, ClassRightError, Classroom, results_csv, unknown_class
 from server.classes.codes import normalised
 from server.http.brake import CodeGuesses
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_file
-from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import (
     CodeBrake,

@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+import msgspec
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
-from mapper.io.contents.model import Contents, TopicContents
+from mapper.io.contents.model import Contents, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
+from server.http.clients import client_address, in_turn, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
-from server.http.routes.clients import client_address, while_connected
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.library import Library
@@ -27,6 +27,7 @@ from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
+JSON = "application/json"
 LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
 
 
@@ -35,7 +36,9 @@ class NotInspectedError(MapperError):
 
 
 @dataclass(frozen=True, slots=True)
-class _Held:
+class HeldContents:
+    """What the recording of a session holds, and its times on the page's time line."""
+
     recording: Recording
     contents: Contents
 
@@ -52,11 +55,16 @@ class _Held:
         firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
         return firsts[0] - self.origin_ns if firsts else 0
 
+    def origin_of(self, series: Series) -> int:
+        """Return the stamp of a series that is 0 s."""
+        return self.origin_ns + (self.recorded_ahead_ns if series.recorded else 0)
+
     def recorded_ns(self, seconds: float) -> int:
         """Return when a message was recorded at a moment: later than the stamp of the scan of that moment."""
         return min(max(self.origin_ns + self.recorded_ahead_ns + round(seconds * 1e9), 0), LAST_NS)
 
     def seconds(self, stamp_ns: int) -> float:
+        """Return the seconds of a stamp."""
         return round((stamp_ns - self.origin_ns) * 1e-9, 6)
 
 
@@ -75,16 +83,19 @@ async def _looked_into(
     request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
 ) -> tuple[Recording, Contents | float]:
     recording = _recording(sessions, session_id)
-    owner = _owner(sessions, library, session_id)
+    owner = owner_of(sessions, library, session_id)
     return recording, await library.contents(owner, recording.log_id, visitor, address=client_address(request))
 
 
-async def _held(request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str) -> _Held:
+async def look_into(
+    request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
+) -> HeldContents:
+    """Return what the recording of a session holds, which is to be known. Raises :class:`NotInspectedError`."""
     recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(contents, float):
         message = "The contents of the recording are still being read; /contents reports the progress."
         raise NotInspectedError("contents.not_yet", message)
-    return _Held(recording, contents)
+    return HeldContents(recording, contents)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,10 +189,10 @@ async def contents(
 async def stop(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> None:
     """Stop finding out what the recording holds, if this visitor began it; the next request for it begins again."""
     recording = _recording(sessions, session_id)
-    library.stop_inspecting(_owner(sessions, library, session_id), recording.log_id, visitor)
+    library.stop_inspecting(owner_of(sessions, library, session_id), recording.log_id, visitor)
 
 
-def _owner(sessions: SessionRegistry, library: Library, session_id: str) -> str:
+def owner_of(sessions: SessionRegistry, library: Library, session_id: str) -> str:
     """Return whose log the session is of: for a guest that of the link's owner."""
     session = sessions.get(session_id)
     return session.owner if session.link is None else library.links.get(session.link).owner
@@ -217,14 +228,14 @@ async def series(
     buckets: Buckets = BUCKETS,
 ) -> Response:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
-    held = await _held(request, sessions, library, visitor, session_id)
+    held = await look_into(request, sessions, library, visitor, session_id)
     one = next((one for one in held.contents.series if one.topic == topic), None)
     if one is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
 
     # A series may have millions of samples: on the event loop it would hold up all streams.
     return await in_turn(
-        request, work, visitor, lambda: json_answer(SeriesAnswer.of(one, held.origin_ns, start, end, buckets))
+        request, work, visitor, lambda: json_answer(SeriesAnswer.of(one, held.origin_of(one), start, end, buckets))
     )
 
 
@@ -243,17 +254,61 @@ async def picture(
 
     The header ``X-Picture-Seconds`` says when it was recorded, on the same clock as ``at``.
     """
-    held = await _held(request, sessions, library, visitor, session_id)
+    held = await look_into(request, sessions, library, visitor, session_id)
     if not any(one.name == topic and one.type in PICTURED for one in held.contents.topics):
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
     ahead_ns = held.recorded_ahead_ns
-    owner = _owner(sessions, library, session_id)
+    owner = owner_of(sessions, library, session_id)
     address = client_address(request)
     making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
     found = await while_connected(request, making)
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)
+
+
+@dataclass(frozen=True, slots=True)
+class LineAnswer:
+    """A line that a node logged, ``seconds`` from the log's first scan; ``level`` as ROS 2 has them, 10 to 50."""
+
+    seconds: float
+    level: int
+    topic: str
+    name: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinesAnswer:
+    """What nodes logged, ascending in time; ``left_out`` counts those beyond the limit."""
+
+    lines: list[LineAnswer]
+    left_out: int
+
+
+@router.get("/{session_id}/contents/lines", response_model=LinesAnswer)
+@guests_may(GuestRight.LINKED_SESSION)
+async def lines(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> Response:
+    """Return the lines of /rosout and the changes of the states on /diagnostics."""
+    held = await look_into(request, sessions, library, visitor, session_id)
+    return await in_turn(request, work, visitor, lambda: Response(msgspec.json.encode(_lines(held)), media_type=JSON))
+
+
+def _lines(held: HeldContents) -> LinesAnswer:
+    ahead_ns = held.recorded_ahead_ns
+    found = [
+        LineAnswer(
+            held.seconds(line.stamp_ns - (ahead_ns if line.is_recorded else 0)),
+            line.level,
+            line.topic,
+            line.name,
+            line.text,
+        )
+        for line in held.contents.lines
+    ]
+    return LinesAnswer(sorted(found, key=lambda line: line.seconds), held.contents.lines_left_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,10 +339,10 @@ async def message(
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> MessageAnswer:
     """Return the newest message on a topic at a moment, by the definition that the recording carries."""
-    held = await _held(request, sessions, library, visitor, session_id)
+    held = await look_into(request, sessions, library, visitor, session_id)
     if not any(one.name == topic for one in held.contents.topics):
         raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
-    owner, ahead_ns = _owner(sessions, library, session_id), held.recorded_ahead_ns
+    owner, ahead_ns = owner_of(sessions, library, session_id), held.recorded_ahead_ns
     making = library.message(
         owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=client_address(request)
     )
@@ -346,7 +401,7 @@ async def frames(
     that of the session's trajectory unless ``fixed`` names another one; where the recording's transforms do not have
     that frame, it is the root above the sensor's.
     """
-    held = await _held(request, sessions, library, visitor, session_id)
+    held = await look_into(request, sessions, library, visitor, session_id)
     log = held.recording.log
     sensor = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
     trees = trees_of(held.contents.edges, sensor)

@@ -11,8 +11,8 @@ from pydantic import Field
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Values
 from mapper.io.logs.summary import recorded_seconds
+from server.http.clients import while_connected
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
 from server.sessions.parts import Recording
 

@@ -13,22 +13,22 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
-from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
-from server.http.uploaded_terrain import uploaded_terrain
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
 from server.parts.costmap.messages import CostmapCommand
+from server.parts.terrain.routes import uploaded_terrain
+from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
-from server.sessions.commands import ShowGivenMap, UseTerrain
+from server.sessions.commands import ShowReferenceMap, UseCosts
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
-from server.stream.protocol import command_of
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -63,7 +63,6 @@ class NewLink(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    session: str = Field(max_length=100, description="Id of a session of a log.")
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
     shown: Shown | None = Field(None, description="What else of the page is seen.")
 
@@ -112,13 +111,13 @@ def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
     )
 
 
-@router.post("/api/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> LinkAnswer:
+@router.post("/api/sessions/{session_id}/links", status_code=201)
+async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLink) -> LinkAnswer:
     """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
     """
-    session, viewed = shareable_session(sessions, wanted.session)
+    session, viewed = shareable_session(sessions, session_id)
     model = session.model
     record = library.get(session.owner, viewed.log_id)
     seen = viewed.view()
@@ -263,12 +262,12 @@ async def _navigation(library: Library, downloads: Downloads, link: Link) -> lis
         if kept["type"] == "use_terrain":
             with suppress(MapperError):
                 terrain = await uploaded_terrain(library, downloads, link.owner, kept["log"])
-                commands.append(UseTerrain(terrain))
+                commands.append(UseCosts(terrain))
             continue
         command = command_of(kept)
         if isinstance(command, CostmapCommand) and command.values.get("map") == "given":
             try:
-                commands.append(ShowGivenMap(await library.maps.get(link.owner, link.log_id)))
+                commands.append(ShowReferenceMap(await library.maps.get(link.owner, link.log_id)))
             except MapperError:
                 command.values = command.values | {"map": "belief"}
         commands.append(command)

@@ -12,8 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
+from server.http.clients import client_address
 from server.http.file_answer import file_answer
-from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library.annotations.tags import MAX_TAGS
 from server.library.logs.listing import Order, Wanted, listed

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import LimitError, MapperError
 from server.downloads import Content, Download, file_stem
+from server.http.clients import client_address
 from server.http.file_answer import file_answer
-from server.http.routes.clients import client_address
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.library.logs.records import LogAnswer
@@ -92,7 +92,7 @@ async def keep_present(
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
     from server.library.packs.map_files import archived  # noqa: PLC0415
-    from server.library.processing.given_maps import MOST_CELLS  # noqa: PLC0415
+    from server.library.processing.reference_maps import MOST_CELLS  # noqa: PLC0415
 
     session = sessions.get(session_id)
     stem, frame = file_stem(wanted.name), session.model.frame_id

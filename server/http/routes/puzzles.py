@@ -15,10 +15,10 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
-from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session
@@ -42,7 +42,6 @@ class NewPuzzle(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    session: str = Field(max_length=100, description="Id of a session of the lab or of a log.")
     fault: str = Field("as-it-is", max_length=40, description="Fault to add, as in GET; as-it-is: that of the session.")
     title: str = Field("", max_length=80, description="Title; by default that of the world or log.")
 
@@ -107,8 +106,10 @@ async def picture(puzzle: str, *, dark: bool = False) -> Response:
     )
 
 
-@router.post("/api/puzzles", status_code=201)
-async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewPuzzle) -> MadePuzzleAnswer:
+@router.post("/api/sessions/{session_id}/puzzles", status_code=201)
+async def make(
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: NewPuzzle
+) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
     from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
         changed,
@@ -116,7 +117,7 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewP
         spec_of_story,
     )
 
-    session, seed = sessions.get(wanted.session), secrets.randbelow(2**31)
+    session, seed = sessions.get(session_id), secrets.randbelow(2**31)
     story = session.model.find(Story)
     if story is not None:
         if session.owner != visitor:
@@ -125,7 +126,7 @@ async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewP
         cone = told["sensor"].get("kind") == "sonar_ring"
         spec, record = spec_of_story(told, wanted.fault, seed, cone=cone), None
     else:
-        of_log = writable_session(sessions, wanted.session)
+        of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
         recording, seen = of_log.recording, of_log.recording.view()
         values = changed(recording.first_config().with_values(seen.values or {}), recording.first_config())

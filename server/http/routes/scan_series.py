@@ -11,8 +11,8 @@ from fastapi.responses import Response
 from mapper.core.errors import MapperError
 from mapper.io.contents.scan_series import has_times, scan_series
 from mapper.sensors.scan import ScanLog
+from server.http.clients import in_turn
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import RequestWork, Sessions, Visitor
 from server.sessions.parts import Recording

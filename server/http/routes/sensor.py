@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from server.http.routes.clients import while_connected
+from server.http.clients import while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
 from server.sessions.commands import UseSensor

@@ -1,4 +1,4 @@
-"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: create, inspect and end sessions."""
+"""``/api/sessions``, ``/api/worlds``, ``/api/parameters``: create, inspect and end sessions, and their streams."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Body, Request
+from fastapi import APIRouter, Body, Request, WebSocket
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
+from server.http.clients import chosen_place, client_address, while_connected
 from server.http.following import join_jobs
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.services import Logs, Sessions, Visitor
+from server.http.services import Logs, ServiceSettings, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
 from server.sessions.parts import Story
@@ -201,3 +201,13 @@ def parameters() -> ParameterTables:
     from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
 
     return ParameterTables(PARAMETERS, SENSOR_PARAMETERS, CUT_PARAMETERS)
+
+
+@router.websocket("/sessions/{session_id}/stream")
+@guests_may(GuestRight.LINKED_SESSION)
+async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSettings, session_id: str) -> None:
+    """Exchange messages with a session."""
+    session = sessions.get(session_id)
+    from server.http.stream_connection import exchange  # noqa: PLC0415 - what it imports came with the first session
+
+    await exchange(websocket, session, settings.max_clients_per_session)

@@ -1,4 +1,7 @@
-"""``/api/logs/{id}/trajectories/{name}``: add a trajectory to a log, read it, and delete it."""
+"""``/api/logs/{id}/trajectories/{name}``: add a trajectory to a log, read it, delete it, and score poses.
+
+``/api/sessions/{id}/trajectories/{name}`` are those of the visitor who began the session.
+"""
 
 from __future__ import annotations
 
@@ -6,22 +9,24 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request
+from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
 
 from server.downloads.names import disposition, file_name, file_stem
+from server.http.clients import client_address, while_connected
 from server.http.file_answer import file_answer
-from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import writable_session
 from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
+from server.library.processing.relation_scores import PoseScore, relations_text
 from server.sessions import SessionRegistry
 from server.sessions.commands import UpdateLog
 from server.sessions.parts import Recording
 from server.stream.protocol import ProtocolError
 
-router = APIRouter(prefix="/api/logs", tags=["logs"])
+router = APIRouter(prefix="/api", tags=["logs"])
 
 Name = Annotated[str, Path(max_length=400, description="Name of the trajectory.")]
 
@@ -33,7 +38,7 @@ class AddedTrajectory(TrajectoryAnswer):
     notes: tuple[str, ...] = ()
 
 
-@router.put("/{log_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
+@router.put("/logs/{log_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
 async def put(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, name: Name
 ) -> AddedTrajectory | Response:
@@ -52,7 +57,7 @@ async def put(
     return AddedTrajectory(**asdict(added.public()), notes=tuple(notes))
 
 
-@router.get("/{log_id}/trajectories/{name}", **file_answer("text/plain"))
+@router.get("/logs/{log_id}/trajectories/{name}", **file_answer("text/plain"))
 async def get(library: Logs, visitor: Visitor, log_id: str, name: Name) -> Response:
     """Return a trajectory that the visitor has added, as a TUM file."""
     library.get(visitor, log_id)
@@ -61,12 +66,60 @@ async def get(library: Logs, visitor: Visitor, log_id: str, name: Name) -> Respo
     return Response(text, media_type="text/plain; charset=utf-8", headers=headers)
 
 
-@router.delete("/{log_id}/trajectories/{name}", status_code=204)
+@router.delete("/logs/{log_id}/trajectories/{name}", status_code=204)
 async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, name: Name) -> None:
     """Delete a trajectory that the visitor has added. Sessions that map with it go on."""
     library.get(visitor, log_id)
     await library.trajectories.delete(visitor, log_id, name)
     await update_sessions(library, sessions, visitor, log_id)
+
+
+@router.put("/sessions/{session_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
+async def put_of_session(
+    request: Request, library: Logs, sessions: Sessions, session_id: str, name: Name
+) -> AddedTrajectory | Response:
+    """Add a trajectory to the session's log: the body is the text of a TUM file, joined to the scans by their stamps.
+
+    It replaces the trajectory of that name of the visitor who began the session.
+    """
+    of_log = writable_session(sessions, session_id)
+    return await put(request, library, sessions, of_log.owner, of_log.log_id, name)
+
+
+@router.get("/sessions/{session_id}/trajectories/{name}", **file_answer("text/plain"))
+async def get_of_session(library: Logs, sessions: Sessions, session_id: str, name: Name) -> Response:
+    """Return a trajectory that was added to the session's log, as a TUM file."""
+    of_log = writable_session(sessions, session_id)
+    return await get(library, of_log.owner, of_log.log_id, name)
+
+
+@router.delete("/sessions/{session_id}/trajectories/{name}", status_code=204)
+async def delete_of_session(library: Logs, sessions: Sessions, session_id: str, name: Name) -> None:
+    """Delete a trajectory that was added to the session's log. Sessions that map with it go on."""
+    of_log = writable_session(sessions, session_id)
+    await delete(library, sessions, of_log.owner, of_log.log_id, name)
+
+
+@router.put("/sessions/{session_id}/relations")
+async def score(
+    request: Request,
+    library: Logs,
+    sessions: Sessions,
+    visitor: Visitor,
+    session_id: str,
+    name: Annotated[str, Query(max_length=200, description="Name of the file, as intel.relations.")] = "relations",
+) -> PoseScore:
+    """Return the mean errors of the trajectory in use over known relations: the body is their file.
+
+    The definitions are those of ``gridbloom evaluate --relations``. The file is not kept.
+    """
+    of_log = writable_session(sessions, session_id)
+    recording = of_log.recording
+    log, trajectory, topic = recording.log, recording.trajectory, recording.view().topic
+    text = await relations_text(request.stream())
+    record = library.get(of_log.owner, of_log.log_id)
+    score = library.scores.score(record, visitor, log, trajectory, text, name, topic, address=client_address(request))
+    return await while_connected(request, score)
 
 
 async def update_sessions(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:

@@ -14,8 +14,8 @@ from mapper.evaluation import Alignment, ComparisonOptions, ErrorSeries, ErrorSt
 from mapper.io.contents.downsampling import min_max
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
+from server.http.clients import in_turn
 from server.http.guests import GuestRight, guests_may
-from server.http.request_work import in_turn
 from server.http.services import RequestWork, Sessions, Visitor
 from server.sessions.parts import Recording
 

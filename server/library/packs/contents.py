@@ -8,16 +8,17 @@ from __future__ import annotations
 import json
 import uuid
 import zipfile
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mapper.core.errors import MapperError
+from mapper.io.contents.log_lines import LogLine
 from mapper.io.contents.model import Column, Contents, FrameEdge, Series, TopicContents
 
-VERSION = 2
+VERSION = 3
 
 
 class StaleContentsError(Exception):
@@ -33,10 +34,17 @@ def write_contents(contents: Contents, path: Path) -> None:
             {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic} for e in contents.edges
         ],
         "series": [
-            {"topic": one.topic, "type": one.type, "columns": [asdict(column) for column in one.columns]}
+            {
+                "topic": one.topic,
+                "type": one.type,
+                "columns": [asdict(column) for column in one.columns],
+                "recorded": one.recorded,
+            }
             for one in contents.series
         ],
         "notes": list(contents.notes),
+        "lines": [astuple(line) for line in contents.lines],
+        "lines_left_out": contents.lines_left_out,
     }
     arrays: dict[str, Any] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
     for n, one in enumerate(contents.series):
@@ -67,10 +75,13 @@ def read_contents(path: Path) -> Contents:
                         tuple(Column(**column) for column in one["columns"]),
                         arrays[f"times{n}"],
                         arrays[f"values{n}"],
+                        recorded=one["recorded"],
                     )
                     for n, one in enumerate(about["series"])
                 ),
                 notes=tuple(about["notes"]),
+                lines=tuple(LogLine(*line) for line in about["lines"]),
+                lines_left_out=about["lines_left_out"],
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         raise StaleContentsError(f"{type(error).__name__}: {error}") from error

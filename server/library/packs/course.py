@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 
 MOST_ROWS = 300_000  #: particles that are kept of all scans together
 
 Float64Array = NDArray[np.float64]
 
 _ARRAYS = (
-    "covariance", "is_converged", "is_updated", "share", "fit", "entropy", "n_particles", "offsets", "particles",
+    "covariance", "is_converged", "is_sure", "is_updated", "share", "fit", "entropy", "n_particles", "offsets",
+    "particles",
 )  # fmt: skip
 
 
@@ -32,6 +33,7 @@ class Course:
 
     covariance: Float64Array
     is_converged: NDArray[np.bool_]
+    is_sure: NDArray[np.bool_]
     is_updated: NDArray[np.bool_]
     share: Float64Array
     fit: Float64Array
@@ -39,7 +41,7 @@ class Course:
     n_particles: NDArray[np.int64]
     offsets: NDArray[np.int64]
     particles: NDArray[np.float32]
-    given: GivenMap
+    given: ReferenceMap
 
     def cloud(self, scan: int) -> NDArray[np.float32]:
         """Return the particles (k, 3) after a scan: those of the newest scan up to it that was used."""
@@ -67,7 +69,10 @@ def read_course(data: bytes) -> Course:
     """Return what :func:`course_bytes` was given. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return Course(**{name: arrays[name] for name in _ARRAYS}, given=GivenMap.of_arrays(arrays))
+            found = {name: arrays[name] for name in _ARRAYS if name in arrays}
+            # Of a course that was made before it was stated, nothing is known to be sure.
+            found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
+            return Course(**found, given=ReferenceMap.of_arrays(arrays))
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         message = "The file of this localization cannot be read; localize the log again."
         raise ReadError("localization.file", message) from error

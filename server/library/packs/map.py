@@ -6,12 +6,12 @@ from mapper.core.array_types import UInt8Array
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
 from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts
 from mapper.replay.overview import cells_overview
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 
 FORMAT = "map"
 
 
-def summarise_map(given: GivenMap) -> LogSummary:
+def summarise_map(given: ReferenceMap) -> LogSummary:
     """Return the figures of a map: a record without scans."""
     geometry = given.geometry
     return LogSummary(
@@ -32,7 +32,7 @@ def summarise_map(given: GivenMap) -> LogSummary:
     )
 
 
-def map_codes(given: GivenMap) -> UInt8Array:
+def map_codes(given: ReferenceMap) -> UInt8Array:
     """Return the codes of a picture of a map, for its card."""
     values = given.values
     return cells_overview((values >= 0) & (values < 100 * FREE_THRESHOLD), values > 100 * OCCUPIED_THRESHOLD)

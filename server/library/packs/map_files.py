@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 
 if TYPE_CHECKING:
     from mapper.io.logs.archives.archive import Member
@@ -60,7 +60,7 @@ def is_map(source: Path) -> bool:
     return any(name.endswith(_YAML) for name in names) and any(name.endswith(_IMAGES) for name in names)
 
 
-def read_map(source: Path, title: str, scratch: Path) -> GivenMap:
+def read_map(source: Path, title: str, scratch: Path) -> ReferenceMap:
     """Return the map in an upload; files are unpacked below ``scratch`` meanwhile.
 
     ``title`` is that of a map of CMU's course; another one is named after its yaml. Raises :class:`ReadError` and
@@ -71,7 +71,7 @@ def read_map(source: Path, title: str, scratch: Path) -> GivenMap:
 
     if is_bee_map(source):
         loaded = load_map(source)
-        return GivenMap(title, loaded.grid.geometry, loaded.values, loaded.notes)
+        return ReferenceMap(title, loaded.grid.geometry, loaded.values, loaded.notes)
     with tempfile.TemporaryDirectory(dir=scratch) as name:
         folder = Path(name)
         names = _unpacked(source, folder)
@@ -92,7 +92,7 @@ def read_map(source: Path, title: str, scratch: Path) -> GivenMap:
                 raise ReadError("map.mask", f"The {kind} mask {mask_yaml!r} has other cells than the map {maps[0]!r}.")
             values[kind] = mask.values.clip(0)
         made_by = [_origin_of(folder / name) for name in names if name.endswith(_EDITS)]
-    return GivenMap(maps[0], geometry, loaded.values, (*loaded.notes, *filter(None, made_by)), **values)
+    return ReferenceMap(maps[0], geometry, loaded.values, (*loaded.notes, *filter(None, made_by)), **values)
 
 
 def _masks_in(yamls: list[str]) -> dict[str, str]:

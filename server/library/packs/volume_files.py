@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mapper.core.array_types import Float32Array
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.core.time_units import EPOCH_S
@@ -20,12 +21,17 @@ from mapper.io.clouds.reading import TEXT, cloud_format
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.opening import is_log
 from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
+from mapper.volume.occupancy.volume import centres_of
 from mapper.volume.octree.files import is_octree, octree_of_bytes
-from mapper.volume.scans.scan_sequence import ScanSequence, gather
+from mapper.volume.scans.scan_sequence import UPS, ScanSequence, gather
 from mapper.volume.scans.sources import file_head
+from server.library.packs.picture import HEIGHTS, write_codes
 from server.library.packs.volume import VolumeSource, write_volume_pack
 
 MOST_OCTREE_BYTES = 256 << 20  #: of the file of an octree, whose tree is kept in memory
+SIDE = 320  #: pixels along the longer side
+MOST_POINTS = 400_000
+OUTLIERS = 0.5  #: per cent of the points at each end of an axis that may lie outside the picture
 
 
 def holds_volume(path: Path) -> bool:
@@ -67,8 +73,6 @@ def store_volume(source: VolumeSource, pack: Path | None, picture: Path | None) 
             message = "What was read of the file could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
     if picture is not None:
-        from server.library.packs.volume_picture import write_volume_picture  # noqa: PLC0415 - Pillow only for pictures
-
         with contextlib.suppress(OSError, ValueError, MemoryError):
             write_volume_picture(source, picture)
 
@@ -114,3 +118,35 @@ def _summary(
         clouds=clouds,
         points=points,
     )
+
+
+def write_volume_picture(source: VolumeSource, path: Path) -> bool:
+    """Draw ``source`` into the file ``path``; return whether there was something to draw. Raises :class:`OSError`."""
+    points = _points(source)
+    if not len(points):
+        return False
+    low, high = np.percentile(points, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
+    size = float(max(high[0] - low[0], high[1] - low[1], 1e-3)) / (SIDE - 8)
+    cols, rows = (int(np.ceil((high[k] - low[k]) / size)) + 8 for k in (0, 1))
+    col = np.floor((points[:, 0] - low[0]) / size).astype(np.int64) + 4
+    row = rows - 1 - (np.floor((points[:, 1] - low[1]) / size).astype(np.int64) + 4)
+    inside = (col >= 0) & (col < cols) & (row >= 0) & (row < rows)
+    share = (points[:, 2] - low[2]) / max(float(high[2] - low[2]), 1e-6)
+    first, count = HEIGHTS
+    codes = np.zeros((rows, cols), dtype=np.uint8)
+    colours = (first + np.clip(share * count, 0, count - 1)).astype(np.uint8)
+    np.maximum.at(codes, (row[inside], col[inside]), colours[inside])
+    write_codes(codes, path)
+    return True
+
+
+def _points(source: VolumeSource) -> Float32Array:
+    """Return at most :data:`MOST_POINTS` points (n, 3), or centres of an octree's occupied leaves, metres."""
+    if isinstance(source, ScanSequence):
+        points = source.points[:: -(-len(source.points) // MOST_POINTS)]
+        return np.asarray(points @ np.array(UPS[source.first_up], dtype=np.float32).T)
+    keys, depths, values = source.tree.leaves()
+    sides = np.int64(1) << (16 - depths.astype(np.int64))
+    occupied = values >= 0.0
+    middles = keys[occupied] + sides[occupied, None] // 2
+    return centres_of(middles[:: max(1, -(-len(middles) // MOST_POINTS))], source.tree.resolution)

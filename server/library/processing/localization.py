@@ -27,10 +27,10 @@ from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.course import Course, course_bytes, thinned
-from server.library.packs.given_map import read_given_map
 from server.library.packs.log import log_in
-from server.library.processing.given_maps import GivenMaps
+from server.library.packs.reference_map import read_reference_map
 from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
+from server.library.processing.reference_maps import ReferenceMaps
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
@@ -42,7 +42,7 @@ KEPT_OF_SCAN = 250  #: particles of a scan in the course
 #: Endings of the files, after the job's ``out``.
 PROGRESS, TUM, COURSE = ".progress", ".tum", ".course"
 
-_NUMBERS = ("fraction", "is_converged", "share", "fit", "entropy", "n_particles", "n_updates")
+_NUMBERS = ("fraction", "is_converged", "is_sure", "share", "fit", "entropy", "n_particles", "n_updates")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,10 @@ class LocalizeJob(BoundedJob):
 
 @dataclass(frozen=True, slots=True)
 class LocalizeOutcome:
-    """Result of localization; ``first_converged`` is None where the filter never converged."""
+    """Result of localization; ``first_converged`` is None where the filter never converged.
+
+    ``sure`` is the number of scans at which other places in the map were ruled out, ``is_sure`` that of the last scan.
+    """
 
     map_title: str
     odometry: str
@@ -86,6 +89,8 @@ class LocalizeOutcome:
     updates: int
     median_fit: float
     cpu_s: float
+    sure: int = 0
+    is_sure: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +103,7 @@ class LocalizeProgress:
 
     fraction: float
     is_converged: bool
+    is_sure: bool
     share: float
     fit: float
     entropy: float
@@ -127,7 +133,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
 
     log = log_in(job.pack)
-    given = read_given_map(Path(job.given))
+    given = read_reference_map(Path(job.given))
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)
     found = localize_log(
@@ -137,7 +143,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     )  # fmt: skip
     offsets, particles = thinned(watch.clouds)
     course = Course(
-        found.covariance, found.is_converged, found.is_updated, found.share, found.fit, found.entropy,
+        found.covariance, found.is_converged, found.is_sure, found.is_updated, found.share, found.fit, found.entropy,
         found.n_particles, offsets, particles, given,
     )  # fmt: skip
     log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses, from_scans=True)})
@@ -148,6 +154,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     return LocalizeOutcome(
         given.title, found.odometry, found.first_converged, int(found.is_converged.sum()), bool(found.is_converged[-1]),
         len(used), float(np.median(used)) if len(used) else 0.0, found.cpu_seconds,
+        int(found.is_sure.sum()), bool(found.is_sure[-1]),
     )  # fmt: skip
 
 
@@ -173,8 +180,8 @@ class _Watch:
         self.written = now
         particles = _sample(np.column_stack([robot.particles, robot.weights / robot.weights.max()]), MOST_SHOWN)
         numbers = [
-            fraction, estimate.is_converged, estimate.share, estimate.fit, estimate.entropy, estimate.n_particles,
-            robot.n_updates,
+            fraction, estimate.is_converged, estimate.is_sure, estimate.share, estimate.fit, estimate.entropy,
+            estimate.n_particles, robot.n_updates,
         ]  # fmt: skip
         with atomic_write(Path(self.out + PROGRESS)) as file:
             np.savez(
@@ -195,6 +202,7 @@ def read_progress(out: Path) -> LocalizeProgress | None:
             return LocalizeProgress(
                 fraction=numbers["fraction"],
                 is_converged=bool(numbers["is_converged"]),
+                is_sure=bool(numbers["is_sure"]),
                 share=numbers["share"],
                 fit=numbers["fit"],
                 entropy=numbers["entropy"],
@@ -254,7 +262,7 @@ class LocalizationKind:
 
     jobs = JobKind("localization", "Localization", "localization job", LocalizationRequest, LocalizationResult)
 
-    def __init__(self, maps: GivenMaps) -> None:
+    def __init__(self, maps: ReferenceMaps) -> None:
         self._maps = maps
 
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
@@ -307,6 +315,8 @@ class LocalizationKind:
         name = run.own_name(log, NAME, f"{NAME} in a map")
         first = found.first_converged
         when = "which never converged" if first is None else f"converged from scan {first + 1} on"
+        if first is not None and not found.is_sure:
+            when += ", not sure of the place at the end"
         start = "anywhere" if pose is None else "a given pose"
         said = f"localized in {found.map_title} by the poses of {found.odometry}, from {start}, {when}"
         text, course = await run.made(TUM), await run.made(COURSE)

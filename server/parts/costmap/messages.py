@@ -55,3 +55,7 @@ class Nav2Message(Struct, tag_field="type", tag="nav2"):
     """Answer to `nav2`."""
 
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
+
+
+COMMANDS = (CostmapCommand, CostCommand, Nav2Command)
+MESSAGES = (CostmapMessage, CostMessage, Nav2Message)

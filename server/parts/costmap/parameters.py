@@ -61,7 +61,7 @@ TABLE: tuple[Parameter, ...] = (
     Parameter(
         "map", "Static map", "static", "choice", "belief",
         "Which map the static layer has: the belief as it changes, the plan of the world, the 3D map, the terrain or a "
-        "given map.",
+        "reference map.",
         choices=MAPS,
     ),
     _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),

@@ -37,7 +37,7 @@ from server.parts.costmap.parameters import (
     rows_with,
 )
 from server.parts.costmap.zones import painted_filters, strokes_of
-from server.sessions.commands import UseTerrain
+from server.sessions.commands import UseCosts
 from server.sessions.part import Offers, Part, Robot, StaticMap
 from server.sessions.parts import Costed, FootprintAnswer, LayerCosts, UploadedCosts
 from server.sessions.tick import TickResult
@@ -53,7 +53,7 @@ _MOST_NAMES = 12  #: of parameters in one notice
 class CostmapPart(Part, Costed):
     """A costmap, from the command ``costmap`` on until the same command ends it."""
 
-    commands = (CostmapCommand, CostCommand, Nav2Command, UseTerrain)
+    commands = (CostmapCommand, CostCommand, Nav2Command, UseCosts)
     recorded = (CostmapCommand, Nav2Command)
     subject = "costmap"
 
@@ -71,7 +71,7 @@ class CostmapPart(Part, Costed):
         titles |= {name: plan.title for name, plan in self._plans.items()}
         titles |= {name: other.title for name, other in self._maps.items()}
         self._names = tuple(titles)
-        self.tables = {"navigation": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
+        self.tables = {"costmap": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
         offers.costmap = lambda: self._costmap
         self._costmap: Costmap | None = None
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
@@ -148,13 +148,13 @@ class CostmapPart(Part, Costed):
 
     # -- commands -------------------------------------------------------------------------------------------------
 
-    def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseTerrain, result: TickResult) -> None:
+    def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseCosts, result: TickResult) -> None:
         """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then."""
         costmap = self._costmap
         if isinstance(command, CostmapCommand):
             self._set(command, result)
-        elif isinstance(command, UseTerrain):
-            self._use_terrain(command.terrain, result)
+        elif isinstance(command, UseCosts):
+            self._use_terrain(command.costs, result)
         elif costmap is None:
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         elif isinstance(command, CostCommand):
@@ -334,3 +334,6 @@ def _meets(terrain: LayerCosts, geometry: GridGeometry) -> bool:
     step = max(1, len(rows) // 100_000)
     centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
     return bool(geometry.contains(geometry.world_to_cell(centres)).any())
+
+
+part_of = CostmapPart.of

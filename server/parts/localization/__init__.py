@@ -1,1 +1,1 @@
-"""Where the robot of a session is in a given map, see :mod:`mapper.localization`."""
+"""Where the robot of a session is in a reference map, see :mod:`mapper.localization`."""

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from msgspec import Struct
 
 from mapper.simulation.live_map import LiveMap
 from server.parts.localization.live_filter import LabLocalization
-from server.parts.localization.message_off import OFF
-from server.parts.localization.messages import LocalizeCommand
+from server.parts.localization.messages import OFF, LocalizationMessage, LocalizeCommand
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
 from server.stream.commands import RestartCommand, SensorCommand, TeleportCommand, WorldCommand
@@ -36,11 +33,11 @@ class LocalizationView(Part):
         """Cells of the grids that it holds."""
         return 0 if self._one is None else self._one.cells
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[LocalizationMessage]:
         """Return the message ``localization``."""
         return [self.message()]
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
         return OFF if self._one is None else self._one.message()
 

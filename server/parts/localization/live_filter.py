@@ -1,4 +1,4 @@
-"""Localization of the simulated robot in a given map: its filter, what it is shown by, and how far off it is."""
+"""Localization of the simulated robot in a reference map: its filter, what it is shown by, and how far off it is."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from mapper.simulation.odometry import Odometer
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
-from server.parts.localization.message_off import COLUMNS
+from server.parts.localization.messages import COLUMNS, LocalizationMessage, rounded_covariance, rounded_pose
 from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
@@ -153,26 +153,25 @@ class LabLocalization:
         value = weights[::step] / weights.max()
         self._particles.set(np.vstack([particles[::step].T, value[np.newaxis]]))
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
         found, model = self._filter.estimate, self._filter
         off = found.pose[:2] - np.array(self._true[:2])
         turned = math.remainder(float(found.pose[2]) - self._true[2], math.tau)
-        c = found.covariance
-        return {
-            "type": "localization",
-            "is_on": True,
-            "map": self.given,
-            "values": self.values,
-            "pose": [round(float(v), 4) for v in found.pose],
-            "at": [round(v, 4) for v in self._true],
-            "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
-            "is_converged": found.is_converged,
-            "share": round(found.share, 4),
-            "fit": round(found.fit, 4),
-            "entropy": round(found.entropy, 3),
-            "n_particles": len(model.particles),
-            "n_updates": model.n_updates,
-            "error_m": round(math.hypot(*off), 4),
-            "error_rad": round(abs(turned), 4),
-        }
+        return LocalizationMessage(
+            is_on=True,
+            map=self.given,
+            values=self.values,
+            pose=rounded_pose(found.pose),
+            at=rounded_pose(self._true),
+            covariance=rounded_covariance(found.covariance),
+            is_converged=found.is_converged,
+            is_sure=found.is_sure,
+            share=round(found.share, 4),
+            fit=round(found.fit, 4),
+            entropy=round(found.entropy, 3),
+            n_particles=len(model.particles),
+            n_updates=model.n_updates,
+            error_m=round(math.hypot(*off), 4),
+            error_rad=round(abs(turned), 4),
+        )

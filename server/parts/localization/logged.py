@@ -1,4 +1,4 @@
-"""The localization of a log in a given map: the map, the particles and the estimate along the way."""
+"""The localization of a log in a reference map: the map, the particles and the estimate along the way."""
 
 from __future__ import annotations
 
@@ -7,13 +7,20 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import Struct, structs
 
 from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
-from server.library.packs.given_map import GivenMap
-from server.parts.localization.message_off import COLUMNS, OFF
-from server.sessions.commands import ShowCourse, ShowGivenMap
+from server.library.packs.reference_map import ReferenceMap
+from server.parts.localization.messages import (
+    COLUMNS,
+    OFF,
+    LocalizationMessage,
+    rounded_covariance,
+    rounded_pose,
+)
+from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowReferenceMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
 from server.sessions.parts import FilterHistory, GraphSource, Localized, Recording
@@ -24,14 +31,14 @@ from server.stream.whole_layers import TableLayer
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress
 
-LOCALIZED = "localized"  #: the trajectory of poses that were found in the given map
+LOCALIZED = "localized"  #: the trajectory of poses that were found in the reference map
 MOST_POINTS = 1000  #: of the series that pages plot
 
 
 class LogLocalization(Part, Localized):
     """View of a running localization job, and of a trajectory from one."""
 
-    commands = (ShowGivenMap, ShowCourse)
+    commands = (ShowReferenceMap, ShowCourse)
 
     def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
@@ -40,7 +47,7 @@ class LogLocalization(Part, Localized):
         self._shown: tuple[str, Course] | None = None
         self._report: LocalizeProgress | None = None
         self._drawn: tuple[Course, int] | None = None  #: the course and the scan whose particles are in the layer
-        self._given: GivenMap | None = None
+        self._given: ReferenceMap | None = None
         self._map: GridLayer | None = None
         self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
 
@@ -48,14 +55,14 @@ class LogLocalization(Part, Localized):
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The given map, and the particles while there are some."""
+        """The reference map, and the particles while there are some."""
         is_on = self._report is not None or self._course is not None
         given = () if self._map is None else (self._map,)
         return (*given, self._particles) if is_on else given
 
     @property
     def cells(self) -> int:
-        """Cells of the given map."""
+        """Cells of the reference map."""
         return 0 if self._given is None else int(self._given.values.size)
 
     @property
@@ -79,10 +86,10 @@ class LogLocalization(Part, Localized):
 
         given = self._given
         if given is None:
-            raise ConfigError("costmap.no_given_map", "There is no given map: choose one in the group Localize.")
+            raise ConfigError("costmap.no_given_map", "There is no reference map: choose one in the group Localize.")
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
-    def handle(self, command: ShowGivenMap | ShowCourse, result: TickResult) -> None:
+    def handle(self, command: ShowReferenceMap | ShowCourse, result: TickResult) -> None:
         """Show a map, or the course that a trajectory comes with."""
         result.changed = True
         if isinstance(command, ShowCourse):
@@ -92,7 +99,7 @@ class LogLocalization(Part, Localized):
         else:
             self.show_map(command.map)
 
-    def show_map(self, given: GivenMap) -> None:
+    def show_map(self, given: ReferenceMap) -> None:
         """Write a map into its layer."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
 
@@ -101,15 +108,15 @@ class LogLocalization(Part, Localized):
         grid = grid_of_values(given.geometry, given.values)
         self._map.update(grid, MappingConfig(), None, whole=True)
 
-    def show_progress(self, report: LocalizeProgress) -> None:
-        """Show the newest report of a job that runs."""
-        self._report = report
-        self._particles.set(report.particles.T)
-
-    def end_progress(self) -> None:
-        """The job has ended."""
-        self._report = None
-        self._drawn = None
+    def note(self, command: Struct, result: TickResult) -> None:
+        """Show the newest report of a job that runs, until it ends."""
+        if isinstance(command, PosesSoFar) and command.report is not None:
+            self._report = command.report
+            self._particles.set(self._report.particles.T)
+            result.slot(self.message())
+        elif isinstance(command, PosesEnded):
+            self._report = self._drawn = None
+            result.slot(self.message())
 
     def changed(self, result: TickResult) -> None:
         """Bring the particles to the newest scan."""
@@ -126,42 +133,46 @@ class LogLocalization(Part, Localized):
         self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
         result.slot(self.message())
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[LocalizationMessage]:
         """Return the message ``localization``."""
         return [self.message()]
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
         if self._report is not None:
             report = self._report
-            c, pose = report.covariance, [round(float(v), 4) for v in report.poses[-1]]
-            numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
+            covariance, pose = report.covariance, rounded_pose(report.poses[-1])
+            numbers = (
+                report.is_converged, report.is_sure, report.share, report.fit, report.entropy, report.n_particles,
+            )  # fmt: skip
             updates = report.n_updates
         elif (course := self._course) is not None:
             recording = self._recording
             scan = max(recording.replay.index - 1, 0)
-            c = course.covariance[scan]
-            pose = [round(float(v), 4) for v in recording.log.trajectory(recording.trajectory).poses[scan]]
+            covariance = course.covariance[scan]
+            pose = rounded_pose(recording.log.trajectory(recording.trajectory).poses[scan])
             numbers = (
-                bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
-                float(course.entropy[scan]), int(course.n_particles[scan]),
+                bool(course.is_converged[scan]), bool(course.is_sure[scan]), float(course.share[scan]),
+                float(course.fit[scan]), float(course.entropy[scan]), int(course.n_particles[scan]),
             )  # fmt: skip
             updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
         else:
             return OFF
-        is_converged, share, fit, entropy, n_particles = numbers
-        return OFF | {
-            "is_on": True,
-            "pose": pose,
-            "at": pose,
-            "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
-            "is_converged": is_converged,
-            "share": round(share, 4),
-            "fit": round(fit, 4),
-            "entropy": round(entropy, 3),
-            "n_particles": n_particles,
-            "n_updates": updates,
-        }
+        is_converged, is_sure, share, fit, entropy, n_particles = numbers
+        return structs.replace(
+            OFF,
+            is_on=True,
+            pose=pose,
+            at=pose,
+            covariance=rounded_covariance(covariance),
+            is_converged=is_converged,
+            is_sure=is_sure,
+            share=round(share, 4),
+            fit=round(fit, 4),
+            entropy=round(entropy, 3),
+            n_particles=n_particles,
+            n_updates=updates,
+        )
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 

@@ -35,3 +35,7 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
     plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
     speed_limit: Annotated[str | None, Meta(description="the painted speed limit at the robot, in words; null: none")]
+
+
+COMMANDS = (GoalCommand,)
+MESSAGES = (PathMessage,)

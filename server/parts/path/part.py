@@ -139,3 +139,6 @@ class PathPart(Part):
     def _has_moved(self, robot: Robot) -> bool:
         before = self._planned
         return before is None or any(abs(a - b) > 1e-3 for a, b in zip(robot.pose, before.pose, strict=True))
+
+
+part_of = PathPart.of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
 from server.sessions.parts import Graphed, GraphSource, Recording
+from server.sessions.tick import TickResult
 from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
 
@@ -56,8 +58,12 @@ def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
 class LogGraph(Part, Graphed):
     """The graph of a log session's present trajectory, if it has one, and its layer."""
 
-    def __init__(self, host: ModelHost, recording: Recording) -> None:
-        self._host, self._recording = host, recording
+    commands = (ShowGraph,)
+
+    def __init__(
+        self, host: ModelHost, recording: Recording, update_log: Callable[[ScanLog, TickResult], None]
+    ) -> None:
+        self._host, self._recording, self._update_log = host, recording, update_log
         self._newest: SolvedGraph | None = None  #: which the model may not show yet
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
         self._shown: SolvedGraph | None = None
@@ -71,11 +77,13 @@ class LogGraph(Part, Graphed):
         is_shown = self._shown is not None and self._shown.trajectory == self._recording.trajectory
         return (self._layer,) if is_shown and self._layer is not None else ()
 
-    def show(self, solved: SolvedGraph) -> None:
-        """Write another graph into the layer."""
-        self._shown = solved
+    def handle(self, command: ShowGraph, result: TickResult) -> None:
+        """Write another graph into the layer, and map the log along its poses."""
+        solved = self._shown = command.solved
         self._layer = self._layer or GraphLayer(LAYER, "Pose graph", "pose_graph", ("x", "y", "yaw", "scan"))
         solved.draw(self._layer)
+        self._update_log(solved.in_log(self._recording.log), result)
+        result.changed = True
 
     # -- on the event loop --------------------------------------------------------------------------------------
 

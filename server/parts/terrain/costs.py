@@ -10,12 +10,12 @@ from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
-from server.library.packs.given_map import MapAnswer, TerrainCounts
+from server.library.packs.reference_map import MapAnswer, TerrainCounts
 from server.parts.terrain.assessment import TerrainParameters, assessed
 
 if TYPE_CHECKING:
     from mapper.terrain import Terrain
-    from server.library.packs.given_map import GivenMap
+    from server.library.packs.reference_map import ReferenceMap
     from server.sessions.part import Cloud
 
 
@@ -27,7 +27,7 @@ class TerrainMap:
     """
 
     log_id: str
-    given: GivenMap
+    given: ReferenceMap
 
     @property
     def geometry(self) -> GridGeometry:

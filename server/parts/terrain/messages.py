@@ -80,3 +80,7 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
     ]
     patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
     problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
+
+
+COMMANDS = (TerrainCommand,)
+MESSAGES = (TerrainMessage,)

@@ -43,7 +43,7 @@ class TerrainPart(Part):
         self._asks_first = source.count > 0
         self._first = TerrainParameters.for_cloud(source.points()) if self._asks_first else TerrainParameters()
         first = [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
-        self.tables = {"map3d": first}
+        self.tables = {"terrain": first}
         offers.maps["terrain"] = OtherMap("the classes of the terrain, while there is one", lambda: self.grid)
         offers.costs["terrain_layer"] = lambda: None if self._found is None else self._found.terrain
         self._share: float | None = None  #: of the present assessment that is done
@@ -188,3 +188,6 @@ class TerrainPart(Part):
 
 def _rounded(percent: float | None) -> float | None:
     return None if percent is None else round(percent, 2)
+
+
+part_of = TerrainPart.of

@@ -141,3 +141,7 @@ class SurfaceVoxelMessage(Struct, tag_field="type", tag="surface_voxel"):
     index: Annotated[int, Meta(description="scans in the surface")]
     total: Annotated[int, Meta(description="scans that measured it")]
     updates: Annotated[list[SurfaceUpdate], Meta(description="at most the last 200, oldest first")]
+
+
+COMMANDS = (Map3dCommand, VolumeLookCommand, SurfaceCommand, VoxelCommand, VoxelRayCommand, VolumeKeepCommand)
+MESSAGES = (Map3dMessage, VolumeMessage, SurfaceMessage, SurfaceVoxelMessage, VoxelMessage)

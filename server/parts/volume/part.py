@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -28,7 +27,7 @@ from server.parts.volume.parameters import TABLE as MAP_3D
 from server.parts.volume.voxel_questions import VoxelQuestions
 from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
 from server.sessions.hosting import ModelHost
-from server.sessions.part import Part
+from server.sessions.part import Offers, OtherMap, Part
 from server.sessions.parts import Volumetric
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
@@ -89,9 +88,15 @@ class VolumeView(Part, Volumetric):
         return self._map is not None and self._map.parameters.values["click"] == "asks_a_voxel"
 
     @property
-    def is_answering(self) -> bool:
+    def answering(self) -> str:
         """Whether the answer about a voxel is being computed."""
-        return self._questions.is_busy or (self._surface is not None and self._surface.surface.is_busy)
+        is_busy = self._questions.is_busy or (self._surface is not None and self._surface.surface.is_busy)
+        return "voxel" if is_busy else ""
+
+    @property
+    def hint(self) -> str:
+        """A click asks about a voxel, or places the robot."""
+        return "Click a voxel to ask about it." if self.is_asked else ""
 
     @property
     def count(self) -> int:
@@ -334,11 +339,11 @@ class VolumeView(Part, Volumetric):
             **(self._memory or nothing),
         }
 
-    def over(self, flat: Sequence[Drawing]) -> list[Drawing]:
+    def over(self, flat: list[Drawing]) -> list[Drawing]:
         """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
         made = self._map
         if made is None:
-            return [*flat]
+            return flat
         self._is_drawn = True
         surface = self._surface
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
@@ -356,3 +361,13 @@ class VolumeView(Part, Volumetric):
             some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
             found.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
         return [*found, *self._chosen.drawings]
+
+
+def part_of(offers: Offers) -> VolumeView | None:
+    """Return the part of a simulation, which offers its points and its map from above."""
+    if offers.simulation is None:
+        return None
+    view = VolumeView(offers.host, offers.simulation, offers.playback)
+    offers.cloud = view
+    offers.maps["map_3d"] = OtherMap("the 3D map from above, while there is one", lambda: view.projection)
+    return view

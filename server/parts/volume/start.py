@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.volume import OctreeFile
+from mapper.volume.blocks import BLOCK
 from mapper.volume.mesh.faces import CENTRE
 from mapper.volume.scans.scan_sequence import ScanSequence, first_in_cubes
 from server.parts.volume.look import COLOURS, Look
 
+MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS_A_VOXEL = 1.5  #: on average, at least, at the first resolution
 VOXELS_ACROSS = 250  #: that a map has at most along its longest side at the first resolution
 UNTIMED_S = 0.5  #: between two scans without times
 OUTLIERS = 1.0  #: per cent of the points at each end of an axis that may lie outside the bounds
 MOST_LOOKED_AT = 500_000  #: points
+
+
+def map_limits(limits: Limits) -> Limits:
+    """Return the limits of a map of a visitor with these: the cells that they may have are voxels here."""
+    blocks = max(64, limits.max_cells // BLOCK**3)
+    return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks), max_scan_box=MOST_SCAN_BOX)
 
 
 def bounds_of(source: ScanSequence | OctreeFile) -> tuple[Float64Array, Float64Array]:

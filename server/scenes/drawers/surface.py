@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh
+from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh, shaded
+from server.scenes.chunk_glb import LIGHT, glb_bytes
 from server.scenes.chunk_nodes import ChunkNodes
 from server.scenes.drawer import Drawer, DrawerContext, differs
-from server.scenes.surface_glb import surface_glb
 from server.sessions.drawings import Surface
 
 CHUNK = 32
+_LIGHT = LIGHT.astype(np.float32)
 
 
 class SurfaceDrawer(Drawer[Surface, Surface]):
@@ -42,3 +44,8 @@ class SurfaceDrawer(Drawer[Surface, Surface]):
             content.size / STEPS,
             lambda key: (CHUNK * key.astype(np.float64) - content.corner + 0.5) * content.size,
         )
+
+
+def surface_glb(mesh: ChunkMesh, colors: NDArray[np.uint8]) -> bytes:
+    """Return a chunk's triangles as a GLB file, in steps of its places; ``colors`` (n, 3) are those of its vertices."""
+    return glb_bytes(mesh.places, shaded(colors, mesh.normals, _LIGHT), mesh.triangles)

@@ -26,6 +26,7 @@ import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Slider } from "../ui/Slider";
 import { Toasts, toast } from "../ui/Toast";
+import { whyAgain } from "../wire/ask";
 import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
 import { Contents } from "./lecture/Contents";
@@ -60,10 +61,7 @@ async function openWorld(): Promise<void> {
     session.value = id;
     connection.value = fresh;
   } catch (error) {
-    trouble.value =
-      error instanceof TypeError
-        ? "The server does not answer. The page tries again by itself."
-        : (error as Error).message;
+    trouble.value = whyAgain(error);
     setTimeout(() => void openWorld(), 3000);
   }
 }

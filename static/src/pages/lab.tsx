@@ -19,6 +19,7 @@ import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
+import { whyAgain } from "../wire/ask";
 import { type Live, watchClassSession } from "./classSession";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
@@ -65,10 +66,7 @@ async function connectLab(): Promise<void> {
     live.value = { ...connection, id };
     if (notice) toast(notice);
   } catch (error) {
-    trouble.value =
-      error instanceof TypeError
-        ? "The server does not answer. The page tries again by itself."
-        : (error as Error).message;
+    trouble.value = whyAgain(error);
     setTimeout(() => void connectLab(), RETRY_MS);
   }
 }

@@ -188,8 +188,11 @@ function Page() {
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>
               <p class="prose">
-                How a robot makes a map from measured distances, and how it uses that map. Drag the coloured parts of
-                the figures, and the numbers that are <span class="drag-number-sample">underlined</span>.
+                How a robot makes a map from measured distances, and how it uses that map.{" "}
+                <span class="no-print">
+                  Drag the coloured parts of the figures, and <span class="drag-number-sample">underlined</span>{" "}
+                  numbers.
+                </span>
               </p>
               <div class="actions no-print">
                 <Button icon="fit" onClick={present}>

@@ -13,6 +13,7 @@ import { ConfirmDialog } from "../ui/Dialog";
 import { lazy } from "../ui/lazy";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
+import { isAway, whyAgain } from "../wire/ask";
 import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Library } from "./logs/library/Library";
@@ -116,9 +117,8 @@ async function open(
     go({ log, topic, session: session.id, kind, volume: kind === "volume" ? (volume ?? "") : volume, up }, true);
   } catch (error) {
     if (own.signal.aborted) return;
-    const isAway = error instanceof TypeError;
-    failure.value = isAway ? "The server does not answer. The page tries again by itself." : (error as Error).message;
-    if (isAway) setTimeout(resume, RETRY_MS);
+    failure.value = whyAgain(error);
+    if (isAway(error)) setTimeout(resume, RETRY_MS);
   }
 }
 

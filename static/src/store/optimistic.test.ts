@@ -130,6 +130,7 @@ function slowServer(judge: (value: number) => number | null) {
     parameters: { table: [], values: held },
     sensor: null,
     log: null,
+    tables: {},
   };
   store.receive(hello);
   store.receive(answer());

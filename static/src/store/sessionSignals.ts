@@ -27,7 +27,6 @@ import type {
 import type { DisplayedMap } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
-import { Measuring } from "./measuring";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import { PartState } from "./part";
@@ -138,8 +137,6 @@ export class SessionSignals {
   readonly second = signal<DisplayedMap | null>(null);
   /** The layer displayed at a point, if the page shows two maps in one picture. */
   mapAt: ((point: Point) => string) | null = null;
-  /** What the user measures on the map. */
-  readonly measuring = new Measuring();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */

@@ -40,6 +40,7 @@ const hello = (epoch_id: string): Hello => ({
   parameters: { table: [], values: { log_odds_hit: 0.85 } },
   sensor: null,
   log: null,
+  tables: {},
 });
 const LAYERS: ServerMessage = {
   type: "layers",

@@ -115,9 +115,9 @@ export class Store extends SessionState {
       redo.push({ type: "sensor", values: sensor });
     }
     const costmap = this.part("costmap");
-    if (hello.navigation && costmap.message.peek()?.is_on) {
+    if (hello.tables.costmap && costmap.message.peek()?.is_on) {
       undo.push({ type: "costmap", values: costmap.values.values.peek() });
-      redo.push({ type: "costmap", values: initialOf(hello.navigation) });
+      redo.push({ type: "costmap", values: initialOf(hello.tables.costmap) });
     }
     const faults = this.faults.peek();
     if (faults) {

@@ -116,6 +116,7 @@ const hello = {
   parameters: { table: [], values: {} },
   sensor: null,
   log: null,
+  tables: {},
 };
 const [tiles] = vectors.frames;
 const binary = (hex: string): ArrayBuffer =>

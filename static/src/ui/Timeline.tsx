@@ -12,6 +12,12 @@ export interface TimelineMark {
   readonly kind: "note" | "event";
 }
 
+/** A place on the seek bar without a text, which cannot be pressed. */
+export interface TimelineTick {
+  readonly index: number;
+  readonly isGrave: boolean;
+}
+
 interface TimelineProps {
   readonly index: number;
   readonly count: number;
@@ -23,6 +29,9 @@ interface TimelineProps {
   /** Called with the index under the pointer, null when it leaves. */
   readonly onPoint?: (index: number | null) => void;
   readonly marks?: readonly TimelineMark[];
+  readonly ticks?: readonly TimelineTick[];
+  /** The interval that plots of the same time show. */
+  readonly band?: readonly [from: number, to: number] | null;
   /** Called with the id of a mark that was pressed. */
   readonly onMark?: (id: string) => void;
 }
@@ -31,10 +40,28 @@ interface TimelineProps {
 const SLOP_TOUCH = 6;
 
 /** A seek bar over scans. While it is dragged the thumb follows the pointer, not the position of the server. */
-export function Timeline({ marks = [], onMark, ...bar }: TimelineProps) {
+export function Timeline({ marks = [], ticks = [], band = null, onMark, ...bar }: TimelineProps) {
   return (
     <div class="timeline-place">
       <SeekBar {...bar} />
+      {band && (
+        <span
+          class="timeline-band"
+          aria-hidden="true"
+          style={{
+            left: `${placeOf(band[0], bar.count) * 100}%`,
+            right: `${100 - placeOf(band[1], bar.count) * 100}%`,
+          }}
+        />
+      )}
+      {ticks.map(({ index, isGrave }) => (
+        <span
+          key={index}
+          class={isGrave ? "timeline-tick grave" : "timeline-tick"}
+          aria-hidden="true"
+          style={{ left: `${placeOf(index, bar.count) * 100}%` }}
+        />
+      ))}
       {marks.map((mark) => (
         <button
           key={mark.id}
@@ -50,7 +77,14 @@ export function Timeline({ marks = [], onMark, ...bar }: TimelineProps) {
   );
 }
 
-function SeekBar({ index, count, timeAt, onSeek, pointed = null, onPoint }: Omit<TimelineProps, "marks" | "onMark">) {
+function SeekBar({
+  index,
+  count,
+  timeAt,
+  onSeek,
+  pointed = null,
+  onPoint,
+}: Omit<TimelineProps, "marks" | "ticks" | "band" | "onMark">) {
   const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);

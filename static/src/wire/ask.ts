@@ -30,6 +30,13 @@ export class RequestError extends Error {
   }
 }
 
+/** Whether a request failed because the server did not answer. */
+export const isAway = (error: unknown): boolean => error instanceof RequestError && error.status === null;
+
+/** What a page says that asks again by itself after an error. */
+export const whyAgain = (error: unknown): string =>
+  isAway(error) ? `${NO_ANSWER} The page tries again by itself.` : (error as Error).message;
+
 /** The error message in an answer of the server, or a general one. */
 async function refusalIn(answer: Response): Promise<string> {
   try {

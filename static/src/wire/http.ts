@@ -183,6 +183,12 @@ export interface Failure {
   readonly message: string;
 }
 
+/** The numbers that can be plotted of each topic. */
+export interface FieldsAnswer {
+  readonly topics: readonly TopicFieldsAnswer[];
+  readonly state: "ready";
+}
+
 /**
  * How certain the poses of a localization in `map` are along the log, at some of its `scans`. `deviation_m` is that of
  * the place, `entropy` bits, `fit` 0 to 1; `first_converged` is the first scan of all at which the filter had
@@ -304,6 +310,21 @@ export interface Health {
   readonly status: "alive" | "ready";
 }
 
+/** A line that a node logged, `seconds` from the log's first scan; `level` as ROS 2 has them, 10 to 50. */
+export interface LineAnswer {
+  readonly seconds: number;
+  readonly level: number;
+  readonly topic: string;
+  readonly name: string;
+  readonly text: string;
+}
+
+/** What nodes logged, ascending in time; `left_out` counts those beyond the limit. */
+export interface LinesAnswer {
+  readonly lines: readonly LineAnswer[];
+  readonly left_out: number;
+}
+
 /**
  * A link as its owner sees it: the view that it opens, and how many are `watching`. `count` is the number of scans of
  * the log, `index` how many of them the map has; `changed` names the parameters with other values than at first.
@@ -342,6 +363,8 @@ export interface LocalizationResult {
   readonly updates: number;
   readonly median_fit: number;
   readonly cpu_s: number;
+  readonly sure: number;
+  readonly is_sure: boolean;
   readonly trajectory: string;
 }
 
@@ -987,6 +1010,14 @@ export interface TopicAnswer {
   readonly cut: boolean;
 }
 
+/** The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty. */
+export interface TopicFieldsAnswer {
+  readonly topic: string;
+  readonly type: string;
+  readonly fields: readonly string[];
+  readonly why: string;
+}
+
 /**
  * A trajectory of a log: its own (`source` is "log"), or one that the visitor has added. `created_s` is when it was
  * added, seconds since 1970; `has_graph` says whether its pose graph is kept.
@@ -1098,7 +1129,10 @@ export interface Answers {
   "GET /api/sessions/{session_id}": SessionAnswer;
   "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
   "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/field": SeriesAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/fields": FieldsAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
+  "GET /api/sessions/{session_id}/contents/lines": LinesAnswer;
   "GET /api/sessions/{session_id}/contents/message": MessageAnswer;
   "GET /api/sessions/{session_id}/contents/series": SeriesAnswer;
   "GET /api/sessions/{session_id}/costmap/footprint": FootprintAnswer;
@@ -1130,11 +1164,9 @@ export interface Answers {
   "POST /api/classes/{code}/puzzle/sessions": SessionAnswer;
   "POST /api/classes/{code}/sessions": SessionAnswer;
   "POST /api/fleet": QueuedLogs;
-  "POST /api/links": LinkAnswer;
   "POST /api/logs/{log_id}/cancel": LogAnswer;
   "POST /api/logs/{log_id}/read": LogAnswer;
   "POST /api/logs/{log_id}/slam": SlamStatus;
-  "POST /api/puzzles": MadePuzzleAnswer;
   "POST /api/puzzles/{puzzle}/sessions": SessionAnswer;
   "POST /api/sessions": SessionAnswer;
   "POST /api/sessions/{session_id}/edited-map": LogAnswer;
@@ -1142,6 +1174,7 @@ export interface Answers {
   "POST /api/sessions/{session_id}/graph/keep": TrajectoryAnswer;
   "POST /api/sessions/{session_id}/heal": SlamStatus;
   "POST /api/sessions/{session_id}/kept-map": LogAnswer;
+  "POST /api/sessions/{session_id}/links": LinkAnswer;
   "POST /api/sessions/{session_id}/localization": LocalizationStatus;
   "POST /api/sessions/{session_id}/merge": MergeStatus;
   "POST /api/sessions/{session_id}/notes": NoteAnswer;
@@ -1149,6 +1182,7 @@ export interface Answers {
   "POST /api/sessions/{session_id}/puzzle/check": Attempt;
   "POST /api/sessions/{session_id}/puzzle/hint": Attempt;
   "POST /api/sessions/{session_id}/puzzle/solution": Attempt;
+  "POST /api/sessions/{session_id}/puzzles": MadePuzzleAnswer;
   "POST /api/shared-puzzles/{token}/sessions": SessionAnswer;
   "POST /api/shared/{token}/sessions": SessionAnswer;
   "POST /scenes/{session_id}/settings": SceneAnswer;

@@ -1,4 +1,4 @@
-// Written by `python -m server.stream.generate` from server/stream/messages.py, message_parts.py and commands.py: change those.
+// Written by `python -m server.stream.generate` from the Structs of server/stream and server/parts: change those.
 
 import {
   type Check,
@@ -191,6 +191,84 @@ export interface Block {
   readonly high: number;
 }
 
+/** state of a cell by its probability */
+export type CellState = "free" | "occupied" | "unknown";
+
+/** The contribution of one beam to a cell. */
+export interface Contribution {
+  /** number of the contribution, from 1 */
+  readonly n: number;
+  /** index of the scan, from 0 */
+  readonly scan: number;
+  /** recorded time of the scan, s */
+  readonly stamp: number;
+  /** index of the beam, from 0 */
+  readonly beam: number;
+  /** T_map_laser with the mount correction of the parameters */
+  readonly pose: Pose;
+  /** angle of the beam from the sensor's x axis, rad */
+  readonly bearing: number;
+  /** reading, m; null for no return */
+  readonly range: number | null;
+  /** whether it raised the log-odds */
+  readonly hit: boolean;
+  /** log-odds added */
+  readonly increment: number;
+  /** log-odds of the cell afterwards, clamped */
+  readonly log_odds: number;
+  /** its topic, where several sensors make the map */
+  readonly sensor?: string;
+}
+
+/** [x, y, z] in m */
+export type Place = readonly [x: number, y: number, z: number];
+
+/** Differences between the map of a session in 3D, B, and another one, A. */
+export interface VolumeChanges {
+  /** of A */
+  readonly title: string;
+  /** voxels that are free in A and occupied in B */
+  readonly appeared: number;
+  /** voxels that are occupied in A and free in B */
+  readonly vanished: number;
+  /** voxels with one state in both */
+  readonly same: number;
+  /** voxels that only A knows */
+  readonly only_first: number;
+  /** voxels that only B knows */
+  readonly only_second: number;
+}
+
+/** Update of a voxel of a surface by one scan. */
+export interface SurfaceUpdate {
+  /** number of the scan, from 1 */
+  readonly scan: number;
+  /** signed distance that it measured, m, cut at the truncation */
+  readonly measured: number;
+  /** weight of the measurement */
+  readonly added: number;
+  /** mean distance before, m; null: unknown */
+  readonly before: number | null;
+  /** mean distance after, m */
+  readonly after: number;
+  /** weight of the mean after */
+  readonly weight: number;
+}
+
+/** Update of a voxel by one scan. */
+export interface VoxelUpdate {
+  /** number of the scan, from 1 */
+  readonly scan: number;
+  /** whether a beam ended in it; else beams passed it */
+  readonly hit: boolean;
+  /** how many, at most 64 */
+  readonly beams: number;
+  /** log-odds before; null: unknown */
+  readonly before: number | null;
+  /** log-odds after */
+  readonly after: number;
+}
+
 /** Numbers of patches of each class before parameters changed. */
 export interface TerrainCounts {
   /** names of the parameters */
@@ -253,84 +331,6 @@ export interface LayerCost {
   readonly master: number;
   /** why, one sentence */
   readonly sentence: string;
-}
-
-/** [x, y, z] in m */
-export type Place = readonly [x: number, y: number, z: number];
-
-/** Differences between the map of a session in 3D, B, and another one, A. */
-export interface VolumeChanges {
-  /** of A */
-  readonly title: string;
-  /** voxels that are free in A and occupied in B */
-  readonly appeared: number;
-  /** voxels that are occupied in A and free in B */
-  readonly vanished: number;
-  /** voxels with one state in both */
-  readonly same: number;
-  /** voxels that only A knows */
-  readonly only_first: number;
-  /** voxels that only B knows */
-  readonly only_second: number;
-}
-
-/** Update of a voxel of a surface by one scan. */
-export interface SurfaceUpdate {
-  /** number of the scan, from 1 */
-  readonly scan: number;
-  /** signed distance that it measured, m, cut at the truncation */
-  readonly measured: number;
-  /** weight of the measurement */
-  readonly added: number;
-  /** mean distance before, m; null: unknown */
-  readonly before: number | null;
-  /** mean distance after, m */
-  readonly after: number;
-  /** weight of the mean after */
-  readonly weight: number;
-}
-
-/** state of a cell by its probability */
-export type CellState = "free" | "occupied" | "unknown";
-
-/** Update of a voxel by one scan. */
-export interface VoxelUpdate {
-  /** number of the scan, from 1 */
-  readonly scan: number;
-  /** whether a beam ended in it; else beams passed it */
-  readonly hit: boolean;
-  /** how many, at most 64 */
-  readonly beams: number;
-  /** log-odds before; null: unknown */
-  readonly before: number | null;
-  /** log-odds after */
-  readonly after: number;
-}
-
-/** The contribution of one beam to a cell. */
-export interface Contribution {
-  /** number of the contribution, from 1 */
-  readonly n: number;
-  /** index of the scan, from 0 */
-  readonly scan: number;
-  /** recorded time of the scan, s */
-  readonly stamp: number;
-  /** index of the beam, from 0 */
-  readonly beam: number;
-  /** T_map_laser with the mount correction of the parameters */
-  readonly pose: Pose;
-  /** angle of the beam from the sensor's x axis, rad */
-  readonly bearing: number;
-  /** reading, m; null for no return */
-  readonly range: number | null;
-  /** whether it raised the log-odds */
-  readonly hit: boolean;
-  /** log-odds added */
-  readonly increment: number;
-  /** log-odds of the cell afterwards, clamped */
-  readonly log_odds: number;
-  /** its topic, where several sensors make the map */
-  readonly sensor?: string;
 }
 
 /** The axis of a guess that is a number. */
@@ -468,14 +468,12 @@ export interface Hello {
   readonly sensor: Table | null;
   /** the log; null if there is none */
   readonly log: LogInfo | null;
+  /** parameters of the parts of the session, by the type of the command that sets them */
+  readonly tables: Readonly<Record<string, readonly Parameter[]>>;
   /** simulations: name of the world */
   readonly world?: string;
   /** simulations: seed; the same seed and commands give the same scans */
   readonly seed?: number;
-  /** parameters of the costmap and the path */
-  readonly navigation?: readonly Parameter[];
-  /** parameters of the 3D sensor, its map and the terrain */
-  readonly map3d?: readonly Parameter[];
 }
 
 /** The layers of the session. Sent at the start and after a change. */
@@ -651,6 +649,123 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
+/** Maps: the edits so far. */
+export interface MapEditsMessage {
+  readonly type: "map_edits";
+  /** number of edits that are not undone */
+  readonly n: number;
+  /** number of edits that are undone */
+  readonly undone: number;
+  /** the last of the edits, oldest first, a phrase each */
+  readonly last: readonly string[];
+  /** cells of keepout zones */
+  readonly keepout_cells: number;
+  /** cells with a speed limit */
+  readonly speed_cells: number;
+  /** what the reader of the map noted */
+  readonly notes: readonly string[];
+}
+
+/** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
+export interface WorkingMessage {
+  readonly type: "working";
+  /** time since its start, s; null: it has ended */
+  readonly elapsed_s: number | null;
+  /** share that is done, 0 to 1; null if not known */
+  readonly fraction: number | null;
+  /** `map`, or what a part computes, such as `costmap`; its words are in the page */
+  readonly what?: string;
+}
+
+/** A notice to the user, such as the end of the log. */
+export interface NoticeMessage {
+  readonly type: "notice";
+  /** stable name of the notice */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+}
+
+/** The last command was refused, or the session had an error. The connection stays open. */
+export interface ErrorMessage {
+  readonly type: "error";
+  /** stable name of the error */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+  /** reserved */
+  readonly detail?: null;
+}
+
+/** Answer to `inspect`: one cell. */
+export interface CellMessage {
+  readonly type: "cell";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of the geometry */
+  readonly epoch: number;
+  /** x of the cell's centre in the map frame, m */
+  readonly x: number;
+  /** y of the cell's centre in the map frame, m */
+  readonly y: number;
+  /** whether any beam has updated the cell */
+  readonly observed: boolean;
+  /** log-odds of being occupied */
+  readonly log_odds: number;
+  /** probability of being occupied */
+  readonly p_occ: number;
+  /** state by the thresholds of the map */
+  readonly state: CellState;
+  /** name of the layer of that map */
+  readonly layer: string;
+}
+
+/** Answer to `why`: the beams that updated a cell in the map of `index` scans. */
+export interface WhyMessage {
+  readonly type: "why";
+  /** row of the cell */
+  readonly row: number;
+  /** column of the cell */
+  readonly col: number;
+  /** epoch of the geometry */
+  readonly epoch: number;
+  /** scans in the map */
+  readonly index: number;
+  /** log-odds of the cell */
+  readonly log_odds: number;
+  /** log-odds of a cell before any scan */
+  readonly prior: number;
+  /** lower clamping limit; null without clamping */
+  readonly log_odds_min: number | null;
+  /** upper clamping limit; null without clamping */
+  readonly log_odds_max: number | null;
+  /** whether each scan counts once */
+  readonly per_scan: boolean;
+  /** beams that updated the cell */
+  readonly total: number;
+  /** those that raised its log-odds */
+  readonly hits: number;
+  /** index of the first scan that updated it */
+  readonly first_scan: number | null;
+  /** [n, log-odds] over all contributions, at most 600 points; extremes are kept */
+  readonly curve: readonly (readonly [number, number])[];
+  /** at most 300 contributions, up to the requested one */
+  readonly contributions: readonly Contribution[];
+  /** name of the layer of that map */
+  readonly layer: string;
+}
+
+/** Answer to `ping`. */
+export interface Pong {
+  readonly type: "pong";
+  /** id of the ping */
+  readonly id: number;
+  /** monotonic clock of the server, s */
+  readonly t: number;
+}
+
 /** Estimate of the particle filter; in a simulation, with its error. */
 export interface LocalizationMessage {
   readonly type: "localization";
@@ -668,6 +783,8 @@ export interface LocalizationMessage {
   readonly covariance: readonly [number, number, number, number] | null;
   /** whether the particles agree on one place */
   readonly is_converged: boolean;
+  /** whether other places in the map were ruled out, too */
+  readonly is_sure: boolean;
   /** weight of the heaviest cluster, 0 to 1 */
   readonly share: number;
   /** how well the last scan that was used fits, 0 to 1 */
@@ -711,122 +828,6 @@ export interface Map3dMessage {
   readonly block_bytes: number;
   /** a dense grid of the world, 4 bytes for each voxel */
   readonly dense_bytes: number;
-}
-
-/** The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`. */
-export interface TerrainMessage {
-  readonly type: "terrain";
-  /** whether it is assessed */
-  readonly is_on: boolean;
-  /** its parameters */
-  readonly values: Values;
-  /** points that it is made of */
-  readonly points: number;
-  /** those that the filter takes for ground */
-  readonly ground: number;
-  /** points of which the filter is not sure */
-  readonly unsure: number;
-  /** ground points that RANSAC leaves out of the planes */
-  readonly left_out: number;
-  /** Cohen's kappa of ground and objects, %; null: the truth is not known */
-  readonly kappa: number | null;
-  /** points that are classified wrongly, %; null: as above */
-  readonly total_error: number | null;
-  /** what they are compared with; null: as above */
-  readonly truth: string | null;
-  /** patches that are safe */
-  readonly safe: number;
-  /** patches that are unsafe */
-  readonly unsafe: number;
-  /** patches with too few points */
-  readonly unknown: number;
-  /** side of a patch, m */
-  readonly size: number;
-  /** the classes before the newest change of parameters; null: there was none */
-  readonly before: TerrainCounts | null;
-  /** the patch that was asked about; null: none was */
-  readonly patch: TerrainPatch | null;
-  /** why it cannot be assessed, one sentence; null: it is */
-  readonly problem: string | null;
-}
-
-/** The costmap over the map of a simulation or a log. */
-export interface CostmapMessage {
-  readonly type: "costmap";
-  /** whether there is one */
-  readonly is_on: boolean;
-  /** navigation parameters */
-  readonly values: Values;
-  /** corners of the robot's outline, in its frame, without padding */
-  readonly footprint: readonly Point[];
-  /** of the padded outline, m */
-  readonly inscribed_radius: number;
-  /** of the padded outline, m */
-  readonly circumscribed_radius: number;
-  /** all that is painted */
-  readonly keepout: readonly BrushStroke[];
-}
-
-/** Sessions with a costmap: the path to the goal; its points are in the layer `plan`. */
-export interface PathMessage {
-  readonly type: "path";
-  /** the goal; null: there is none */
-  readonly goal: Point | null;
-  /** whether the robot drives along it */
-  readonly drives: boolean;
-  /** length, m; null: there is no path */
-  readonly length: number | null;
-  /** sum of the costs of its steps; null: there is no path */
-  readonly cost: number | null;
-  /** time along it at the desired velocity, less where speed limits are, s; null: there is no path */
-  readonly travel_s: number | null;
-  /** whether it ends at the goal */
-  readonly reaches_goal: boolean;
-  /** why there is no path, or why it ends before the goal */
-  readonly reason: string | null;
-  /** the point ahead that the robot aims at */
-  readonly carrot: Point | null;
-  /** duration of the planning, ms */
-  readonly plan_ms: number;
-  /** the painted speed limit at the robot, in words; null: none */
-  readonly speed_limit: string | null;
-}
-
-/** Answer to `cost`: what each layer says of a cell, bottom first. */
-export interface CostMessage {
-  readonly type: "cost";
-  /** the place that was asked for, m */
-  readonly x: number;
-  /** the place that was asked for, m */
-  readonly y: number;
-  /** one for each layer that is on */
-  readonly layers: readonly LayerCost[];
-  /** the speed limit there, a sentence; null: none is painted */
-  readonly speed: string | null;
-}
-
-/** Maps: the edits so far. */
-export interface MapEditsMessage {
-  readonly type: "map_edits";
-  /** number of edits that are not undone */
-  readonly n: number;
-  /** number of edits that are undone */
-  readonly undone: number;
-  /** the last of the edits, oldest first, a phrase each */
-  readonly last: readonly string[];
-  /** cells of keepout zones */
-  readonly keepout_cells: number;
-  /** cells with a speed limit */
-  readonly speed_cells: number;
-  /** what the reader of the map noted */
-  readonly notes: readonly string[];
-}
-
-/** Answer to `nav2`. */
-export interface Nav2Message {
-  readonly type: "nav2";
-  /** a Nav2 parameter file; null: the parameters were set */
-  readonly text: string | null;
 }
 
 /** Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes. */
@@ -940,104 +941,103 @@ export interface VoxelMessage {
   readonly updates: readonly VoxelUpdate[];
 }
 
-/** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
-export interface WorkingMessage {
-  readonly type: "working";
-  /** time since its start, s; null: it has ended */
-  readonly elapsed_s: number | null;
-  /** share that is done, 0 to 1; null if not known */
-  readonly fraction: number | null;
-  /** `map`, `map_3d`, `costmap`: with its path, `localization`, `terrain`, or `voxel`: why it is so */
-  readonly what?: string;
+/** The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`. */
+export interface TerrainMessage {
+  readonly type: "terrain";
+  /** whether it is assessed */
+  readonly is_on: boolean;
+  /** its parameters */
+  readonly values: Values;
+  /** points that it is made of */
+  readonly points: number;
+  /** those that the filter takes for ground */
+  readonly ground: number;
+  /** points of which the filter is not sure */
+  readonly unsure: number;
+  /** ground points that RANSAC leaves out of the planes */
+  readonly left_out: number;
+  /** Cohen's kappa of ground and objects, %; null: the truth is not known */
+  readonly kappa: number | null;
+  /** points that are classified wrongly, %; null: as above */
+  readonly total_error: number | null;
+  /** what they are compared with; null: as above */
+  readonly truth: string | null;
+  /** patches that are safe */
+  readonly safe: number;
+  /** patches that are unsafe */
+  readonly unsafe: number;
+  /** patches with too few points */
+  readonly unknown: number;
+  /** side of a patch, m */
+  readonly size: number;
+  /** the classes before the newest change of parameters; null: there was none */
+  readonly before: TerrainCounts | null;
+  /** the patch that was asked about; null: none was */
+  readonly patch: TerrainPatch | null;
+  /** why it cannot be assessed, one sentence; null: it is */
+  readonly problem: string | null;
 }
 
-/** A notice to the user, such as the end of the log. */
-export interface NoticeMessage {
-  readonly type: "notice";
-  /** stable name of the notice */
-  readonly code: string;
-  /** one sentence */
-  readonly message: string;
+/** The costmap over the map of a simulation or a log. */
+export interface CostmapMessage {
+  readonly type: "costmap";
+  /** whether there is one */
+  readonly is_on: boolean;
+  /** navigation parameters */
+  readonly values: Values;
+  /** corners of the robot's outline, in its frame, without padding */
+  readonly footprint: readonly Point[];
+  /** of the padded outline, m */
+  readonly inscribed_radius: number;
+  /** of the padded outline, m */
+  readonly circumscribed_radius: number;
+  /** all that is painted */
+  readonly keepout: readonly BrushStroke[];
 }
 
-/** The last command was refused, or the session had an error. The connection stays open. */
-export interface ErrorMessage {
-  readonly type: "error";
-  /** stable name of the error */
-  readonly code: string;
-  /** one sentence */
-  readonly message: string;
-  /** reserved */
-  readonly detail?: null;
-}
-
-/** Answer to `inspect`: one cell. */
-export interface CellMessage {
-  readonly type: "cell";
-  /** row of the cell */
-  readonly row: number;
-  /** column of the cell */
-  readonly col: number;
-  /** epoch of the geometry */
-  readonly epoch: number;
-  /** x of the cell's centre in the map frame, m */
+/** Answer to `cost`: what each layer says of a cell, bottom first. */
+export interface CostMessage {
+  readonly type: "cost";
+  /** the place that was asked for, m */
   readonly x: number;
-  /** y of the cell's centre in the map frame, m */
+  /** the place that was asked for, m */
   readonly y: number;
-  /** whether any beam has updated the cell */
-  readonly observed: boolean;
-  /** log-odds of being occupied */
-  readonly log_odds: number;
-  /** probability of being occupied */
-  readonly p_occ: number;
-  /** state by the thresholds of the map */
-  readonly state: CellState;
-  /** name of the layer of that map */
-  readonly layer: string;
+  /** one for each layer that is on */
+  readonly layers: readonly LayerCost[];
+  /** the speed limit there, a sentence; null: none is painted */
+  readonly speed: string | null;
 }
 
-/** Answer to `why`: the beams that updated a cell in the map of `index` scans. */
-export interface WhyMessage {
-  readonly type: "why";
-  /** row of the cell */
-  readonly row: number;
-  /** column of the cell */
-  readonly col: number;
-  /** epoch of the geometry */
-  readonly epoch: number;
-  /** scans in the map */
-  readonly index: number;
-  /** log-odds of the cell */
-  readonly log_odds: number;
-  /** log-odds of a cell before any scan */
-  readonly prior: number;
-  /** lower clamping limit; null without clamping */
-  readonly log_odds_min: number | null;
-  /** upper clamping limit; null without clamping */
-  readonly log_odds_max: number | null;
-  /** whether each scan counts once */
-  readonly per_scan: boolean;
-  /** beams that updated the cell */
-  readonly total: number;
-  /** those that raised its log-odds */
-  readonly hits: number;
-  /** index of the first scan that updated it */
-  readonly first_scan: number | null;
-  /** [n, log-odds] over all contributions, at most 600 points; extremes are kept */
-  readonly curve: readonly (readonly [number, number])[];
-  /** at most 300 contributions, up to the requested one */
-  readonly contributions: readonly Contribution[];
-  /** name of the layer of that map */
-  readonly layer: string;
+/** Answer to `nav2`. */
+export interface Nav2Message {
+  readonly type: "nav2";
+  /** a Nav2 parameter file; null: the parameters were set */
+  readonly text: string | null;
 }
 
-/** Answer to `ping`. */
-export interface Pong {
-  readonly type: "pong";
-  /** id of the ping */
-  readonly id: number;
-  /** monotonic clock of the server, s */
-  readonly t: number;
+/** Sessions with a costmap: the path to the goal; its points are in the layer `plan`. */
+export interface PathMessage {
+  readonly type: "path";
+  /** the goal; null: there is none */
+  readonly goal: Point | null;
+  /** whether the robot drives along it */
+  readonly drives: boolean;
+  /** length, m; null: there is no path */
+  readonly length: number | null;
+  /** sum of the costs of its steps; null: there is no path */
+  readonly cost: number | null;
+  /** time along it at the desired velocity, less where speed limits are, s; null: there is no path */
+  readonly travel_s: number | null;
+  /** whether it ends at the goal */
+  readonly reaches_goal: boolean;
+  /** why there is no path, or why it ends before the goal */
+  readonly reason: string | null;
+  /** the point ahead that the robot aims at */
+  readonly carrot: Point | null;
+  /** duration of the planning, ms */
+  readonly plan_ms: number;
+  /** the painted speed limit at the robot, in words; null: none */
+  readonly speed_limit: string | null;
 }
 
 /** Acknowledge that the binary frames up to `seq` were painted. */
@@ -1147,81 +1147,6 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
-export interface LocalizeCommand {
-  readonly type: "localize";
-  /** whether it is localized */
-  readonly value?: boolean;
-  /** localization parameters that differ from the first ones */
-  readonly values?: Values;
-  /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
-  readonly map?: string;
-  /** keep the particles of the filter that runs on this map, if there is one */
-  readonly keep?: boolean;
-}
-
-/** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */
-export interface Map3dCommand {
-  readonly type: "map3d";
-  /** whether there is one */
-  readonly value?: boolean;
-  /** parameters of the sensor and the map to change; the others stay */
-  readonly values?: Values;
-}
-
-/** Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end. */
-export interface TerrainCommand {
-  readonly type: "terrain";
-  /** whether it is assessed */
-  readonly value?: boolean;
-  /** parameters to change; the others stay */
-  readonly values?: Values;
-  /** x of a place in the patch that is asked about, m; null: none */
-  readonly x?: number | null;
-  /** y of that place, m */
-  readonly y?: number | null;
-}
-
-/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
-export interface CostmapCommand {
-  readonly type: "costmap";
-  /** whether there is one */
-  readonly value?: boolean;
-  /** navigation parameters to change */
-  readonly values?: Values;
-  /** corners of the robot's outline, in its frame */
-  readonly footprint?: readonly Point[] | null;
-  /** all that is painted; replaces the earlier */
-  readonly keepout?: readonly BrushStroke[] | null;
-}
-
-/** Sessions with a costmap: set the goal of the path, and whether the robot drives along it. */
-export interface GoalCommand {
-  readonly type: "goal";
-  /** x in the map frame, m; null: no goal */
-  readonly x?: number | null;
-  /** y in the map frame, m */
-  readonly y?: number | null;
-  /** whether it drives; null: as before */
-  readonly drives?: boolean | null;
-}
-
-/** Sessions with a costmap: ask why a cell has its cost; answered with `cost`. */
-export interface CostCommand {
-  readonly type: "cost";
-  /** x in the map frame, m */
-  readonly x: number;
-  /** y in the map frame, m */
-  readonly y: number;
-}
-
-/** Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one. */
-export interface Nav2Command {
-  readonly type: "nav2";
-  /** a Nav2 parameter file; null: answer with one */
-  readonly text?: string | null;
-}
-
 /** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
 export interface MapEditCommand {
   readonly type: "map_edit";
@@ -1319,6 +1244,35 @@ export interface WhyCommand {
   readonly layer?: string;
 }
 
+/** Request a `pong`. */
+export interface PingCommand {
+  readonly type: "ping";
+  /** returned in the answer */
+  readonly id: number;
+}
+
+/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
+export interface LocalizeCommand {
+  readonly type: "localize";
+  /** whether it is localized */
+  readonly value?: boolean;
+  /** localization parameters that differ from the first ones */
+  readonly values?: Values;
+  /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
+  readonly map?: string;
+  /** keep the particles of the filter that runs on this map, if there is one */
+  readonly keep?: boolean;
+}
+
+/** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */
+export interface Map3dCommand {
+  readonly type: "map3d";
+  /** whether there is one */
+  readonly value?: boolean;
+  /** parameters of the sensor and the map to change; the others stay */
+  readonly values?: Values;
+}
+
 /** Sessions in 3D: change what is shown, and how. */
 export interface VolumeLookCommand {
   readonly type: "volume_look";
@@ -1360,11 +1314,57 @@ export interface VolumeKeepCommand {
   readonly value?: boolean;
 }
 
-/** Request a `pong`. */
-export interface PingCommand {
-  readonly type: "ping";
-  /** returned in the answer */
-  readonly id: number;
+/** Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end. */
+export interface TerrainCommand {
+  readonly type: "terrain";
+  /** whether it is assessed */
+  readonly value?: boolean;
+  /** parameters to change; the others stay */
+  readonly values?: Values;
+  /** x of a place in the patch that is asked about, m; null: none */
+  readonly x?: number | null;
+  /** y of that place, m */
+  readonly y?: number | null;
+}
+
+/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
+export interface CostmapCommand {
+  readonly type: "costmap";
+  /** whether there is one */
+  readonly value?: boolean;
+  /** navigation parameters to change */
+  readonly values?: Values;
+  /** corners of the robot's outline, in its frame */
+  readonly footprint?: readonly Point[] | null;
+  /** all that is painted; replaces the earlier */
+  readonly keepout?: readonly BrushStroke[] | null;
+}
+
+/** Sessions with a costmap: ask why a cell has its cost; answered with `cost`. */
+export interface CostCommand {
+  readonly type: "cost";
+  /** x in the map frame, m */
+  readonly x: number;
+  /** y in the map frame, m */
+  readonly y: number;
+}
+
+/** Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one. */
+export interface Nav2Command {
+  readonly type: "nav2";
+  /** a Nav2 parameter file; null: answer with one */
+  readonly text?: string | null;
+}
+
+/** Sessions with a costmap: set the goal of the path, and whether the robot drives along it. */
+export interface GoalCommand {
+  readonly type: "goal";
+  /** x in the map frame, m; null: no goal */
+  readonly x?: number | null;
+  /** y in the map frame, m */
+  readonly y?: number | null;
+  /** whether it drives; null: as before */
+  readonly drives?: boolean | null;
 }
 
 /** The state of the class, to all who are in it; at most five times a second. */
@@ -1518,24 +1518,24 @@ export type ServerMessage =
   | ComparisonMessage
   | WorldMessage
   | Forgetting
-  | LocalizationMessage
-  | Map3dMessage
-  | TerrainMessage
-  | CostmapMessage
-  | PathMessage
-  | CostMessage
   | MapEditsMessage
-  | Nav2Message
-  | VolumeMessage
-  | SurfaceMessage
-  | SurfaceVoxelMessage
-  | VoxelMessage
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
   | CellMessage
   | WhyMessage
-  | Pong;
+  | Pong
+  | LocalizationMessage
+  | Map3dMessage
+  | VolumeMessage
+  | SurfaceMessage
+  | SurfaceVoxelMessage
+  | VoxelMessage
+  | TerrainMessage
+  | CostmapMessage
+  | CostMessage
+  | Nav2Message
+  | PathMessage;
 
 export type Command =
   | AckCommand
@@ -1553,13 +1553,6 @@ export type Command =
   | FaultsCommand
   | CompareCommand
   | TeleportCommand
-  | LocalizeCommand
-  | Map3dCommand
-  | TerrainCommand
-  | CostmapCommand
-  | GoalCommand
-  | CostCommand
-  | Nav2Command
   | MapEditCommand
   | MapHistoryCommand
   | DriveCommand
@@ -1569,12 +1562,19 @@ export type Command =
   | TrajectoryCommand
   | InspectCommand
   | WhyCommand
+  | PingCommand
+  | LocalizeCommand
+  | Map3dCommand
   | VolumeLookCommand
   | SurfaceCommand
   | VoxelCommand
   | VoxelRayCommand
   | VolumeKeepCommand
-  | PingCommand;
+  | TerrainCommand
+  | CostmapCommand
+  | CostCommand
+  | Nav2Command
+  | GoalCommand;
 
 export type ClassMessage =
   | ClassState
@@ -1676,6 +1676,44 @@ const isBlock: Check = isObject({
   low: isNumber,
   high: isNumber,
 });
+const isCellState: Check = isLiteral("free", "occupied", "unknown");
+const isContribution: Check = isObject({
+  n: isInteger,
+  scan: isInteger,
+  stamp: isNumber,
+  beam: isInteger,
+  pose: isPose,
+  bearing: isNumber,
+  range: oneOf(isNumber, isNull),
+  hit: isFlag,
+  increment: isNumber,
+  log_odds: isNumber,
+  sensor: optional(isText),
+});
+const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
+const isVolumeChanges: Check = isObject({
+  title: isText,
+  appeared: isInteger,
+  vanished: isInteger,
+  same: isInteger,
+  only_first: isInteger,
+  only_second: isInteger,
+});
+const isSurfaceUpdate: Check = isObject({
+  scan: isInteger,
+  measured: isNumber,
+  added: isNumber,
+  before: oneOf(isNumber, isNull),
+  after: isNumber,
+  weight: isNumber,
+});
+const isVoxelUpdate: Check = isObject({
+  scan: isInteger,
+  hit: isFlag,
+  beams: isInteger,
+  before: oneOf(isNumber, isNull),
+  after: isNumber,
+});
 const isTerrainCounts: Check = isObject({
   changed: isListOf(isText),
   safe: isInteger,
@@ -1707,44 +1745,6 @@ const isLayerCost: Check = isObject({
   cost: isInteger,
   master: isInteger,
   sentence: isText,
-});
-const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
-const isVolumeChanges: Check = isObject({
-  title: isText,
-  appeared: isInteger,
-  vanished: isInteger,
-  same: isInteger,
-  only_first: isInteger,
-  only_second: isInteger,
-});
-const isSurfaceUpdate: Check = isObject({
-  scan: isInteger,
-  measured: isNumber,
-  added: isNumber,
-  before: oneOf(isNumber, isNull),
-  after: isNumber,
-  weight: isNumber,
-});
-const isCellState: Check = isLiteral("free", "occupied", "unknown");
-const isVoxelUpdate: Check = isObject({
-  scan: isInteger,
-  hit: isFlag,
-  beams: isInteger,
-  before: oneOf(isNumber, isNull),
-  after: isNumber,
-});
-const isContribution: Check = isObject({
-  n: isInteger,
-  scan: isInteger,
-  stamp: isNumber,
-  beam: isInteger,
-  pose: isPose,
-  bearing: isNumber,
-  range: oneOf(isNumber, isNull),
-  hit: isFlag,
-  increment: isNumber,
-  log_odds: isNumber,
-  sensor: optional(isText),
 });
 const isClassAxis: Check = isObject({
   low: isNumber,
@@ -1832,10 +1832,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     parameters: isTable,
     sensor: oneOf(isTable, isNull),
     log: oneOf(isLogInfo, isNull),
+    tables: isRecordOf(isListOf(isParameter)),
     world: optional(isText),
     seed: optional(isInteger),
-    navigation: optional(isListOf(isParameter)),
-    map3d: optional(isListOf(isParameter)),
   },
   layers: {
     layers: isListOf(isLayerInfo),
@@ -1915,6 +1914,61 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     free_with_clamp: isNumber,
     free_without_clamp: isNumber,
   },
+  map_edits: {
+    n: isInteger,
+    undone: isInteger,
+    last: isListOf(isText),
+    keepout_cells: isInteger,
+    speed_cells: isInteger,
+    notes: isListOf(isText),
+  },
+  working: {
+    elapsed_s: oneOf(isNumber, isNull),
+    fraction: oneOf(isNumber, isNull),
+    what: optional(isText),
+  },
+  notice: {
+    code: isText,
+    message: isText,
+  },
+  error: {
+    code: isText,
+    message: isText,
+    detail: optional(isNull),
+  },
+  cell: {
+    row: isInteger,
+    col: isInteger,
+    epoch: isInteger,
+    x: isNumber,
+    y: isNumber,
+    observed: isFlag,
+    log_odds: isNumber,
+    p_occ: isNumber,
+    state: isCellState,
+    layer: isText,
+  },
+  why: {
+    row: isInteger,
+    col: isInteger,
+    epoch: isInteger,
+    index: isInteger,
+    log_odds: isNumber,
+    prior: isNumber,
+    log_odds_min: oneOf(isNumber, isNull),
+    log_odds_max: oneOf(isNumber, isNull),
+    per_scan: isFlag,
+    total: isInteger,
+    hits: isInteger,
+    first_scan: oneOf(isInteger, isNull),
+    curve: isListOf(isTuple(isInteger, isNumber)),
+    contributions: isListOf(isContribution),
+    layer: isText,
+  },
+  pong: {
+    id: isInteger,
+    t: isNumber,
+  },
   localization: {
     is_on: isFlag,
     map: isText,
@@ -1923,6 +1977,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     at: oneOf(isPose, isNull),
     covariance: oneOf(isTuple(isNumber, isNumber, isNumber, isNumber), isNull),
     is_converged: isFlag,
+    is_sure: isFlag,
     share: isNumber,
     fit: isNumber,
     entropy: isNumber,
@@ -1944,61 +1999,6 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     octree_bytes: isInteger,
     block_bytes: isInteger,
     dense_bytes: isInteger,
-  },
-  terrain: {
-    is_on: isFlag,
-    values: isValues,
-    points: isInteger,
-    ground: isInteger,
-    unsure: isInteger,
-    left_out: isInteger,
-    kappa: oneOf(isNumber, isNull),
-    total_error: oneOf(isNumber, isNull),
-    truth: oneOf(isText, isNull),
-    safe: isInteger,
-    unsafe: isInteger,
-    unknown: isInteger,
-    size: isNumber,
-    before: oneOf(isTerrainCounts, isNull),
-    patch: oneOf(isTerrainPatch, isNull),
-    problem: oneOf(isText, isNull),
-  },
-  costmap: {
-    is_on: isFlag,
-    values: isValues,
-    footprint: isListOf(isPoint),
-    inscribed_radius: isNumber,
-    circumscribed_radius: isNumber,
-    keepout: isListOf(isBrushStroke),
-  },
-  path: {
-    goal: oneOf(isPoint, isNull),
-    drives: isFlag,
-    length: oneOf(isNumber, isNull),
-    cost: oneOf(isNumber, isNull),
-    travel_s: oneOf(isNumber, isNull),
-    reaches_goal: isFlag,
-    reason: oneOf(isText, isNull),
-    carrot: oneOf(isPoint, isNull),
-    plan_ms: isNumber,
-    speed_limit: oneOf(isText, isNull),
-  },
-  cost: {
-    x: isNumber,
-    y: isNumber,
-    layers: isListOf(isLayerCost),
-    speed: oneOf(isText, isNull),
-  },
-  map_edits: {
-    n: isInteger,
-    undone: isInteger,
-    last: isListOf(isText),
-    keepout_cells: isInteger,
-    speed_cells: isInteger,
-    notes: isListOf(isText),
-  },
-  nav2: {
-    text: oneOf(isText, isNull),
   },
   volume: {
     look: isTable,
@@ -2052,52 +2052,52 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     hits: isInteger,
     updates: isListOf(isVoxelUpdate),
   },
-  working: {
-    elapsed_s: oneOf(isNumber, isNull),
-    fraction: oneOf(isNumber, isNull),
-    what: optional(isText),
+  terrain: {
+    is_on: isFlag,
+    values: isValues,
+    points: isInteger,
+    ground: isInteger,
+    unsure: isInteger,
+    left_out: isInteger,
+    kappa: oneOf(isNumber, isNull),
+    total_error: oneOf(isNumber, isNull),
+    truth: oneOf(isText, isNull),
+    safe: isInteger,
+    unsafe: isInteger,
+    unknown: isInteger,
+    size: isNumber,
+    before: oneOf(isTerrainCounts, isNull),
+    patch: oneOf(isTerrainPatch, isNull),
+    problem: oneOf(isText, isNull),
   },
-  notice: {
-    code: isText,
-    message: isText,
+  costmap: {
+    is_on: isFlag,
+    values: isValues,
+    footprint: isListOf(isPoint),
+    inscribed_radius: isNumber,
+    circumscribed_radius: isNumber,
+    keepout: isListOf(isBrushStroke),
   },
-  error: {
-    code: isText,
-    message: isText,
-    detail: optional(isNull),
-  },
-  cell: {
-    row: isInteger,
-    col: isInteger,
-    epoch: isInteger,
+  cost: {
     x: isNumber,
     y: isNumber,
-    observed: isFlag,
-    log_odds: isNumber,
-    p_occ: isNumber,
-    state: isCellState,
-    layer: isText,
+    layers: isListOf(isLayerCost),
+    speed: oneOf(isText, isNull),
   },
-  why: {
-    row: isInteger,
-    col: isInteger,
-    epoch: isInteger,
-    index: isInteger,
-    log_odds: isNumber,
-    prior: isNumber,
-    log_odds_min: oneOf(isNumber, isNull),
-    log_odds_max: oneOf(isNumber, isNull),
-    per_scan: isFlag,
-    total: isInteger,
-    hits: isInteger,
-    first_scan: oneOf(isInteger, isNull),
-    curve: isListOf(isTuple(isInteger, isNumber)),
-    contributions: isListOf(isContribution),
-    layer: isText,
+  nav2: {
+    text: oneOf(isText, isNull),
   },
-  pong: {
-    id: isInteger,
-    t: isNumber,
+  path: {
+    goal: oneOf(isPoint, isNull),
+    drives: isFlag,
+    length: oneOf(isNumber, isNull),
+    cost: oneOf(isNumber, isNull),
+    travel_s: oneOf(isNumber, isNull),
+    reaches_goal: isFlag,
+    reason: oneOf(isText, isNull),
+    carrot: oneOf(isPoint, isNull),
+    plan_ms: isNumber,
+    speed_limit: oneOf(isText, isNull),
   },
 };
 

@@ -36,7 +36,7 @@ def test_a_renewed_part_of_the_map_changes_the_box_of_the_cells_that_differ() ->
     layer.renew(part, CellBox(3, 8, 4, 10))
     assert layer.changed(0.0, None) == CellBox(4, 6, 6, 9)
     assert np.argwhere(layer.costs == LETHAL).tolist() == [[4, 6], [5, 8]]
-    assert not values.any()  # the given map is not written to
+    assert not values.any()  # the reference map is not written to
     with pytest.raises(ConfigError, match="box has"):
         layer.renew(part, CellBox(0, 2, 0, 2))
 

@@ -12,6 +12,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.diagnosis import Finding, clock, drift_finding, examine, readings
 from mapper.diagnosis.consistency import examined
+from mapper.diagnosis.drifting import first_cause
 from mapper.diagnosis.finding import POSSIBLE
 from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
 from mapper.io.logs import open_log
@@ -289,6 +290,17 @@ def test_scans_that_are_swept_are_judged_from_the_middle_of_their_sweep(clean: S
     assert the(examine(stamped), "timing.delay").parameters == {"time_offset": pytest.approx(sweep / 2, abs=0.06)}
     known = replace(stamped, time_increment=sweep / (clean.n_beams - 1))
     assert "timing.delay" not in named(examine(known))
+
+
+def test_poses_that_stay_are_the_cause_that_map_names(clean: ScanLog) -> None:
+    poses = np.zeros((clean.n_scans, 3))
+    for placeholder in (False, True):  # the latter has a note of its own
+        still = replace(clean, trajectories={"odom": Trajectory(poses, is_placeholder=placeholder)})
+        found = first_cause(still, None, MappingConfig())
+        assert (found.check if found else None) == (None if placeholder else "poses.still")
+    one = clean.take(np.zeros(40, dtype=np.int64))
+    standing = replace(one, trajectories={"odom": Trajectory(np.zeros((40, 3)))})
+    assert first_cause(standing, None, MappingConfig()) is None
 
 
 def test_a_robot_that_moved_without_poses(clean: ScanLog) -> None:

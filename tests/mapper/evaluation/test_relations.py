@@ -11,7 +11,7 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.evaluation import Relations, evaluate_relations
-from mapper.evaluation.record_order import poses_at_records
+from mapper.evaluation.relations import poses_at_records
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses

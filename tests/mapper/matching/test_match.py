@@ -12,7 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.se2 import compose, inverse, transform_points
-from mapper.evaluation.record_order import records_of_relations
+from mapper.evaluation.relations import records_of_relations
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
 from mapper.matching import METHODS, MatchConfig, Target, match_scan, prepare_scans, scan_target, textbook

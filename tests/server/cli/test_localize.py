@@ -14,7 +14,7 @@ from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, Localized, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from server.cli.localize import doubt
+from server.cli.localize import doubts
 from tests.mapper.io.contents.recorded_robot import T0
 from tests.mapper.io.logs import recorded
 from tests.mapper.localization.rooms import office, two_lidars
@@ -58,10 +58,14 @@ def test_a_filter_that_was_mostly_uncertain_is_said() -> None:
     poses = np.zeros((10, 3))
     converged = np.isin(np.arange(10), (2, 3, 9))
     flat, whole = np.zeros(10), np.zeros(10, dtype=np.int64)
-    localized = Localized(poses, np.zeros((10, 3, 3)), converged, flat, flat, whole, flat, converged, "odom", 0.0)
-    assert "From scan 2 on the filter had converged at 3 of 8 scans only" in str(doubt(localized, 2))
+    localized = Localized(
+        poses, np.zeros((10, 3, 3)), converged, flat, flat, whole, flat, converged, "odom", 0.0, converged
+    )
+    assert "From scan 2 on the filter had converged at 3 of 8 scans only" in str(doubts(localized, 2))
     mostly = replace(localized, is_converged=np.arange(10) >= 2)
-    assert doubt(mostly, 2) is None
+    assert doubts(mostly, 2) == []
+    never = replace(mostly, is_sure=np.zeros(10, dtype=bool))
+    assert "The place is not sure at any scan" in str(doubts(never, 2))
 
 
 def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):

@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 from server.downloads import Content, Download, Downloads
-from server.downloads.client_pace import LEAST_BYTES_PER_S, STALLED_S, ClientPace
 from server.downloads.download_slots import requester
-from server.downloads.response import PIECE_BYTES
+from server.downloads.response import LEAST_BYTES_PER_S, PIECE_BYTES, STALLED_S, ClientPace
 
 KIB = 1 << 10
 
@@ -50,8 +49,8 @@ def test_a_client_that_stops_once_for_a_while_goes_on() -> None:
 async def test_an_endless_download_by_a_client_that_accepts_each_piece_in_time_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.downloads.client_pace.STALLED_S", 0.3)
-    monkeypatch.setattr("server.downloads.client_pace.LEAST_BYTES_PER_S", 1 << 40)
+    monkeypatch.setattr("server.downloads.response.STALLED_S", 0.3)
+    monkeypatch.setattr("server.downloads.response.LEAST_BYTES_PER_S", 1 << 40)
     downloads, sent = Downloads(tmp_path), []
 
     async def make() -> Content:

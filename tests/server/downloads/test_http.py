@@ -169,7 +169,7 @@ def test_a_client_that_reads_nothing_loses_its_slot(service: Service, monkeypatc
         return itertools.repeat(noise, 2000)
 
     monkeypatch.setattr("server.http.routes.maps.probability_pixels", endless)
-    monkeypatch.setattr("server.downloads.client_pace.STALLED_S", 0.2)
+    monkeypatch.setattr("server.downloads.response.STALLED_S", 0.2)
     with service.http.stream("GET", f"/api/sessions/{session}/map.png") as answer:
         assert answer.status_code == 200
         until(lambda: slots.taken == 0)

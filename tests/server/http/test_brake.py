@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from server.http.brake import MAX_NETWORKS, Brake
+from server.http.brake import Brake
+from server.workers.shared_counts import MAX_NETWORKS
 from tests.server.service import running, settings_for
 
 

@@ -166,6 +166,51 @@ def test_a_text_log_and_a_world(service: Service) -> None:
     assert service.http.get(f"/api/sessions/{world}/contents").json()["code"] == "session.not_a_log"
 
 
+def test_any_field_over_time(service: Service, session: str) -> None:
+    def ready(path: str, **query: Any) -> dict[str, Any]:
+        address = f"/api/sessions/{session}/contents{path}"
+        until(lambda: service.http.get(address, params=query).status_code != 202)
+        return got(service, session, path, **query)
+
+    topics = {topic["topic"]: topic for topic in ready("/fields")["topics"]}
+    assert {"angular_velocity.z", "orientation.yaw"} <= set(topics["/imu"]["fields"])
+    turning = ready("/field", topic="/imu", field="angular_velocity.z")
+    assert turning["times"] == pytest.approx([n / 20 for n in range(20 * SECONDS)])
+    assert turning["columns"][0]["values"] == pytest.approx([0.1 * np.sin(n) for n in range(20 * SECONDS)])
+    assert turning["columns"][0]["unit"] == "rad/s"
+    turned = ready("/field", topic="/imu", field="orientation.yaw", made="derivative", start=1.0, end=2.0)
+    assert turned["columns"][0]["values"] == pytest.approx([0.2] * len(turned["times"]), abs=1e-6)
+    assert turned["columns"][0]["unit"] == "rad/s"
+    even = ready("/field", topic="/imu", field="orientation.x", buckets=5, evenly=True)
+    assert even["times"] == pytest.approx([0.4 * n for n in range(10)])
+    # What has no stamp of its own is as much later as the recording of the scans is.
+    assert ready("/field", topic="/cmd_vel", field="linear.x", made="average")["times"] == [0.0, 1.0, 2.0, 3.0]
+    address = f"/api/sessions/{session}/contents/field"
+    for query, code in (({"topic": "/imu", "field": "x"}, "no_field"), ({"topic": "/none", "field": "x"}, "no_topic")):
+        assert service.http.get(address, params=query).json()["code"] == f"contents.{code}"
+
+
+def test_the_lines_that_nodes_logged(service: Service) -> None:
+    late = recorded.SECOND // 5  # what states no time is recorded as much later as the scans
+    said = [recorded.scan(T0 + n * recorded.SECOND, [1.0, 2.0]) for n in range(3)]
+    said += [recorded.log_line(T0 + recorded.SECOND, 30, "Wheel slips"), recorded.log_line(T0, 20, "Ready", "driver")]
+    unstamped = recorded.log_line(0, 40, "Bumper pressed")
+    said.append(recorded.Said(unstamped.topic, unstamped.kind, T0 + 2 * recorded.SECOND, unstamped.fields))
+    for one in said:
+        one.stamp_ns += late
+    session = opened(service, "lines.mcap", recorded.mcap_bytes(said))
+    until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    found = got(service, session, "/lines")
+    assert found == {
+        "lines": [
+            {"seconds": 0.0, "level": 20, "topic": "/rosout", "name": "driver", "text": "Ready"},
+            {"seconds": 1.0, "level": 30, "topic": "/rosout", "name": "base", "text": "Wheel slips"},
+            {"seconds": 2.0, "level": 40, "topic": "/rosout", "name": "base", "text": "Bumper pressed"},
+        ],
+        "left_out": 0,
+    }
+
+
 def test_a_picture_of_the_moment(service: Service) -> None:
     said = [one for n in range(5) for one in camera_and_scan(T0 + n * recorded.SECOND, 50 * n)]
     session = opened(service, "camera.mcap", recorded.mcap_bytes(said))

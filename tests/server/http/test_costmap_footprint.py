@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from server.library.logs.sample import SAMPLE_ID
-from server.stream.protocol import command_of
+from server.parts.wire import command_of
 from tests.server.service import Service, running, settings_for
 
 PADDING = 0.01  # Nav2's footprint_padding, metres

@@ -87,7 +87,7 @@ def opened(client: httpx.Client, log_id: str) -> str:
 
 
 def linked(client: httpx.Client, session: str, **more: Any) -> dict[str, Any]:
-    answer = client.post("/api/links", json={"session": session} | more)
+    answer = client.post(f"/api/sessions/{session}/links", json=more)
     assert answer.status_code == 201, answer.text
     return dict(answer.json())
 
@@ -175,7 +175,7 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         ("GET", f"/api/sessions/{own}/run.mcap"),
         ("POST", f"/api/sessions/{own}/compare"),
         ("PUT", f"/api/sessions/{session}/compare"),
-        ("POST", "/api/links"),
+        ("POST", f"/api/sessions/{own}/links"),
         ("GET", f"/api/links?log={log_id}"),
         ("DELETE", f"/api/links/{link['token']}"),
         ("GET", f"/scenes/{own}/"),
@@ -202,7 +202,7 @@ def test_a_guest_with_the_services_token_gets_no_more_of_the_log(
         assert refusal(bob.get(f"/api/sessions/{own}/{name}")) == (403, "link.read_only")
     assert refusal(bob.get(f"/api/logs/{log_id}")) == (404, "log.not_found")
     assert refusal(bob.delete(f"/api/logs/{log_id}")) == (404, "log.not_found")
-    assert refusal(bob.post("/api/links", json={"session": own})) == (403, "link.read_only")
+    assert refusal(bob.post(f"/api/sessions/{own}/links", json={})) == (403, "link.read_only")
     assert refusal(bob.delete(f"/api/links/{link['token']}")) == (404, "link.gone")
     assert bob.get(f"/api/links?log={log_id}").json() == {"links": []}
 
@@ -286,7 +286,7 @@ async def test_a_guest_sees_this_costmap_of_a_recording_until_the_link_is_revoke
             async with stream(service, session, guest):
                 pass
         # A guest's session makes no further links, not even for who knows the token of the service.
-        again = await asyncio.to_thread(ann.post, "/api/links", json={"session": own})
+        again = await asyncio.to_thread(ann.post, f"/api/sessions/{own}/links", json={})
         assert refusal(again) == (403, "link.read_only")
         listed = (await ask(ann, "get", f"/api/sessions/{session}/links")).json()["links"]
         assert [(one["token"], one["watching"]) for one in listed] == [(link["token"], 1)]
@@ -323,12 +323,12 @@ def test_guests_do_not_evict_sessions_of_visitors(
 
 def test_odd_requests(ann: httpx.Client) -> None:
     world = ann.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
-    assert refusal(ann.post("/api/links", json={"session": world})) == (409, "session.not_a_log")
-    assert refusal(ann.post("/api/links", json={"session": "none"})) == (404, "session.unknown")
+    assert refusal(ann.post(f"/api/sessions/{world}/links", json={})) == (409, "session.not_a_log")
+    assert refusal(ann.post("/api/sessions/none/links", json={})) == (404, "session.unknown")
     session = opened(ann, "sample-office")
     good = {"x": 0, "y": 0, "scale": 1, "width": 1, "height": 1}
     for look in ({"x": 1}, good | {"x": "nan"}, good | {"scale": 0}, good | {"height": -1}, good | {"z": 1}):
-        answer = ann.post("/api/links", json={"session": session, "look": look})
+        answer = ann.post(f"/api/sessions/{session}/links", json={"look": look})
         assert refusal(answer) == (422, "request.invalid")
     for path in ("..%2flogs", "x" * 5000, "%00"):
         assert ann.get(f"/api/shared/{path}").status_code == 404
@@ -352,7 +352,7 @@ def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest
         log_id = uploaded(first.http)
         link = linked(first.http, opened(first.http, log_id))
         sample = linked(first.http, opened(first.http, "sample-office"))
-        refused = first.http.post("/api/links", json={"session": opened(first.http, log_id)})
+        refused = first.http.post(f"/api/sessions/{opened(first.http, log_id)}/links", json={})
         assert refusal(refused) == (409, "link.too_many")
     with running(settings_for(tmp_path)) as second:
         for one, title in ((link, "run.log"), (sample, "A simulated office (sample)")):

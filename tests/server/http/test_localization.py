@@ -20,13 +20,15 @@ from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
-from server.library.processing import given_maps, localization
+from server.library.processing import localization, reference_maps
 from server.parts.costmap.part import CostmapPart
+from server.parts.localization.logged import LogLocalization
+from server.parts.wire import command_of
 from server.sessions.parts import Recording
-from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library.processing import slam_stand_ins as stand_ins
+from tests.server.sent import sent_one
 from tests.server.service import Service, once_read, running, settings_for, until
 
 FEW = {"global_particles": 8000}
@@ -51,7 +53,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
         patch.setattr("server.library.library.worker_at", first_a_real_one)
         patch.setattr("server.library.processing.localization.do_localize_job", localization._localize)
         patch.setattr("server.library.processing.localization.EVERY_S", 0.0)
-        patch.setattr("server.library.processing.given_maps.do_given_map_job", given_maps._made)
+        patch.setattr("server.library.processing.reference_maps.do_reference_map_job", reference_maps._made)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 
@@ -140,7 +142,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
 
     until(lambda: cost(host, wall) == 254)
     assert cost(host, free) < 128
-    token = http.post("/api/links", json={"session": session}).json()["token"]
+    token = http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
     opened: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
     until(lambda: opened.model.find(CostmapPart).present_costs() is not None)
     until(lambda: cost(opened, wall) == 254)
@@ -191,7 +193,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     until(lambda: "particles" in layers(service, session))
 
     model: Any = service.state.sessions.get(session).model
-    message = model.localization.message()
+    message = sent_one(model.find(LogLocalization).message())
     assert message["is_on"]
     assert message["is_converged"]
     assert message["pose"] == [round(v, 4) for v in recording.log.trajectory("localized").poses[-1].tolist()]
@@ -201,7 +203,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     ):
         service.state.sessions.get(session).enqueue(command_of({"type": "trajectory", "name": name}))
         until(partial(lambda name: recording.trajectory == name, name))
-        assert model.localization.message()["is_on"] is is_on
+        assert model.find(LogLocalization).message().is_on is is_on
 
 
 def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: ScanLog) -> None:

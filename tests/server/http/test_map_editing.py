@@ -19,13 +19,14 @@ from mapper.editing.areas import BAND_CELLS
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 from server.parts.costmap.zones import painted_filters
+from server.parts.wire import command_of
 from server.sessions.parts import Costed
 from server.sessions.tick import TickResult
 from server.sources.map_editing import MapModel, operation_of
 from server.stream.commands import MapEditCommand
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.sent import sent, sent_one
 from tests.server.service import Service, once_read, running, settings_for, until
 
@@ -45,7 +46,7 @@ class Host:
 
 
 def model(rows: int = 20, most: int = 1 << 24) -> MapModel:
-    given = GivenMap("room", GridGeometry(0.1, rows, 30), np.zeros((rows, 30), np.int8), ("A note.",))
+    given = ReferenceMap("room", GridGeometry(0.1, rows, 30), np.zeros((rows, 30), np.int8), ("A note.",))
     return MapModel(Host(most), given, log_id="room")  # type: ignore[arg-type]
 
 
@@ -119,7 +120,7 @@ ALL = [[0.0, 0.0], [SIDE_M, 0.0], [SIDE_M, SIDE_M], [0.0, SIDE_M]]
 def test_a_large_map_is_edited_and_drawn_in_slices(command: dict[str, Any], passes: int) -> None:
     """Other sessions may compute after each band of cells, in each pass over the map and over the two pictures."""
     n = 1024
-    given = GivenMap("hall", GridGeometry(SIDE_M / n, n, n), np.zeros((n, n), np.int8), ())
+    given = ReferenceMap("hall", GridGeometry(SIDE_M / n, n, n), np.zeros((n, n), np.int8), ())
     host = Host(1 << 27)
     shown = MapModel(host, given, log_id="hall")  # type: ignore[arg-type]
     for _ in range(3):

@@ -125,7 +125,7 @@ def test_what_cannot_be_merged_is_said(
     assert ended(http, session)["error"] == {
         "code": "merge.apart", "message": "The two logs do not show the same place."
     }  # fmt: skip
-    token = http.post("/api/links", json={"session": session}).json()["token"]
+    token = http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
     with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
         guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
         assert guest.post(f"/api/sessions/{guests}/merge", json={"log": logs[1]}).status_code in (403, 404)

@@ -61,7 +61,7 @@ def test_notes_are_written_changed_and_deleted(service: Service) -> None:
 
 async def test_a_note_is_told_to_all_who_look_at_the_log(service: Service) -> None:
     _, session = await asyncio.to_thread(opened, service)
-    link = (await asyncio.to_thread(service.http.post, "/api/links", json={"session": session})).json()
+    link = (await asyncio.to_thread(service.http.post, f"/api/sessions/{session}/links", json={})).json()
     async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
         shared = (await guest.post(f"/api/shared/{link['token']}/sessions")).json()["id"]
         async with service.connect(shared) as socket:
@@ -78,7 +78,7 @@ async def test_a_note_is_told_to_all_who_look_at_the_log(service: Service) -> No
 def test_guests_of_a_link_and_other_visitors_only_read(service: Service) -> None:
     _, session = opened(service)
     note = service.http.post(f"/api/sessions/{session}/notes", json={"text": "here", **PLACE}).json()
-    link = service.http.post("/api/links", json={"session": session}).json()
+    link = service.http.post(f"/api/sessions/{session}/links", json={}).json()
     with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
         shared = guest.post(f"/api/shared/{link['token']}/sessions").json()["id"]
         address = f"/api/sessions/{shared}/notes"

@@ -67,7 +67,7 @@ def state(client: httpx.Client, session: str, step: str = "", **body: Any) -> di
 def of_log(owner: httpx.Client) -> str:
     """The token of a puzzle of the sample, with beams at the max range taken as hits."""
     session = owner.post("/api/sessions", json={"kind": "log", "log": "sample-office", "playing": False}).json()["id"]
-    made = owner.post("/api/puzzles", json={"session": session, "fault": "beam_order", "title": "Sample"})
+    made = owner.post(f"/api/sessions/{session}/puzzles", json={"fault": "beam_order", "title": "Sample"})
     owner.delete(f"/api/sessions/{session}")
     assert made.status_code == 201, made.text
     return str(made.json()["token"])
@@ -127,7 +127,7 @@ def test_a_world_with_a_fault_becomes_a_puzzle(owner: httpx.Client, guest: httpx
     story = {"steps": 1500, "journal": [], "parameters": {"mount_yaw": 0.15}}
     wanted = {"kind": "simulation", "world": "room", "seed": 2, "playing": False, "story": story}
     world = owner.post("/api/sessions", json=wanted).json()["id"]
-    made = owner.post("/api/puzzles", json={"session": world}).json()
+    made = owner.post(f"/api/sessions/{world}/puzzles", json={}).json()
     assert made["fault"] == "mount_yaw"
     session = begun(guest, f"/api/shared-puzzles/{made['token']}/sessions")
     assert state(guest, session, "/answer", cause="mount_yaw")["is_named"]
@@ -141,11 +141,11 @@ def test_a_world_with_a_fault_becomes_a_puzzle(owner: httpx.Client, guest: httpx
 def test_a_world_without_a_fault_and_unknown_names_are_refused(owner: httpx.Client) -> None:
     world = owner.post("/api/sessions", json={"kind": "simulation", "playing": False}).json()["id"]
     for body, code in (
-        ({"session": world}, "puzzle.nothing_wrong"),
-        ({"session": world, "fault": "sweep"}, "puzzle.cause"),
-        ({"session": "nobody"}, "session.unknown"),
+        ({}, "puzzle.nothing_wrong"),
+        ({"fault": "sweep"}, "puzzle.cause"),
     ):
-        assert owner.post("/api/puzzles", json=body).json()["code"] == code
+        assert owner.post(f"/api/sessions/{world}/puzzles", json=body).json()["code"] == code
+    assert owner.post("/api/sessions/nobody/puzzles", json={}).json()["code"] == "session.unknown"
     assert owner.post("/api/puzzles/nothing/sessions").json()["code"] == "puzzle.unknown"
     assert owner.get(f"/api/sessions/{world}/puzzle").json()["code"] == "puzzle.no_game"
     owner.delete(f"/api/sessions/{world}")

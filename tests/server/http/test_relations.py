@@ -63,7 +63,7 @@ def test_what_is_no_file_of_relations_is_said(service: Service) -> None:
         refused = service.http.put(address, params={"name": "mine.txt"}, content=wrong)
         assert refused.status_code in (413, 422), refused.text
         assert word in refused.json()["message"]
-    token = service.http.post("/api/links", json={"session": session}).json()["token"]
+    token = service.http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
     with httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S) as guest:
         guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
         assert guest.put(f"/api/sessions/{guests}/relations", content=b"").status_code in (403, 404)

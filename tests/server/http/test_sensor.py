@@ -89,7 +89,7 @@ async def test_the_clouds_beside_a_lidar_are_mapped_and_cut_again(
         assert len(shown()) == 90
 
     # A link to the view has the cut as well, and its guests cannot change it.
-    link = service.http.post("/api/links", json={"session": session}).json()
+    link = service.http.post(f"/api/sessions/{session}/links", json={}).json()
     async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
         shared = (await guest.post(f"/api/shared/{link['token']}/sessions")).json()["id"]
         found = service.state.sessions.get(shared).model.find(Recording)

@@ -100,7 +100,7 @@ def test_a_session_follows_and_its_graph_is_changed(service: Service, log_id: st
     assert [float(line.split()[1]) for line in lines] == pytest.approx(after, abs=1e-5)
     assert http.get(f"/api/sessions/{other}/graph").json()["graph"]["loops"] == []
 
-    token = http.post("/api/links", json={"session": other}).json()["token"]
+    token = http.post(f"/api/sessions/{other}/links", json={}).json()["token"]
     with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
         guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
         assert guest.get(f"/api/sessions/{guests}/graph").json()["graph"]["nodes"] == 6

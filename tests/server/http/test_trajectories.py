@@ -56,7 +56,7 @@ def test_it_is_put_read_mapped_shared_and_deleted(service: Service) -> None:
     assert http.put(f"/api/sessions/{session}/compare", json={"trajectory": "scan"}).status_code == 200
     examined = http.get(f"/api/sessions/{session}/doctor")
     assert examined.json().get("trajectory") == "from LaMa", examined.text
-    token = http.post("/api/links", json={"session": session}).json()["token"]
+    token = http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
     with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
         shared = guest.post(f"/api/shared/{token}/sessions").json()["id"]
         recording = service.state.sessions.get(shared).model.find(Recording)
@@ -86,7 +86,7 @@ def test_whoever_has_the_address_of_a_session_adds_to_its_log(service: Service) 
         assert answer.status_code == 201, answer.text
         assert colleague.get(address).content == long
         assert http.get(f"/api/logs/{log_id}/trajectories/theirs").content == long
-        token = http.post("/api/links", json={"session": session}).json()["token"]
+        token = http.post(f"/api/sessions/{session}/links", json={}).json()["token"]
         shared = colleague.post(f"/api/shared/{token}/sessions").json()["id"]
         for method in ("PUT", "GET", "DELETE"):
             refused = colleague.request(method, f"/api/sessions/{shared}/trajectories/theirs")

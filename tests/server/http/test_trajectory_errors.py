@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from server.http.routes.clients import to_its_end
+from server.http.clients import to_its_end
 from server.work.fair_lock import FairLock
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for

@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from server.stream.messages import ServerMessage
+from server.parts.wire import ServerMessage
 from tests.server.service import Service, Watcher, once_read
 
 

@@ -23,8 +23,8 @@ from server.jobs.leases import Lease, LeaseLostError, Leases, Once
 from server.jobs.record import JobRecord
 from server.library.library import Library
 from server.library.limits import LibraryLimits
-from server.library.packs.given_map import GivenMap, read_given_map
 from server.library.packs.map_files import archived
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.fleet.fleet_job import FleetJob
 from server.library.processing.job_rows import JobRowsOfLogs
 from server.library.processing.localization import (
@@ -181,10 +181,10 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
 async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_over(
     two: Two, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    given: list[GivenMap] = []
+    given: list[ReferenceMap] = []
 
     def quickly(job: LocalizeJob) -> LocalizeOutcome:
-        given.append(read_given_map(Path(job.given)))
+        given.append(read_reference_map(Path(job.given)))
         raise ConfigError("test.enough", "This is enough.")
 
     monkeypatch.setattr("server.library.processing.localization.do_localize_job", quickly)

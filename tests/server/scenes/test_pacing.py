@@ -14,9 +14,8 @@ from starlette.websockets import WebSocket
 from websockets.asyncio.server import ServerConnection, unix_serve
 
 from server.scenes import Scenes, pacing
-from server.scenes.client_script import SCRIPT
 from server.scenes.pacing import DRAWN, MOST_AHEAD, Pace
-from server.scenes.proxy import SUBPROTOCOL, client_page, pass_on, take
+from server.scenes.proxy import SCRIPT, SUBPROTOCOL, client_page, pass_on, take
 from server.sessions import SessionHost
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service

@@ -22,10 +22,10 @@ from websockets.typing import Subprotocol
 
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
+from server.parts.wire import command_of
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
-from server.stream.protocol import command_of
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service

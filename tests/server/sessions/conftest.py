@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from server.parts.wire import command_of
 from server.sessions import SessionHost, SessionRegistry
-from server.stream.protocol import command_of
 from tests.server.begin import between_ticks
 from tests.server.service import eventually, settings_for
 

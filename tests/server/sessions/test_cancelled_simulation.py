@@ -17,9 +17,9 @@ from mapper.mapping.integrate import integrate_parts
 from mapper.simulation.edits import Edits, edited, solid_ids
 from mapper.simulation.live_map import LiveMap
 from mapper.simulation.second_map import Vanishing
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 

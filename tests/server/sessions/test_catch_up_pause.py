@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, eventually
 

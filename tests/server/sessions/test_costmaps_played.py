@@ -11,9 +11,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from mapper.io.costmaps import open_costmaps
+from server.parts.wire import command_of
 from server.sessions.tick import TickResult
 from server.sources.costmaps import CostmapsModel
-from server.stream.protocol import command_of
 
 TOPIC = "/local_costmap/costmap"
 

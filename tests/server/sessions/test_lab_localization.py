@@ -11,12 +11,13 @@ from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.parts.localization.live_filter import MOST_SHOWN, LabLocalization
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
-from tests.server.sent import sent
+from tests.server.sent import sent, sent_one
 
 FEW = {"global_particles": 4000}
 
@@ -31,14 +32,14 @@ def drive(mapper: LiveMap, one: LabLocalization, seconds: float) -> dict[str, An
         mapper.advance(0.25)
         assert mapper.newest is not None
         one.look(mapper.newest, mapper.newest_pose)
-    return one.message()
+    return sent_one(one.message())
 
 
 def test_the_robot_is_found_kidnapped_and_found_again() -> None:
     mapper = LiveMap(WORLDS["office"], seed=2)
     one = lab_localization(mapper, FEW)
-    assert not one.message()["is_converged"]
-    wide = one.message()["entropy"]
+    assert not sent_one(one.message())["is_converged"]
+    wide = sent_one(one.message())["entropy"]
     found = drive(mapper, one, 25.0)
     assert found["is_converged"]
     assert found["error_m"] < 0.4
@@ -47,7 +48,7 @@ def test_the_robot_is_found_kidnapped_and_found_again() -> None:
     one.carried(mapper.newest_pose)
     assert mapper.newest is not None
     one.look(mapper.newest, mapper.newest_pose)
-    assert one.message()["error_m"] > 5.0  # it was not told
+    assert sent_one(one.message())["error_m"] > 5.0  # it was not told
     for _ in range(60):
         found = drive(mapper, one, 2.0)
         if found["is_converged"] and found["error_m"] < 0.4:
@@ -145,7 +146,7 @@ def test_a_running_filter_goes_on_with_other_parameters() -> None:
     particles, field = one.layers
     field.publish()
     one.change(FEW | {"sigma_hit": 0.03, "laser_likelihood_max_dist": 0.5})
-    after = one.message()
+    after = sent_one(one.message())
     assert after["values"]["sigma_hit"] == 0.03
     assert (after["n_updates"], after["n_particles"]) == (before["n_updates"], before["n_particles"])
     # The colours tell how the newest scan weighs the particles by the new model: not all alike.
@@ -156,4 +157,4 @@ def test_a_running_filter_goes_on_with_other_parameters() -> None:
     assert value.min() < 0.5
     with pytest.raises(ConfigError):
         one.change({"sigma_hit": -1.0})
-    assert one.message()["values"]["sigma_hit"] == 0.03
+    assert sent_one(one.message())["values"]["sigma_hit"] == 0.03

@@ -18,11 +18,12 @@ from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
 from server.stream.layers import GridLayer
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 from tests.server.service import eventually

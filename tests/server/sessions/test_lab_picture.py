@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from mapper.grid import OccupancyGrid
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer
-from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 
 

@@ -30,7 +30,7 @@ async def lab(registry: SessionRegistry) -> AsyncIterator[Lab]:
 
 
 def surface_of(lab: Lab) -> TsdfVolume:
-    made = lab.model._volume._surface
+    made = lab.view._surface
     assert made is not None
     return made.surface.replayed.volume
 
@@ -52,7 +52,7 @@ def drawn(lab: Lab) -> Surface:
     """Return what a 3D view shows once all is meshed."""
     lab.model.drawings()
     lab.pass_time(0.1)
-    while lab.model._volume._surface is not None and lab.model._volume._surface.is_unmeshed:
+    while lab.view._surface is not None and lab.view._surface.is_unmeshed:
         lab.model.drawings()
         lab.pass_time(0.1)
     return next(one for one in lab.model.drawings() if isinstance(one, Surface))
@@ -114,7 +114,7 @@ async def test_other_parameters_make_the_surface_again(lab: Lab) -> None:
 async def test_triangles_are_made_for_a_view_and_only_changed_chunks_again(lab: Lab) -> None:
     lab.do(type="map3d", values={"kind": "tsdf", "voxel": 0.05, "cut_high": 2.4})
     lab.look_around()
-    made = lab.model._volume._surface
+    made = lab.view._surface
     assert made is not None
     assert made.surface.message()["chunks"] == 0
     before = drawn(lab).chunks

@@ -21,11 +21,12 @@ from server.parts.terrain.part import TerrainPart
 from server.parts.terrain.patch import first_asked, patch_at
 from server.parts.volume.cloud_points import CloudPoints
 from server.parts.volume.live_volume import true_ground
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments
 from server.sessions.part import Offers
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 from tests.server.sent import sent, sent_one
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
@@ -211,7 +212,7 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
     source = CloudPoints(scans, low, high)
     view = TerrainPart(offers(), source)
-    row = view.tables["map3d"][1]
+    row = view.tables["terrain"][1]
     assert row["name"] == "patch"
     assert row["initial"] == first_patch(points[:, :2]) == 1.5
     result = TickResult()

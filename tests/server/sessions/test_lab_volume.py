@@ -21,13 +21,15 @@ from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume import live_volume as lab_volume
 from server.parts.volume.look import normal_colors
+from server.parts.volume.part import VolumeView
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
 from server.sessions.parts import Volumetric
 from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
 from server.stream.commands import TeleportCommand
-from server.stream.protocol import command_of, fields_of
+from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 
@@ -74,17 +76,23 @@ class Lab:
         return next(one for one in sent(self.model.messages()) if one["type"] == "map3d")
 
     @property
+    def view(self) -> VolumeView:
+        view = self.model.find(VolumeView)
+        assert view is not None
+        return view
+
+    @property
     def map(self) -> lab_volume.LabVolume:
-        made = self.model._volume._map
+        made = self.view._map
         assert made is not None
         return made
 
     def states(self) -> np.ndarray[Any, np.dtype[np.uint8]]:
-        assert self.model._volume.projection is not None
-        return lab_volume.only_in_3d(self.model._volume.projection, self.model.grid)[0]
+        assert self.view.projection is not None
+        return lab_volume.only_in_3d(self.view.projection, self.model.grid)[0]
 
     def state_at(self, x: float, y: float) -> int:
-        projection = self.model._volume.projection
+        projection = self.view.projection
         assert projection is not None
         row, col = projection.geometry.world_to_cell((x, y))
         return int(self.states()[row, col])
@@ -203,7 +211,7 @@ async def test_the_costmap_can_stand_on_the_map_from_above(lab: Lab) -> None:
 async def test_faces_are_made_only_for_a_3d_view(lab: Lab) -> None:
     lab.do(type="map3d")
     lab.look_around()
-    assert not lab.model._volume._faces.chunks
+    assert not lab.view._faces.chunks
 
     def voxels() -> Voxels:
         drawings = lab.model.drawings()

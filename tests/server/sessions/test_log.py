@@ -26,11 +26,12 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
+from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.tick import error_message
 from server.sessions.why import why_message
 from server.sources.log import MAX_GAP_S, play_times
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
 from tests.server.sent import sent
 from tests.server.service import eventually

@@ -13,16 +13,18 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
-from server.library.packs.given_map import GivenMap
+from server.library.packs.reference_map import ReferenceMap
 from server.parts.costmap import part as costmap_part
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
+from server.parts.localization.logged import LogLocalization
 from server.parts.terrain.costs import TerrainMap
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.commands import UseTerrain
+from server.sessions.commands import UseCosts
 from server.sessions.tick import TickResult
 from server.sources.log import LogModel
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
 from tests.server.sent import sent
 
@@ -49,6 +51,12 @@ class Log:
         self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice["code"] for notice in result.notices]
         return sent(self.model.messages())[-1]
+
+    @property
+    def localization(self) -> LogLocalization:
+        part = self.model.find(LogLocalization)
+        assert part is not None
+        return part
 
     @property
     def part(self) -> CostmapPart:
@@ -146,7 +154,7 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
         values = rng.choice(np.array([0, 100, -1], np.int8), geometry.shape)
         zones = rng.choice(np.array([0, 50], np.int8), geometry.shape) if keepout else None
         limits = np.full(geometry.shape, 35 if keepout else 0, np.int8)
-        log.model.localization.show_map(GivenMap("given", geometry, values, (), zones, limits))
+        log.localization.show_map(ReferenceMap("given", geometry, values, (), zones, limits))
         log.do(type="costmap", values=STATIC_ONLY | {"map": "given", "inflation_layer": False})
         costs = np.select([values == 100, values == 0], [254, 0], 255)
         if zones is not None:
@@ -163,7 +171,7 @@ async def test_a_costmap_begins_with_the_map_that_the_poses_are_in(log: Log) -> 
     x, y = log.model.recording.robot_state().pose[:2]
     geometry = GridGeometry(0.1, 40, 60, (x - 3.0, y - 2.0, 0.0))
     values = np.random.default_rng(4).choice(np.array([0, 100, -1], np.int8), geometry.shape)
-    log.model.localization.show_map(GivenMap("given", geometry, values, ()))
+    log.localization.show_map(ReferenceMap("given", geometry, values, ()))
     log.do(type="costmap", value=True)
     assert sent(log.model.messages())[-2]["values"]["map"] == "belief"
     log.do(type="costmap", value=False)
@@ -184,7 +192,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     values = np.random.default_rng(5).choice(np.array([0, 100, -1, 50], np.int8), geometry.shape)
     only = STATIC_ONLY | {"static_layer": False, "inflation_layer": False, "terrain_layer": True}
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
-    log.take(UseTerrain(TerrainMap("slopes", GivenMap("slopes.yaml", geometry, values))))
+    log.take(UseCosts(TerrainMap("slopes", ReferenceMap("slopes.yaml", geometry, values))))
     log.do(type="costmap", values=only | {"track_unknown_space": True})
     assert log.notices == []
     own = log.model.grid.geometry
@@ -202,10 +210,10 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     log.do(type="costmap", values=only)
     assert (log.costs == 254).any()
     assert log.part.history()[-1] == {"type": "use_terrain", "log": "slopes"}
-    far = GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
-    log.take(UseTerrain(TerrainMap("far", far)))
+    far = ReferenceMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
+    log.take(UseCosts(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]
-    log.take(UseTerrain(None))
+    log.take(UseCosts(None))
     assert not (log.costs == 254).any()
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
 
@@ -225,16 +233,16 @@ async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
     log: Log, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     log.do(type="seek", index=150)
-    small = GivenMap("given", GridGeometry(0.1, 4, 5), np.zeros((4, 5), np.int8))
-    log.model.localization.show_map(small)
+    small = ReferenceMap("given", GridGeometry(0.1, 4, 5), np.zeros((4, 5), np.int8))
+    log.localization.show_map(small)
     log.do(type="costmap", values=STATIC_ONLY | {"map": "given"})
     monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)
-    log.model.localization.show_map(GivenMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
+    log.localization.show_map(ReferenceMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
     log.do(type="step")
     assert (log.notices, log.costs.shape) == (["costmap.too_large"], (4, 5))
     log.do(type="step")
     assert (log.notices, log.costs.shape) == ([], (4, 5))
-    log.model.localization.show_map(small)
+    log.localization.show_map(small)
     monkeypatch.undo()
     log.do(type="costmap", values={"map": "belief"})
     monkeypatch.setattr(costmap_part, "MOST_CELLS", 25)

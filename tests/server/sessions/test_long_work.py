@@ -18,9 +18,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume.part import VolumeView
-from server.sessions import SessionHost, SessionRegistry, long_work, requests
+from server.parts.wire import command_of
+from server.sessions import SessionHost, SessionRegistry, command_queue, long_work
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -74,7 +74,7 @@ class Parts:
 async def test_newer_parameters_cancel_a_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(requests, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer ones
+    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer ones
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
@@ -97,7 +97,7 @@ async def test_newer_parameters_cancel_a_map(
 async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(requests, "MAX_CANCELLING_S", 0.0)  # they have come for long
+    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", 0.0)  # they have come for long
     session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
@@ -112,7 +112,7 @@ async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
 async def test_a_newer_seek_cancels_a_seek(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(requests, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer one
+    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer one
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     parts = Parts(monkeypatch)
@@ -196,7 +196,7 @@ async def test_a_long_seek_can_be_cancelled_where_it_is(
 async def test_new_parameters_can_be_cancelled(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(requests, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
+    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from mapper.sensors.scan import ScanLog
+from server.parts.wire import command_of
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sources.simulation import SimulationModel
-from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 

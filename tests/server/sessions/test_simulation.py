@@ -19,10 +19,11 @@ from mapper.mapping.integrate import integrate_log
 from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import error_message
 from server.stream.commands import ParametersCommand, SeekCommand
-from server.stream.protocol import ProtocolError, command_of
+from server.stream.protocol import ProtocolError
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of

@@ -17,14 +17,13 @@ import pytest
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.parts import Story
 from server.sessions.tick import TickResult
 from server.sources import story as story_module
 from server.sources.simulation_commands import act
-from server.sources.story import action_of, replayed, story_of
-from server.sources.story_cost import check_story, story_seconds
-from server.stream.protocol import command_of
+from server.sources.story import action_of, check_story, replayed, story_of, story_seconds
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 

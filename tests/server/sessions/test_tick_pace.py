@@ -6,7 +6,7 @@ import struct
 
 import pytest
 
-from server.sessions.tick_pace import MAX_TICK_S, OVERLOADED_TICK_S, TICK_S, TickPace
+from server.sessions.computation import MAX_TICK_S, OVERLOADED_TICK_S, TICK_S, TickPace
 from server.stream.hub import WINDOW, Client
 from tests.server.stream.simulated_browser import Source
 

@@ -12,9 +12,10 @@ import pytest
 from mapper.core.se2 import compose
 from mapper.mapping import textbook, textbook_deskew
 from mapper.sensors.scan import ScanLog
+from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
-from server.stream.protocol import command_of, encode_text
+from server.stream.protocol import encode_text
 from tests.mapper.mapping.sweeping import swept
 from tests.server.begin import new_log, new_simulation
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from msgspec import UNSET
+from msgspec import UNSET, Struct
 
 from server.parts.costmap import messages as costmap_messages
 from server.parts.localization.messages import LocalizationMessage
@@ -101,7 +101,7 @@ _CONTRIBUTION = parts.Contribution(
     log_odds=-0.4,
 )
 #: with every type of message, and the fields that are not always sent both there and missing
-MESSAGES: tuple[messages.ServerMessage, ...] = (
+MESSAGES: tuple[Struct, ...] = (
     messages.Hello(
         protocol=SUBPROTOCOL,
         session="abc",
@@ -112,6 +112,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         parameters=parts.Table([_ROW], {"window": 0.2, "model": "step_window", "clamp": True}),
         sensor=parts.Table([], {}),
         log=None,
+        tables={"costmap": [_ROW]},
         world="office",
         seed=3,
     ),
@@ -137,6 +138,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
             ["No times."],
             1_760_000_000.25,
         ),
+        tables={},
     ),
     messages.LayersMessage(
         [
@@ -206,6 +208,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         (1.0, 2.05, -0.5),
         (0.01, 0.0, 0.02, 0.001),
         True,
+        False,
         0.97,
         0.9,
         3.25,
@@ -214,7 +217,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.05,
         0.01,
     ),
-    LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
+    LocalizationMessage(False, "plan", {}, None, None, None, False, False, 0.0, 0.0, 0.0, 0, 0, None, None),
     volume_messages.Map3dMessage(
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),

@@ -12,14 +12,9 @@ from hypothesis import strategies as st
 
 from server.parts.path.messages import GoalCommand
 from server.parts.volume.messages import VoxelCommand
+from server.parts.wire import command_of, decode_command
 from server.stream.commands import ParametersCommand
-from server.stream.protocol import (
-    ProtocolError,
-    command_of,
-    decode_command,
-    encode_text,
-    place_of,
-)
+from server.stream.protocol import ProtocolError, encode_text, place_of
 
 
 @pytest.mark.parametrize(

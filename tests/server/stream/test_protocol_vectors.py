@@ -19,7 +19,8 @@ from mapper.core.se2 import compose
 from mapper.grid import GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.textbook_traversal import bresenham
-from server.stream import commands, messages
+from server.parts import wire
+from server.parts.wire import decode_command
 from server.stream.codecs import (
     CHANGES,
     GRAPH,
@@ -32,7 +33,7 @@ from server.stream.codecs import (
     decode_frame,
     encode_frame,
 )
-from server.stream.protocol import ProtocolError, decode_command, encode_text, fields_of
+from server.stream.protocol import ProtocolError, encode_text, fields_of
 from server.stream.tiles import STATE_BOUNDS
 from tests.server.stream.examples import COMMANDS, MESSAGES
 
@@ -283,14 +284,14 @@ def tags(union: Any) -> set[Any]:
 
 def test_the_vectors_have_every_message_and_command() -> None:
     kept = json.loads(VECTORS.read_text(encoding="utf-8"))
-    assert {json.loads(text)["type"] for text in kept["messages"]} == tags(messages.ServerMessage)
-    assert {json.loads(text)["type"] for text in kept["commands"]} == tags(commands.Command)
+    assert {json.loads(text)["type"] for text in kept["messages"]} == tags(wire.ServerMessage)
+    assert {json.loads(text)["type"] for text in kept["commands"]} == tags(wire.Command)
 
 
 def test_the_messages_of_the_vectors_are_read_back() -> None:
     kept = json.loads(VECTORS.read_text(encoding="utf-8"))
     for text, message in zip(kept["messages"], MESSAGES, strict=True):
-        assert msgspec.json.decode(text, type=messages.ServerMessage) == message
+        assert msgspec.json.decode(text, type=wire.ServerMessage) == message
 
 
 if __name__ == "__main__" and "--write" in sys.argv:

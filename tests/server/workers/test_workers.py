@@ -13,7 +13,7 @@ import socket
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from server.classes.codes import normalised
+from server.classes.codes import new_code, normalised
 from server.workers.places import worker_of_class
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, once_read, stream_at, until
@@ -164,7 +164,11 @@ def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Work
     log = first.put("/api/logs", params={"name": "a.log"}, content=carmen(5)).raise_for_status().json()
     assert once_read(first, log["id"])["state"] == "ready"
     view = first.post("/api/sessions", json={"kind": "log", "log": log["id"]}).raise_for_status().json()["id"]
-    token = first.post("/api/links", json={"session": view}).raise_for_status().json()["token"]
+    # Who has the address of a session shares it, looks at it in 3D and makes a puzzle of it, from whichever worker.
+    shared = second.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
+    assert [one["token"] for one in first.get(f"/api/sessions/{view}/links").json()["links"]] == [shared]
+    assert second.get("/3d", params={"session": view}).headers["location"] == f"/scenes/{view}/plain/"
+    token = first.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
     # The other worker learns of the link from the records.
     answer = until(lambda: (got := second.get(f"/api/shared/{token}")).status_code == 200 and got)
     assert "a.log" in answer.text
@@ -182,6 +186,60 @@ def test_a_class_is_followed_from_the_other_worker(service: Workers, pair: Any) 
     assert follower.get(f"/class/{code}").headers["location"].startswith(f"/class/{code}/")
     assert follower.get(f"/class/{code}/lecture.html").status_code == 200
     assert lecturer.delete(f"/api/classes/{code}").status_code == 204
+
+
+async def last_code(address: str, headers: dict[str, str]) -> int | None:
+    """The code with which the service closes a stream of a class."""
+    async with asyncio.timeout(PATIENCE_S), stream_at(address, additional_headers=headers) as stream:
+        await stream.wait_closed()
+        return stream.close_code  # type: ignore[no-any-return]
+
+
+async def moved_when(address: str, cookie: str, work: Callable[[], Any]) -> tuple[int | None, Any]:
+    """The code with which a follower's stream is closed because of some work, and what the work returns."""
+    closing = asyncio.create_task(last_code(address, {"Cookie": f"gridbloom_visitor={cookie}"}))
+    async with asyncio.timeout(PATIENCE_S):
+        done = await asyncio.to_thread(work)
+        return await closing, done
+
+
+def test_the_class_of_the_command_line_is_taken_over_from_either_worker(tmp_path: Path) -> None:
+    code = next(code for code in iter(new_code, "") if worker_of_class(code, 2) == 0)
+    with (
+        serving(tmp_path, GRIDBLOOM_CLASS_CODE=code) as service,
+        service.visitor_of(1) as lecturer,
+        service.visitor_of(0) as follower,
+    ):
+        assert follower.get(f"/api/classes/{code}").json()["present"] == 0  # it is open before there is a lecturer
+        stream = f"ws://127.0.0.1:{service.port}/api/classes/{code}/stream"
+
+        def taken_over() -> str:
+            until(lambda: follower.get(f"/api/classes/{code}").json()["present"] == 1)
+            return str(lecturer.post("/api/classes").raise_for_status().json()["code"])
+
+        # A page connects again after this close code.
+        assert asyncio.run(moved_when(stream, follower.cookies["gridbloom_visitor"], taken_over)) == (1012, code)
+        assert lecturer.get("/api/classes").json()["code"] == code
+        assert follower.get(f"/class/{code}").headers["location"].startswith(f"/class/{code}/")
+        others = follower.post("/api/classes").raise_for_status().json()["code"]
+        assert others != code
+        assert lecturer.delete(f"/api/classes/{others}").status_code == 404
+        assert lecturer.get(f"/api/classes/{code}/results.csv").status_code == 200
+
+        before = service.workers()
+        os.kill(max(before), signal.SIGKILL)  # the lecturer's: the class waits again for somebody to take it over
+        until(lambda: max(before) not in service.workers() and len(service.workers()) == 2)
+        assert follower.delete(f"/api/classes/{others}").status_code == 204
+        assert follower.post("/api/classes").raise_for_status().json()["code"] == code
+
+
+def test_wrong_codes_of_both_workers_count_together(service: Workers) -> None:
+    codes = [f"BCD{a}{b}F" for a in "GHJK" for b in "LMNP"]
+    assert {worker_of_class(code, 2) for code in codes[:13]} == {0, 1}
+    with service.visitor_of(0) as guessing:
+        assert [guessing.get(f"/api/classes/{code}").status_code for code in codes[:13]] == 12 * [404] + [429]
+    with service.visitor_of(0) as other:
+        assert other.get(f"/api/classes/{codes[0]}").status_code == 404
 
 
 def test_the_figures_and_the_budget_are_those_of_all_workers(service: Workers, pair: Any) -> None:

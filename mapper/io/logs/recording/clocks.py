@@ -19,6 +19,10 @@ class Clock:
         if recorded_ns:
             self._ahead.append(stamp_ns - recorded_ns)
 
+    def reset(self) -> None:
+        """Let the stamps be the times at which the messages were recorded."""
+        self._ahead = array("q", bytes(8 * len(self._ahead)))
+
     @property
     def ahead_ns(self) -> int | None:
         """By how much its stamps are ahead, usually; None where that is not known."""

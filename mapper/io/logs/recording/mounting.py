@@ -116,8 +116,13 @@ def _notes_on_frames(taken: Taken, tree: FrameTree, base: str, sensor: SensorSca
             "heights are those in that frame."
         )
     if base == sensor.frame and tree.frames and not tree.is_base(base, taken.children):
+        alike = tree.named_alike(base)
+        has = f", only where {', '.join(map(repr, alike))} sits" if alike else ""
+        what = f"tf does not say where the frame {base!r} sits on the robot{has}"
+        if not base:
+            what = "The scans name no frame (frame_id is empty), so tf cannot say where they were made on the robot"
         notes.append(
-            f"tf does not say where the frame {base!r} sits on the robot; the sensor is taken to be at its centre, "
-            "looking ahead. If it is not, set mount_x, mount_y and mount_yaw."
+            f"{what}; the sensor is taken to be at its centre, looking ahead. If it is not, set mount_x, mount_y and "
+            "mount_yaw."
         )
     return notes

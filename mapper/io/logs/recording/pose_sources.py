@@ -70,12 +70,17 @@ class PosesAtScans:
 
 
 def trajectories_at(
-    when: Moments, sources: Iterable[PoseSource], base_frame: str, limits: Limits, refused: str = ""
+    when: Moments,
+    sources: Iterable[PoseSource],
+    base_frame: str,
+    limits: Limits,
+    refused: str = "",
+    unused: str = "",
 ) -> PosesAtScans:
     """Return what each source says of the scans' times, in its order; at least one trajectory.
 
     Without a usable source, that is a placeholder: ``base_frame`` at the origin of itself. ``refused`` says which poses
-    could not be read, and why.
+    could not be read, and why, ``unused`` which messages are no source although they say where something is.
 
     A source whose poses are from another time than the scans is left out, unless their clocks alone differ: then both
     are put together by when they were recorded. Where another source has poses of more scans, it continues a trajectory
@@ -104,7 +109,7 @@ def trajectories_at(
         notes += _notes_on_left_out(when, found, known, kept)
         trajectories, more = _continued(when, found, known, kept)
         return PosesAtScans(trajectories, kept, [*notes, *more])
-    notes.append(_without_poses(is_any=is_any, refused=refused))
+    notes.append(_without_poses(is_any=is_any, refused=refused, unused=unused))
     still = Trajectory(
         np.zeros((len(when), 3)),
         "no poses in the file: one place for all scans",
@@ -213,13 +218,14 @@ def _are_alike(one: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> boo
     return bool(np.abs(apart).max(initial=0.0) < SAME)
 
 
-def _without_poses(*, is_any: bool, refused: str) -> str:
+def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
     if refused:
         return f"None of the file's poses can be used ({refused}), so {FROM_ONE_PLACE}."
     if is_any:
         return f"None of the file's poses can be used, so {FROM_ONE_PLACE}."
+    held = f"no poses along which the robot moved ({unused})" if unused else "no poses"
     return (
-        f"The file holds no poses, so {FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
+        f"The file holds {held}, so {FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
         "scans."
     )
 

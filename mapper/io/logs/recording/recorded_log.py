@@ -169,6 +169,7 @@ class RecordedLog:
         notes += more_notes
         groups, more = scan_groups(sensor.stated, self._limits)
         notes += more
+        notes += sensor.notes_on_ends
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
@@ -183,8 +184,16 @@ class RecordedLog:
         choice = self._taken.tf.choice(sensor.topic, sensor.frame)
         others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
         stated = self._stated.setdefault(choice.moving, {})
-        sources = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated).sources()
-        poses = trajectories_at(sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses())
+        robot_poses = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated)
+        sources = robot_poses.sources()
+        poses = trajectories_at(
+            sensor.moments,
+            sources,
+            robot[:MAX_FRAME_NAME],
+            self._limits,
+            self._refused_poses(),
+            listed(robot_poses.unused(), 3),
+        )
         notes += poses.notes
         whole = ScanLog(
             ranges=np.empty((len(stamps), 0), dtype=np.float32),
@@ -302,7 +311,8 @@ class RecordedLog:
         if sensor in self._in_other_tf or self._taken.tf.is_chosen:
             return [f"{said}."]
         named = listed([in_tf(sensor.topic, topic) for topic in choice.others])
-        return [f"{said}: to look all frames up in them, choose the sensor {named} (or --tf on the command line)."]
+        where = "in the list of logs, or name their topic with --tf on the command line"
+        return [f"{said}: to look all frames up in them, open the sensor {named} {where}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         listed_sensors = [*self._taken.sensors.values(), *self._in_other_tf]

@@ -7,7 +7,7 @@ A container's reader announces each stream of messages (:meth:`Recording.channel
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -216,7 +216,7 @@ class Recording:
         frame, child = printable(one.frame[:MAX_FRAME_NAME]), printable(one.child[:MAX_FRAME_NAME])
         known = self._poses_of(stream, frame, child)
         at = _stamp(one.stamp_ns, stamp_ns)
-        known.timeline.add(at, one.pose, self._position)
+        known.timeline.add(at, one.pose, self._position, _stamp(stamp_ns, 0))
         known.clock.add(at, _stamp(stamp_ns, 0))
         if child and len(taken.children) < MAX_CHILDREN:
             taken.children.add(child)
@@ -254,7 +254,7 @@ class Recording:
             at = _stamp(one.stamp_ns, stamp_ns)
             self._taken.tf_clock.add(at, _stamp(stamp_ns, 0))
             pose = StampedPose(at, printable(one.frame), printable(one.child), one.pose)
-            ignored = self._taken.tf.add(stream.topic, pose, self._position)
+            ignored = self._taken.tf.add(stream.topic, pose, self._position, _stamp(stamp_ns, 0))
             if ignored:
                 stream.leave_out(ignored)
 
@@ -264,12 +264,7 @@ class Recording:
         lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
         lines = [(topic, line) for topic, line in lines if len(line)]
         sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
-        for sensor in sensors:
-            if sensor.take_recorded_times():
-                self.notes.append(
-                    f"All {sensor.n_scans} scans on {sensor.topic} have the same stamp: each gets the time at which it "
-                    "was recorded."
-                )
+        self._take_recorded_times(sensors)
         tracks = [Track(topic, *line.track) for topic, line in lines]
         stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
         tracks += [Track(sensor.topic, *both) for sensor, both in zip(sensors, stamps, strict=True)]
@@ -283,6 +278,32 @@ class Recording:
             line.count_on(own)
         for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
             sensor.offsets = own
+
+    def _take_recorded_times(self, sensors: Iterable[SensorScans]) -> None:
+        """Give messages of a sender whose clock stands, or counts whole seconds, the times at which they were recorded.
+
+        tf2 keeps one transform of a stamp, and refuses a look-up at any other time.
+        """
+        taken = self._taken
+        counted = [(f"{one.n_scans} scans on {one.topic}", one.take_recorded_times()) for one in sensors]
+        for one in taken.poses.values():
+            counted.append((f"{len(one.timeline)} poses on {one.topic}", one.timeline.take_recorded_times()))
+            if counted[-1][1]:
+                one.clock.reset()
+        of_tf = [
+            (f"{len(line)} transforms between two frames on {topic}", line.take_recorded_times())
+            for topic, line in taken.tf.timelines
+        ]
+        if any(stamps for _, stamps in of_tf):
+            taken.tf_clock.reset()
+        for what, stamps in (*counted, *of_tf):
+            if stamps == 1:
+                self.notes.append(f"All {what} have the same stamp: each gets the time at which it was recorded.")
+            elif stamps:
+                self.notes.append(
+                    f"The {what} have no more than {stamps} different stamps: each gets the time at which it was "
+                    "recorded."
+                )
 
     def finish(self) -> None:
         """Take what was held until all messages had come."""

@@ -20,7 +20,7 @@ from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, 
 from mapper.io.logs.recording.tf_topics import namespaces
 from mapper.io.logs.recording.timeline import Moments, Timeline
 from mapper.io.logs.recording.transforms import FrameTree, Path
-from mapper.io.logs.ros.ros_messages import PATH
+from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
 
 Int64Array = NDArray[np.int64]
 
@@ -31,7 +31,17 @@ KINDS = (
     "geometry_msgs/PoseStamped",
     "geometry_msgs/TransformStamped",
     PATH,
+    *WITHOUT_HEADER,
 )
+#: Types of messages that say where something is, or how it moves, and are no source, with the reason.
+NO_SOURCES = {
+    "geometry_msgs/PoseArray": "many poses at one time",
+    PATH: "poses whose stamps do not ascend",
+    "geometry_msgs/PointStamped": "positions without a heading",
+    "sensor_msgs/NavSatFix": "positions without a heading",
+    "geometry_msgs/Twist": "velocities",
+    "geometry_msgs/TwistStamped": "velocities",
+}
 #: Words of topics of poses at which a robot shall be, and not is.
 WANTED = frozenset(("goal", "target", "setpoint", "waypoint", "initialpose", "initial", "desired", "reference", "plan"))
 MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
@@ -127,6 +137,10 @@ class RobotPoses:
             # tf does not name the base: an odometry message may.
             base = min(self.taken.children, default="base_link")
         child = known.child or base
+        if known.kind in WITHOUT_HEADER:
+            self.notes.append(
+                f"The poses on {known.topic} ({known.kind}) state no time: each has that at which it was recorded."
+            )
         sentence = f"the {known.kind.split('/')[-1]} messages on {known.topic}, at the time of each scan"
         path: Path | None = None
         if child not in (base, self.base):
@@ -159,11 +173,22 @@ class RobotPoses:
             repeats=KINDS.index(known.kind) > 1,
         )
 
+    def unused(self) -> list[str]:
+        """Return the topics that say where something is, and are no source, each with its type and the reason."""
+        found = []
+        for stream in self.taken.streams:
+            why = None if stream.topic in self.taken.poses else NO_SOURCES.get(stream.kind)
+            if stream.kind in KINDS and _is_wanted(stream.topic):
+                why = "at which the robot shall be"
+            if why is not None and stream.count:
+                found.append(f"{stream.topic}: {stream.kind}, {why}")
+        return found
+
     def _is_no_motion(self, topic: str, known: PoseTopic) -> bool:
         """Return whether poses are those of goals, or too far apart in time to be of a motion, which is noted."""
         if known.kind == ODOMETRY:
             return False
-        if WANTED & set(re.split(r"[^a-z]+", known.topic.lower())):
+        if _is_wanted(known.topic):
             return True
         if known.kind == KINDS[1] or len(known.timeline) < 2:
             return False
@@ -203,6 +228,11 @@ class RobotPoses:
                 poses = poses @ self.tree.lookup(path, when)
             self.stated[key] = StatedPoses(timeline.as_stated, when.stamps_ns, poses.planar)
         return self.stated[key]
+
+
+def _is_wanted(topic: str) -> bool:
+    """Return whether poses on a topic are, by its name, those at which a robot shall be."""
+    return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))
 
 
 def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:

@@ -7,15 +7,17 @@ from array import array
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.se2 import wrap_angle
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.stream import Stream
-from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
 from mapper.io.logs.ros.ros_messages import Beams
 from mapper.sensors.planar.options import is_cut
 
-LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of scans
-LEAST_ALIKE = 3  #: scans of one stamp that are a fault of their driver
+LEAST_BEAMS = 10  #: fewer tell nothing of their angles' end
+MOST_BEAMS_OFF = 2.0  #: beams by which drivers state another end: the next beam's, or with the last one twice
+MOST_OFF_RAD = 0.01
 
 
 class SensorScans:
@@ -30,9 +32,12 @@ class SensorScans:
         self.positions = array("q")  #: the number of each scan's message in the recording
         self.offsets: NDArray[np.int64] | None = None  #: what counts the stamps on where the clock began again
         self.clock = Clock()
+        self.other_ends = 0  #: messages whose angle_max is not where their last beam is by the increments
+        self._other_end = ""  #: of the first of them
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's beaming
         self._ranges = bytearray()
+        self._is_repeated = array("b")  #: whether each scan is the one before once more
         self._time_increments = array("f")
         self._scan_times = array("f")
         self._mounts = array("d")
@@ -43,25 +48,43 @@ class SensorScans:
         # nan is not itself, and would be another key in every message.
         first, step, least, greatest = (np.nan if np.isnan(value) else value for value in map(float, stated))
         beaming = Beaming(first, step, least, greatest, len(beams.ranges))
+        readings = beams.ranges.tobytes()
+        is_repeated = bool(self.stamps) and self.stamps[-1] == stamp_ns and self._ranges.endswith(readings)
+        self._is_repeated.append(is_repeated)
         self.stamps.append(stamp_ns)
         self._of_scan.append(self._numbers.setdefault(beaming, len(self._numbers)))
-        self._ranges += beams.ranges.tobytes()
+        self._ranges += readings
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
+        if ends_elsewhere(beams):
+            self.other_ends += 1
+            self._other_end = self._other_end or _said_of_end(beams)
         self._mounts.extend(beams.mount or ())
 
-    def take_recorded_times(self) -> bool:
-        """Give scans that all have one stamp the times at which they were recorded; return whether that was done."""
+    @property
+    def notes_on_ends(self) -> list[str]:
+        """A note on messages whose ``angle_max`` contradicts their increments, if there are any."""
+        if not self.other_ends:
+            return []
+        of = f"{self.other_ends} of the {self.n_scans}" if self.other_ends < self.n_scans else f"All {self.n_scans}"
+        return [f"{of} messages on {self.topic} contradict themselves: {self._other_end}"]
+
+    def take_recorded_times(self) -> int:
+        """Give scans that have the stamp of the one before the times at which they were recorded.
+
+        Return how many stamps there were, or 0 where nothing was done: see :func:`are_stamps_repeated`.
+        """
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
-        if self.n_scans < LEAST_ALIKE or np.ptp(stamps) or recorded is None:
-            return False
-        if np.ptp(recorded) < LEAST_APART_NS * (self.n_scans - 1):  # faster than any sensor: not times of scans
-            return False
+        differ = np.frombuffer(self._is_repeated, dtype=np.int8)[1:] == 0
+        if not np.ptp(stamps):  # also of a robot that stands where nothing moves
+            differ = np.ones(len(stamps) - 1, dtype=np.bool_)
+        if recorded is None or not are_stamps_repeated(stamps, recorded, differ):
+            return 0
         self.stamps, self.clock = array("q", recorded.tolist()), Clock()
         for stamp in self.stamps:
             self.clock.add(stamp, stamp)
-        return True
+        return len(np.unique(stamps))
 
     @property
     def kind(self) -> str:
@@ -101,3 +124,20 @@ class SensorScans:
             np.frombuffer(self._time_increments, dtype=np.float32),
             is_cut(self.kind),
         )
+
+
+def ends_elsewhere(beams: Beams) -> bool:
+    """Return whether ``angle_max`` is not the angle of the last beam, by more than two beams, modulo one turn."""
+    if not np.isfinite(beams.angle_max) or len(beams.ranges) < LEAST_BEAMS:
+        return False
+    apart = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1) - beams.angle_max
+    return bool(abs(wrap_angle(apart)) > MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD)
+
+
+def _said_of_end(beams: Beams) -> str:
+    last = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1)
+    first, step, last, stated = np.degrees([beams.angle_min, beams.angle_increment, last, beams.angle_max])
+    return (
+        f"angle_max is {stated:.4g}°, and {len(beams.ranges)} beams {step:.4g}° apart from {first:.4g}° end at "
+        f"{last:.4g}°. angle_increment counts here, as in laser_geometry; if walls are bent, it is wrong in the driver."
+    )

@@ -54,11 +54,14 @@ class TfTopics:
         self.statics = 0  #: number of static transforms, without those that are stated again
         self._nothing = Stated()
 
-    def add(self, topic: str, one: StampedPose, position: int) -> str:
-        """Take one transform of message number ``position`` on a topic; see :meth:`FrameTree.add`."""
+    def add(self, topic: str, one: StampedPose, position: int, recorded_ns: int = 0) -> str:
+        """Take one transform of message number ``position``, recorded at ``recorded_ns``, on a topic.
+
+        See :meth:`FrameTree.add`.
+        """
         stated = self._stated.setdefault(topic, Stated())
         before, statics = stated.edges, stated.statics
-        ignored = stated.add(one, self._limits, is_static=is_static(topic), position=position)
+        ignored = stated.add(one, self._limits, is_static=is_static(topic), position=position, recorded_ns=recorded_ns)
         if stated.edges != before:
             self._chosen.clear()
         self.statics += stated.statics - statics

@@ -18,6 +18,8 @@ from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
+LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of messages
+LEAST_ALIKE = 3  #: messages of one stamp that are a fault of their sender
 SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest may be taken
 _SLACK_M, _SLACK_RAD = 0.05, 0.02  #: as far as the robot moves by no more meanwhile, by its speed there
 _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mount, not a motion
@@ -44,6 +46,19 @@ class Moments:
         return Moments(self.stamps_ns + ahead_ns, self.positions)
 
 
+def are_stamps_repeated(stamps_ns: Int64Array, recorded_ns: Int64Array, differ: NDArray[np.bool_]) -> bool:
+    """Return whether most stamps (n,) of one sender are those of the message before, although the two messages differ.
+
+    Its clock stands, or counts whole seconds only. ``differ`` (n − 1,) says which messages differ from the one before.
+    The times at which they were recorded (n,), 0 where that is not known, have to be as far apart as messages are.
+    """
+    n = len(stamps_ns)
+    if n < LEAST_ALIKE or not recorded_ns.all() or np.ptp(recorded_ns) < LEAST_APART_NS * (n - 1):
+        return False
+    again = np.count_nonzero((np.diff(stamps_ns) == 0) & differ)
+    return bool((LEAST_ALIKE - 1) * (n - 1) <= LEAST_ALIKE * again)
+
+
 class Timeline:
     """A pose that was stated at several times, as tf2's TimeCache keeps a transform: late messages are put in order.
 
@@ -55,6 +70,7 @@ class Timeline:
         self._limits = limits
         self._stamps = array("q")
         self._positions = array("q")
+        self._recorded = array("q")  #: when each was recorded, 0 where that is not known
         self._values = array("d")
         self._offsets: Int64Array | None = None  #: what is added to the stamps where the clock began again
         self._in_order: tuple[Int64Array, Poses3, Int64Array] | None = None  #: made when first asked for
@@ -67,8 +83,8 @@ class Timeline:
     def __len__(self) -> int:
         return len(self._stamps)
 
-    def add(self, stamp_ns: int, pose: Pose7, position: int = 0) -> None:
-        """Append one, stated in message number ``position`` of the recording.
+    def add(self, stamp_ns: int, pose: Pose7, position: int = 0, recorded_ns: int = 0) -> None:
+        """Append one, stated in message number ``position`` of the recording, which was recorded at ``recorded_ns``.
 
         Raises :class:`BadMessageError` for what is no pose, naming the reason, and :class:`LimitError` for too many.
         """
@@ -87,12 +103,27 @@ class Timeline:
         self.latest_ns = max(self.latest_ns, stamp_ns)
         self._stamps.append(stamp_ns)
         self._positions.append(position)
+        self._recorded.append(recorded_ns)
         self._values.extend(pose)
 
     @property
     def track(self) -> tuple[Int64Array, Int64Array]:
         """The stamps (n,) as stated and the numbers of their messages (n,), in the order of the recording."""
         return np.array(self._stamps, dtype=np.int64), np.array(self._positions, dtype=np.int64)
+
+    def take_recorded_times(self) -> int:
+        """Give poses that have the stamp of the one before, but differ from it, the times at which they were recorded.
+
+        Return how many stamps there were, or 0 where nothing was done: see :func:`are_stamps_repeated`.
+        """
+        stamps, values = np.array(self._stamps, dtype=np.int64), np.array(self._values).reshape(-1, 7)
+        differ = (values[1:] != values[:-1]).any(axis=1)
+        recorded = np.array(self._recorded, dtype=np.int64)
+        if not are_stamps_repeated(stamps, recorded, differ):
+            return 0
+        self._stamps, self._in_order, self._moves = array("q", recorded.tolist()), None, None
+        self._run_from, self._is_ascending = 0, False
+        return len(np.unique(stamps))
 
     @property
     def last_position(self) -> int:

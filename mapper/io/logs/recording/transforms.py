@@ -91,8 +91,8 @@ class Stated:
     edges: int = 0
     statics: int = 0
 
-    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int) -> str:
-        """Take one transform; see :meth:`FrameTree.add`."""
+    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int, recorded_ns: int = 0) -> str:
+        """Take one transform, recorded at ``recorded_ns``; see :meth:`FrameTree.add`."""
         parent, child = one.frame.lstrip("/"), one.child.lstrip("/")
         why = why_ignored(parent, child, one.pose)
         if why:
@@ -107,7 +107,7 @@ class Stated:
             parents = self.moving.setdefault(child, {})
             if parent not in parents:
                 parents[parent] = Timeline(limits)
-            parents[parent].add(one.stamp_ns, one.pose, position)
+            parents[parent].add(one.stamp_ns, one.pose, position, recorded_ns)
             return ""
         statics = self.static.setdefault(child, _Statics())
         if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, one.pose):
@@ -145,6 +145,11 @@ class FrameTree:
     def knows(self, frame: str) -> bool:
         """Return whether a transform of or to a frame was stated."""
         return self._of_moving.knows(frame) or self._of_static.knows(frame)
+
+    def named_alike(self, frame: str) -> list[str]:
+        """Return a few frames whose names end as that of ``frame``, behind another prefix or none."""
+        names = [*self._of_moving.children, *self._of_static.children, *self._moving, *self._static]
+        return [name for name in dict.fromkeys(names) if name != frame and _last(name) == _last(frame)][:3]
 
     def _children_of(self, frame: str) -> tuple[str, ...]:
         moving, static = (one.children.get(frame, {}) for one in (self._of_moving, self._of_static))

@@ -28,8 +28,8 @@ class Beams:
     """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
 
     ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar. ``time_increment`` (s/beam) and
-    ``scan_time`` (s) are as stated, which may be NaN. ``mount`` is ``T_base_scan`` (m, m, rad) of a scan that was cut
-    out of a cloud: tf says it of all others.
+    ``scan_time`` (s) are as stated, which may be NaN, as is ``angle_max``, which may contradict the others. ``mount``
+    is ``T_base_scan`` (m, m, rad) of a scan that was cut out of a cloud: tf says it of all others.
     """
 
     stamp_ns: int
@@ -43,6 +43,7 @@ class Beams:
     time_increment: float = 0.0
     scan_time: float = 0.0
     mount: tuple[float, float, float] | None = None
+    angle_max: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/LaserScan."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
-    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
+    angle_min, angle_max, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     ranges = fields.floats()
     fields.floats()  # intensities
     fields.end()
@@ -73,6 +74,7 @@ def laser_scan(data: bytes, *, cdr: bool) -> Beams:
         ranges.astype(np.float32),
         time_increment=time_increment,
         scan_time=scan_time,
+        angle_max=angle_max,
     )
 
 
@@ -80,7 +82,7 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
     """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
     fields = MessageFields(data, cdr=cdr)
     stamp, frame = fields.header()
-    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
+    angle_min, angle_max, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
     return Beams(
         stamp,
         frame,
@@ -91,6 +93,7 @@ def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
         _first_echoes(fields),
         time_increment=time_increment,
         scan_time=scan_time,
+        angle_max=angle_max,
     )
 
 
@@ -165,6 +168,22 @@ def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
     return [StampedPose(stamp, frame, child, pose)]
 
 
+def pose(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/Pose, which states neither a time nor a frame."""
+    fields = MessageFields(data, cdr=cdr)
+    found = fields.pose()
+    fields.end()
+    return [StampedPose(0, "", "", found)]
+
+
+def pose_2d(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/Pose2D, x, y and theta, which states neither a time nor a frame."""
+    fields = MessageFields(data, cdr=cdr)
+    x, y, theta = fields.unpack("3d", 8)
+    fields.end()
+    return [StampedPose(0, "", "", (x, y, 0.0, 0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0)))]
+
+
 def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
     fields = MessageFields(data, cdr=cdr)
@@ -219,6 +238,7 @@ def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
 
 
 PATH = "nav_msgs/Path"
+WITHOUT_HEADER = ("geometry_msgs/Pose", "geometry_msgs/Pose2D")  #: types of poses without time and frame
 #: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
 SENSORS = {
     "sensor_msgs/LaserScan": laser_scan,
@@ -231,6 +251,8 @@ POSES = {
     "geometry_msgs/PoseStamped": pose_stamped,
     "geometry_msgs/TransformStamped": transform_stamped,
     PATH: path,
+    "geometry_msgs/Pose": pose,
+    "geometry_msgs/Pose2D": pose_2d,
 }
 TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
 

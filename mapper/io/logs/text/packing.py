@@ -144,7 +144,9 @@ class ScanStack:
         n_invalid = int(np.count_nonzero(invalid))
         if n_invalid:
             ranges[invalid] = np.nan
-            notes.append(f"{n_invalid} readings that are zero, negative or not a number count as no measurement.")
+            are = "1 reading that is" if n_invalid == 1 else f"{n_invalid} readings that are"
+            count = "counts" if n_invalid == 1 else "count"
+            notes.append(f"{are} zero, negative or not a number {count} as no measurement.")
         return ranges, notes
 
     def notes_on_time(self) -> list[str]:

@@ -70,7 +70,8 @@ export const particlesScene = (): Scene =>
     },
     drawing: ScanningRobot,
     caption: () =>
-      `On the floor: ${weighed.value.poses.length.toLocaleString("en")} poses anywhere, weighed by one scan of ${weighed.value.points.length} beams; the size shows the weight; they amount to ${written(effectiveNumber(weighed.value.weights), 0)} particles of equal weight. Several places fit so few beams. Drag the robot.`,
+      `On the floor: ${weighed.value.poses.length.toLocaleString("en")} poses anywhere, weighed by one scan of ${weighed.value.points.length} beams; the size shows the weight; they amount to ${written(effectiveNumber(weighed.value.weights), 0)} particles of equal weight. Several places fit so few beams.`,
+    task: "Drag the robot.",
   });
 
 function SupposedRobot({ transform }: MarkProps) {
@@ -110,7 +111,8 @@ export const sensorScene = (): Scene =>
     overlay: paintField,
     drawing: SupposedRobot,
     caption: () =>
-      `The likelihood field (table 6.3): each end point scores by its distance to the nearest wall, and no ray is cast. Here ${scoreOf(supposedAt.value)}, at the ring ${scoreOf(TAKEN_AT)}. Drag the robot to where its scan fits.`,
+      `The likelihood field (table 6.3): each end point scores by its distance to the nearest wall, and no ray is cast. Here ${scoreOf(supposedAt.value)}, at the ring ${scoreOf(TAKEN_AT)}.`,
+    task: "Drag the robot to where its scan fits.",
   });
 
 function KidnappedRobot({ transform }: MarkProps) {
@@ -142,7 +144,7 @@ function kidnappingCaption(): string {
     : past.some(({ kidnapped }) => kidnapped)
       ? `The robot was carried away ${scans === 1 ? "before the last scan" : `${scans} scans ago`}.`
       : "The robot is followed.";
-  return `${since} ${near} % of the belief is within ${NEAR} m of it; ${random} of ${particles.length} particles are random. Drag the robot away again.`;
+  return `${since} ${near} % of the belief is within ${NEAR} m of it; ${random} of ${particles.length} particles are random.`;
 }
 
 export const kidnappingScene = (): Scene =>
@@ -154,4 +156,5 @@ export const kidnappingScene = (): Scene =>
     },
     drawing: KidnappedRobot,
     caption: kidnappingCaption,
+    task: "Drag the robot away again.",
   });

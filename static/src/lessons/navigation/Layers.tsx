@@ -80,7 +80,7 @@ export function Layers() {
           }}
         />
       </div>
-      <p>The numbers are the costs under the cross on the stage; 254 is lethal, 253 inscribed.</p>
+      <p>The costs are those under the cross on the stage.</p>
     </div>
   );
 }

@@ -14,7 +14,7 @@ const PARTS: readonly { readonly phase: Phase; readonly name: string; readonly t
   {
     phase: "nav2",
     name: "Nav2",
-    text: "the saved map as static layer, the current scan on top of it, inflation, a path, and the drive along it",
+    text: "the saved map as static layer, the current scan on top, inflation, a path, and the drive",
   },
 ];
 const MS = 180;

@@ -115,8 +115,8 @@ export const layersScene = (): Scene =>
     scans: SCANS,
     overlay: (context, at) => paintCosts(context, at, sheets.value.at(-1)?.master ?? saved.value),
     drawing: LayerMarks,
-    caption: () =>
-      `The costmap of all layers that are switched on. Under the cross: ${costAtProbe()}. Drag the cross, and the crate with the round handle.`,
+    caption: () => `The costmap of all layers that are switched on. Under the cross: ${costAtProbe()}.`,
+    task: "Drag the cross, and the crate with the round handle.",
   });
 
 function DoorProbe({ transform }: MarkProps) {
@@ -131,8 +131,9 @@ export const inflationScene = (): Scene =>
     caption: () => {
       const distance = distanceToLethal(saved.value, doorAt.value);
       const door = groundCosts.value[cellOf([7.75, 3.25])] ?? 0;
-      return `Under the cross, ${written(distance, 2)} m from the nearest lethal cell: cost ${groundCosts.value[cellOf(doorAt.value)] ?? 0}. In the middle of the right door: ${door}${door >= 253 ? ", so that no path leads through it" : ""}. Drag the cross.`;
+      return `Under the cross, ${written(distance, 2)} m from the nearest lethal cell: cost ${groundCosts.value[cellOf(doorAt.value)] ?? 0}. In the middle of the right door: ${door}${door >= 253 ? ", so that no path leads through it" : ""}.`;
     },
+    task: "Drag the cross.",
   });
 
 interface EndProps {
@@ -180,9 +181,10 @@ export const pathScene = (): Scene =>
     caption: () => {
       const { path, length, order } = plan.value;
       const searched = `${Math.ceil(progress.value * order.length).toLocaleString("en")} cells expanded`;
-      if (!path) return `No path: the goal or a door on the way is blocked. ${searched}. Drag the goal.`;
-      return `${searched}; each band of colour has one cost to come. The path is ${written(length, 1)} m long. Drag the goal or the robot.`;
+      if (!path) return `No path: the goal or a door on the way is blocked. ${searched}.`;
+      return `${searched}; each band of colour has one cost to come. The path is ${written(length, 1)} m long.`;
     },
+    task: "Drag the goal or the robot.",
   });
 
 const isGone = (): boolean => since.value > 0;
@@ -247,6 +249,7 @@ export const lifetimeScene = (): Scene =>
         placeOfTable.value === "dynamic" && left > 0 && isGone()
           ? ` Forgotten in ${written(tableLifetime.value - since.value + 1, 0)} s.`
           : "";
-      return `${now} ${kept}, ${extra}.${forgotten} Drag the robot towards it.`;
+      return `${now} ${kept}, ${extra}.${forgotten}`;
     },
+    task: "Drag the robot towards it.",
   });

@@ -57,9 +57,9 @@ function caption(): string {
     return `AMCL: another day, the robot is somewhere on the saved map. After ${index} scans ${near} % of the belief is at the robot.`;
   }
   const { plan, arrived } = driveAt(index);
-  if (arrived) return "Nav2: the robot is at its goal. Drag the goal, and drive on.";
-  if (!plan.path) return "Nav2: no path leads to the goal. Drag it to a free place.";
-  return `Nav2: a path of ${written(plan.length, 1)} m on the costmap. The crate is not in the saved map: the obstacle layer has what the scans saw of it. Drag the goal.`;
+  if (arrived) return "Nav2: the robot is at its goal.";
+  if (!plan.path) return "Nav2: no path leads to the goal.";
+  return `Nav2: a path of ${written(plan.length, 1)} m on the costmap. The crate is not in the saved map: the obstacle layer has what the scans saw of it.`;
 }
 
 export function stackScene(): Scene {
@@ -77,5 +77,6 @@ export function stackScene(): Scene {
     },
     drawing: StackMarks,
     caption,
+    task: phase === "nav2" ? "Drag the goal." : "",
   });
 }

@@ -31,10 +31,10 @@ export const inflated = (costs: Costs): Costs => inflate(costs, GEOMETRY, robotR
 
 export const LAYERS = [
   { id: "static", name: "static", text: "the saved map" },
-  { id: "obstacle", name: "obstacle", text: "the current scan: a crate that is not in the map" },
-  { id: "dynamic", name: "dynamic", text: "what was seen a short time ago: someone’s trail" },
-  { id: "keepout", name: "keepout", text: "a zone that was painted by hand" },
-  { id: "inflation", name: "inflation", text: "cost around all that is lethal" },
+  { id: "obstacle", name: "obstacle", text: "the current scan: a crate" },
+  { id: "dynamic", name: "dynamic", text: "recent scans: someone’s trail" },
+  { id: "keepout", name: "keepout", text: "a zone painted by hand" },
+  { id: "inflation", name: "inflation", text: "cost around lethal cells" },
 ] as const;
 export type LayerId = (typeof LAYERS)[number]["id"];
 

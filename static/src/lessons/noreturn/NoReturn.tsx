@@ -43,9 +43,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
           }}
         />
       </div>
-      <figcaption>
-        The dashed wall is glass: a beam that meets it has no return. Beams without a return are dotted.
-      </figcaption>
+      <figcaption>Dashed: glass, which returns no beam. Dotted: beams without a return.</figcaption>
     </figure>
   );
 }

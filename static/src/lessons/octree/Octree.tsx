@@ -74,8 +74,8 @@ export function Octree() {
         </tbody>
       </table>
       <p>
-        Counted for this floor with {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner
-        node with eight pointers, {BYTES.point} for a point of a drive with 16 rings.
+        With {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner node with eight
+        pointers, {BYTES.point} for a point of a drive with 16 rings.
       </p>
     </div>
   );

@@ -57,8 +57,7 @@ export function Resolution() {
         />
       </div>
       <figcaption>
-        {SCANS} scans of 240 beams. Memory: log-odds of 4 bytes for each cell of the whole floor. Time: the update by
-        the program of the lecture, in this browser.
+        {SCANS} scans of 240 beams. Memory: 4 bytes for each cell of the whole floor. Time: the updates in this browser.
       </figcaption>
     </figure>
   );

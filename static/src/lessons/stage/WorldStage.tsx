@@ -116,7 +116,9 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
         </svg>
       </div>
       <div class="world-stage-caption">
-        <p>{caption}</p>
+        <p>
+          {caption} <span class="no-print">{now.task}</span>
+        </p>
         {children}
       </div>
     </div>

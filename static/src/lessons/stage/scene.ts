@@ -56,6 +56,8 @@ export interface Scene {
   readonly drawing: ComponentType<MarkProps> | null;
   /** The point that the scene makes, in one or two sentences. */
   readonly caption: (now: Shown) => string;
+  /** What the reader can do with it, in a sentence; it is not printed. */
+  readonly task: string;
 }
 
 /** The map that the stage shows: of a history, after some of its scans. */
@@ -95,6 +97,7 @@ interface SceneParts {
   readonly overlay?: Scene["overlay"];
   readonly drawing?: Scene["drawing"];
   readonly caption: string | ((now: Shown) => string);
+  readonly task?: string;
 }
 
 /** A cell of the wall between the corridor and the left room: first passed and hit by turns, then certain. */
@@ -120,6 +123,7 @@ export function scene(parts: SceneParts): Scene {
     overlay: parts.overlay ?? null,
     drawing: parts.drawing ?? null,
     caption: typeof caption === "string" ? () => caption : caption,
+    task: parts.task ?? "",
   };
 }
 

@@ -1,12 +1,13 @@
 /**
  * The groups of the lab's dock, by what one does there: its first section maps, the others follow the parts of the
- * lecture. A new group is one entry of `GROUPS`.
+ * lecture. A new group is one entry of `GROUPS`; those of the parts are in their folders.
  */
 
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { changedOf } from "../../tools/parameters/parameters";
+import { groupsOfParts } from "../../tools/parts";
 import { ProfileText } from "../../tools/profile/Profile";
 import type { ProfileView } from "../../tools/profile/view";
 import { Steps } from "../../tools/steps/Steps";
@@ -19,15 +20,7 @@ import { WorldGroup } from "./groups/World";
 
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
-const Localization = lazy(async () => (await import("../../tools/localization/Localization")).Localization);
-const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
-const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
-const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
-const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
 const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
-const SurfacePanel = lazy(async () => (await import("./surface/SurfacePanel")).SurfacePanel);
-const TerrainGroup = lazy(async () => (await import("../../tools/terrain/TerrainGroup")).TerrainGroup);
-const AskedPatch = lazy(async () => (await import("../../lessons/terrain/AskedPatch")).AskedPatch);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -134,54 +127,9 @@ const GROUPS: readonly Group[] = [
     keeps: true,
     content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
   },
-  {
-    id: "slam",
-    title: "SLAM",
-    section: "Errors",
-    purpose: "Drifting wheels, and their path corrected while the robot drives",
-    keeps: true,
-    content: ({ store }) => <SlamGroup store={store} />,
-  },
-  {
-    id: "localize",
-    title: "Localize",
-    section: "Using the map",
-    purpose: "The robot’s pose by a particle filter; kidnap the robot",
-    keeps: true,
-    badge: ({ store }) => (store.part("localization").message.value?.is_on ? "on" : null),
-    content: ({ store }) => <Localization store={store} />,
-  },
-  {
-    id: "costmap",
-    title: "Costmap",
-    section: "Using the map",
-    purpose: "Layers of costs over the map, as in Nav2",
-    content: ({ store }) => <CostmapGroup store={store} />,
-  },
-  {
-    id: "path",
-    title: "Path",
-    section: "Using the map",
-    purpose: "A goal, and the cheapest path around the obstacles",
-    content: ({ store }) => <PathGroup store={store} />,
-  },
-  {
-    id: "map3d",
-    title: "3D map",
-    section: "3D",
-    purpose: "An octree or a surface, made by a 3D sensor while the robot drives",
-    badge: ({ store }) => (store.part("map3d").message.value?.is_on ? "on" : null),
-    content: ({ store, session }) => (
-      <Map3dGroup store={store} session={session} surface={<SurfacePanel store={store} />} />
-    ),
-  },
-  {
-    id: "terrain",
-    title: "Terrain",
-    section: "3D",
-    purpose: "Planes of the 3D map's points, and where it is safe to drive",
-    content: ({ store }) => <TerrainGroup store={store} asked={(message) => <AskedPatch message={message} />} />,
-  },
+  ...groupsOfParts("lab", "Errors"),
+  ...groupsOfParts("lab", "Using the map"),
+  ...groupsOfParts("lab", "3D"),
   {
     id: "3d",
     title: "3D view",

@@ -86,7 +86,7 @@ export function Section({ id, number, title, figure, children, after, predict, s
           )}
           {puzzle && (
             <p class="no-print">
-              Exercise: the puzzle <a href={`/puzzles.html?puzzle=${puzzle[0]}`}>{puzzle[1]}</a>.
+              Puzzle: <a href={`/puzzles.html?puzzle=${puzzle[0]}`}>{puzzle[1]}</a>.
             </p>
           )}
         </footer>

@@ -20,12 +20,12 @@ export const REALIZATIONS: readonly {
   {
     name: "Scan to map",
     sketch: "scan-to-map",
-    sentence: "Each scan is matched with the map so far, or with its newest part, so that errors add up more slowly.",
+    sentence: "Each scan is matched with the map so far, or its newest part; errors add up more slowly.",
   },
   {
     name: "Map to map",
     sketch: "map-to-map",
-    sentence: "Two maps of a few scans each are matched; they show more of a place than one scan does.",
+    sentence: "Two maps of a few scans each are matched; they show more than single scans.",
   },
   {
     name: "Feature-based",
@@ -35,7 +35,7 @@ export const REALIZATIONS: readonly {
   {
     name: "RANSAC",
     sketch: "ransac",
-    sentence: "Poses are computed from a few pairs drawn at random; the one with which most pairs agree is kept.",
+    sentence: "Poses are computed from a few pairs drawn at random; the one that most pairs agree with is kept.",
   },
   {
     name: "Correlative",

@@ -26,6 +26,11 @@ export function Downloads({
             {LABELS[name] ?? name.split(".").at(-1)}
           </Button>
         ))}
+        {!isGuest && (
+          <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report`} target="_blank">
+            Report
+          </Button>
+        )}
         {!isGuest && <EditMap session={session} name={title} />}
       </div>
       <p class="quiet">

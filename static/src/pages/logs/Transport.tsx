@@ -1,4 +1,4 @@
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
@@ -6,12 +6,13 @@ import type { LogEvent } from "../../wire/http";
 import type { Trajectory } from "../../wire/protocol";
 import { eventLabel } from "./Doctor";
 import { isTyping } from "./isTyping";
+import { type LinesState, ticksOf } from "./lines/lines";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
 import { Moment } from "./time/Moment";
-import { secondsAt } from "./time/scanTimes";
+import { scansAt, secondsAt } from "./time/scanTimes";
 import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
@@ -52,12 +53,13 @@ interface TransportProps {
   /** Called when a note's mark was pressed. */
   readonly onNote?: () => void;
   readonly events?: readonly LogEvent[];
+  readonly lines?: LinesState;
   /** The plots below it, of a log of scans. */
   readonly plots?: TimelinePlotsState;
 }
 
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store, unit = "scan", notes, onNote, events = [], plots }: TransportProps) {
+export function Transport({ store, unit = "scan", notes, onNote, events = [], lines, plots }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -77,6 +79,12 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], pl
   const trajectory = store.trajectory.value;
   const timeAt =
     duration > 0 && trajectory ? (at: number): string => shownTime(store, secondsAt(trajectory, at)) : undefined;
+  const span = duration > 0 ? plots?.zoom.value : null;
+  const logged = lines?.lines.value;
+  const ticks = useMemo(
+    () => (logged && trajectory ? ticksOf(logged, trajectory, count) : []),
+    [logged, trajectory, count],
+  );
   const speed = frame?.speed ?? 1;
   return (
     <section class="viewer-transport" aria-label="Playback">
@@ -108,6 +116,8 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], pl
         onPoint={(at) => {
           if (plots) plots.onTimeline.value = at;
         }}
+        ticks={ticks}
+        band={span && trajectory ? [scansAt(trajectory, span[0], count), scansAt(trajectory, span[1], count)] : null}
         marks={[...marksOf(notes, trajectory, count), ...eventMarks(store, events)]}
         onMark={(id) => {
           if (id.startsWith(EVENT)) store.goTo(Number(id.slice(EVENT.length)));

@@ -20,10 +20,12 @@ import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { eventsOf, useDoctor } from "./Doctor";
+import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
 import { HealOffer } from "./heal/HealOffer";
 import { useHealing } from "./heal/healing";
+import { useLines } from "./lines/useLines";
 import { useLocalizing } from "./localize/localizing";
 import { NoteCard } from "./notes/NoteCard";
 import { NotePins } from "./notes/NotePins";
@@ -67,6 +69,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const plots = useTimelinePlots();
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
   const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
+  const lines = useLines(session);
+  const fields = useFieldsState(session);
   const topic = useSignal(""); // whose messages are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
@@ -164,6 +168,9 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
             trajectoryErrors,
             openGroup,
             topic,
+            lines,
+            fields,
+            zoom: plots.zoom,
             onHeal,
             sharedView: () => sharedViewOf(store, picture),
             shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
@@ -178,13 +185,20 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       </Head>
       <div class="viewer-stage" ref={stage}>
         <Stage
-          views={viewsOf({ store, session, topic }, isGuest, map)}
+          views={viewsOf({ store, session, topic, comparison, lines, fields, zoom: plots.zoom }, isGuest, map)}
           layout={layout.value}
           onLayout={(next) => {
             layout.value = next;
           }}
         />
-        <Transport store={store} notes={notes} onNote={openNotes} events={eventsOf(doctor)} plots={plots} />
+        <Transport
+          store={store}
+          notes={notes}
+          onNote={openNotes}
+          events={eventsOf(doctor)}
+          lines={lines}
+          plots={plots}
+        />
         {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
         <div class="viewer-readout">
           {comparison.isOn.value ? (

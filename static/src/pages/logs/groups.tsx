@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
+import { groupsOfParts } from "../../tools/parts";
 import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
@@ -14,11 +15,15 @@ import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
 import { Pictures } from "./contents/Pictures";
 import { Plots } from "./contents/Plots";
+import type { Span } from "./contents/series";
 import { Topics } from "./contents/Topics";
 import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
+import type { FieldsState } from "./fields/useFields";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Lines } from "./lines/Lines";
+import type { LinesState } from "./lines/lines";
 import { Localize } from "./localize/Localize";
 import type { Localizing } from "./localize/localizing";
 import { Messages } from "./messages/Messages";
@@ -51,6 +56,10 @@ export interface LogView {
   readonly openGroup: Signal<string>;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly lines: LinesState;
+  readonly fields: FieldsState;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
   /** Begin to heal the log's poses, and open the group that shows it. */
   readonly onHeal: () => void;
   readonly notes: NotesState;
@@ -73,7 +82,6 @@ interface Group {
   readonly content: (view: LogView) => ComponentChildren;
 }
 
-const PathGroup = lazy(async () => (await import("../../tools/path/PathGroup")).PathGroup);
 const CostmapGroup = lazy(async () => (await import("../../tools/costmap/CostmapGroup")).CostmapGroup);
 
 /** The group that a log opens on. */
@@ -142,13 +150,7 @@ const GROUPS: readonly Group[] = [
       <CostmapGroup store={store}>{!isGuest && <TerrainChoice store={store} session={session} />}</CostmapGroup>
     ),
   },
-  {
-    id: "path",
-    title: "Path",
-    section: "Navigate",
-    isThere: ({ log }) => log !== null,
-    content: ({ store }) => <PathGroup store={store} />,
-  },
+  ...groupsOfParts("log", "Navigate").map((group) => ({ ...group, isThere: ({ log }: LogView) => log !== null })),
   {
     id: "topics",
     title: "Topics",
@@ -173,6 +175,12 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, topic }) => <Messages store={store} session={session} topic={topic} />,
   },
   {
+    id: "lines",
+    title: "Log lines",
+    section: "Data",
+    content: ({ store, session, lines }) => <Lines store={store} session={session} lines={lines} />,
+  },
+  {
     id: "pictures",
     title: "Pictures",
     section: "Data",
@@ -182,7 +190,9 @@ const GROUPS: readonly Group[] = [
     id: "plots",
     title: "Plots",
     section: "Data",
-    content: ({ store, session }) => <Plots store={store} session={session} />,
+    content: ({ store, session, fields, zoom }) => (
+      <Plots store={store} session={session} fields={fields} zoom={zoom} />
+    ),
   },
   {
     id: "frames",

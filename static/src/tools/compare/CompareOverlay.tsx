@@ -20,6 +20,7 @@ export function CompareOverlay({ comparison, names, refused }: CompareOverlayPro
       <b>{which.toUpperCase()}</b> {names[which]}
     </span>
   );
+  if (comparison.isApart.value) return side("b");
   if (mode === "swipe") {
     return (
       <>

@@ -36,6 +36,8 @@ export class Comparison {
   readonly blinks = signal(!reducedMotion.peek());
   /** Which of the two is shown while they blink. */
   readonly shown = signal<"a" | "b">("a");
+  /** Whether A has a picture of its own, so that the picture of B shows B alone. */
+  readonly isApart = signal(false);
   readonly marked = signal<Marked | null>(null);
   /** Whether the session compares its map. */
   readonly isOn: ReadonlySignal<boolean>;
@@ -132,7 +134,7 @@ export class Comparison {
 
   /** The fraction of the picture's width, from the left, that shows A. */
   get share(): number {
-    if (!this.pair.peek()) return 0;
+    if (!this.pair.peek() || this.isApart.peek()) return 0;
     if (this.mode.peek() === "blink") return this.shown.peek() === "a" ? 1 : 0;
     return this.mode.peek() === "swipe" ? this.divider.peek() : 0;
   }
@@ -147,13 +149,20 @@ export class Comparison {
 
   /** Read every signal that the picture shows. */
   watch(): void {
-    void [this.isOn.value, this.mode.value, this.divider.value, this.shown.value, this.marked.value];
+    void [
+      this.isOn.value,
+      this.isApart.value,
+      this.mode.value,
+      this.divider.value,
+      this.shown.value,
+      this.marked.value,
+    ];
     void [this.pair.value, this.noMerge.value, this.#store.second.value?.version.value];
   }
 
   layers(): readonly Layer[] {
     const pair = this.pair.peek();
-    if (!pair) return [{ map: this.#store.map.peek(), hasHighlights: true }];
+    if (!pair || this.isApart.peek()) return [{ map: this.#store.map.peek(), hasHighlights: true }];
     const { a, b, lattice } = pair;
     const layers: Layer[] = [];
     const difference = this.#difference.peek();
@@ -184,7 +193,7 @@ export class Comparison {
    */
   ownPart(): readonly [from: number, to: number] {
     const compared = this.#store.compared.peek();
-    if (!compared || !this.pair.peek()) return [0, 1];
+    if (!compared || !this.pair.peek() || this.isApart.peek()) return [0, 1];
     if (this.mode.peek() === "difference" || this.mode.peek() === "merge") return [1, 1];
     // The correct map of a simulation has the true poses: the same unless the believed ones differ.
     const areTrue = compared.with_faults || !this.#store.frame.peek()?.believed_pose;

@@ -3,19 +3,21 @@
 import { useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo, useRef } from "preact/hooks";
+import { CostCurve as Curve } from "../../render/chart/CostCurve";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { saveAs } from "../../ui/files/saveAs";
+import type { Range } from "../../ui/numbers";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Begin, End } from "./BeginEnd";
-import { CostCurve } from "./CostCurve";
 import { CostFiles } from "./CostFiles";
 import { Outline } from "./Outline";
 import { Sheets } from "./Sheets";
+import { costmapOf } from "./state";
 import { OverChoice } from "./Tools";
 import { useCostmap, useRows } from "./useCostmap";
 import { WhyCost } from "./WhyCost";
 import "./costmap.css";
-import { costmapOf } from "./state";
 
 const ROWS = [
   "map",
@@ -79,11 +81,7 @@ function Nav2({ store }: { readonly store: Store }) {
     const text = answer.value?.text ?? null;
     if (text === null) return;
     answer.value = null;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
-    link.download = "nav2_params.yaml";
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href));
+    saveAs("nav2_params.yaml", new Blob([text], { type: "application/yaml" }));
   });
   const upload = async (): Promise<void> => {
     const chosen = file.current?.files?.[0];
@@ -122,5 +120,27 @@ function Nav2({ store }: { readonly store: Store }) {
         />
       </div>
     </>
+  );
+}
+
+/** The curve of the session's costs. */
+export function CostCurve({ store }: { readonly store: Store }) {
+  const state = costmapOf(store);
+  const costmap = state.costmap.value;
+  const values = state.values.values.value;
+  const table = store.hello.value?.tables.costmap;
+  const row = (name: string): Range => table?.find((one) => one.name === name) ?? { low: 0, high: 1, step: 0.1 };
+  if (!costmap) return null;
+  return (
+    <Curve
+      inscribed={costmap.inscribed_radius}
+      circumscribed={costmap.circumscribed_radius}
+      inflation={{
+        inflation_radius: Number(values.inflation_radius),
+        cost_scaling_factor: Number(values.cost_scaling_factor),
+      }}
+      ranges={{ inflation_radius: row("inflation_radius"), cost_scaling_factor: row("cost_scaling_factor") }}
+      onChange={(name, value) => store.setPart("costmap", { [name]: value })}
+    />
   );
 }

@@ -13,7 +13,7 @@ export function useCostmap(store: Store): void {
   const isOn = state.costmap.value?.is_on === true;
   const isEnded = state.isEnded.value;
   const over = state.over.value;
-  // A given map may have speed limits of its own.
+  // A reference map may have speed limits of its own.
   const isGiven = state.values.values.value.map === "given";
   const isLimited = isGiven || state.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
   useEffect(() => {
@@ -33,6 +33,6 @@ export function useCostmap(store: Store): void {
 
 /** The rows of the parameters of these names, in this order. */
 export function useRows(store: Store, names: readonly string[]) {
-  const table = store.hello.value?.navigation;
+  const table = store.hello.value?.tables.costmap;
   return useMemo(() => names.flatMap((name) => table?.filter((row) => row.name === name) ?? []), [table, names]);
 }

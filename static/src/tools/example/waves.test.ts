@@ -22,6 +22,7 @@ const HELLO = JSON.stringify({
   parameters: { table: [], values: {} },
   sensor: null,
   log: null,
+  tables: {},
 });
 const buffer = (hex: string): ArrayBuffer =>
   Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16)).buffer;

@@ -1,8 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { saveAs } from "../../ui/files/saveAs";
+import { ask, fetched } from "../../wire/ask";
+import type { AmclParameters } from "../../wire/http";
 import type { Values } from "../../wire/protocol";
-import { type AmclParameters, amclYaml, readAmclYaml } from "./amclFiles";
 import "./localization.css";
 
 interface AmclYamlProps {
@@ -38,11 +40,7 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
     });
   const save = (): Promise<void> =>
     doing(async () => {
-      const link = document.createElement("a");
-      link.href = URL.createObjectURL(await amclYaml({ ...opened.current, values: values() }));
-      link.download = "amcl.yaml";
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      saveAs("amcl.yaml", await amclYaml({ ...opened.current, values: values() }));
       return null;
     });
   return (
@@ -69,4 +67,16 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
       {said.value && <p role={said.value.isError ? "alert" : "status"}>{said.value.text}</p>}
     </div>
   );
+}
+
+export type { AmclParameters };
+
+export const readAmclYaml = (file: File): Promise<AmclParameters> =>
+  ask("PUT /api/localization/parameters", {}, { file });
+
+/** Parameters as the yaml of an AMCL. */
+export async function amclYaml({ values, layout, others }: Omit<AmclParameters, "notes">): Promise<Blob> {
+  const headers = { "Content-Type": "application/json" };
+  const wanted = { method: "POST", headers, body: JSON.stringify({ ...others, ...values }) };
+  return (await fetched(`/api/localization/amcl.yaml?layout=${layout}`, wanted)).blob();
 }

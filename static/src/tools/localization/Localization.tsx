@@ -134,8 +134,10 @@ export function Localization({ store }: { readonly store: Store }) {
 
 function Outcome({ message }: { readonly message: LocalizationMessage }) {
   const off = message.error_m ?? 0;
-  const isRight = message.is_converged && off < 1;
-  const verdict = isRight ? "Found" : message.is_converged ? "Wrong, and sure of it" : "Not found yet";
+  const { is_converged, is_sure } = message;
+  const found = off < 1 ? "Found" : "Wrong";
+  const certainty = is_sure === off < 1 ? "" : is_sure ? ", and sure of it" : ", not sure";
+  const verdict = is_converged ? found + certainty : "Not found yet";
   return (
     <dl class="number-row">
       <div>

@@ -1,6 +1,5 @@
 /** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
 
-import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -8,17 +7,17 @@ import { Choice } from "../../ui/Choice";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { plural } from "../../ui/numbers";
 import type { Value } from "../../wire/protocol";
+import { costmapOf } from "../costmap/state";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
 import { VoxelWhy } from "../volume/VoxelWhy";
-import "../volume/volume.css";
 import { ClickChoice } from "./ClickChoice";
-import { Files } from "./Files";
 import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
+import { SurfacePanel } from "./SurfacePanel";
+import "../volume/volume.css";
 import "./map3d.css";
-import { costmapOf } from "../costmap/state";
 
 /** The world with a low table, a ramp and stairs. */
 const LEVELS = "levels";
@@ -31,11 +30,9 @@ const KINDS = [
 interface GroupProps {
   readonly store: Store;
   readonly session: string;
-  /** What is shown of the surface while it is chosen. */
-  readonly surface: ComponentChildren;
 }
 
-export function Map3dGroup({ store, session, surface }: GroupProps) {
+export function Map3dGroup({ store, session }: GroupProps) {
   const { layers } = store;
   const map3d = store.part("map3d");
   const message = map3d.message.value;
@@ -74,7 +71,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
         value={String(values.value.kind)}
         onChange={(value) => set("kind", value)}
       />
-      {isSurface && surface}
+      {isSurface && <SurfacePanel store={store} />}
       <ClickChoice store={store} />
       <Difference store={store} />
       <div class="map3d-why">
@@ -159,5 +156,31 @@ function CostmapChoice({ store }: { readonly store: Store }) {
         store.setPart("costmap", { map: wanted ? "map_3d" : "belief" });
       }}
     />
+  );
+}
+
+const FILES = ["volume.bt", "volume.ot", "surface.ply", "surface.glb", "above.pgm", "above.yaml"];
+
+interface FilesProps {
+  readonly session: string;
+  /** Whether the surface is shown instead of the voxels. */
+  readonly isSurface: boolean;
+}
+
+export function Files({ session, isSurface }: FilesProps) {
+  return (
+    <>
+      <div class="actions">
+        {FILES.map((name) => (
+          <Button key={name} icon="download" href={`/api/sessions/${encodeURIComponent(session)}/${name}`} download>
+            {name.split(".")[1]}
+          </Button>
+        ))}
+      </div>
+      <p class="map3d-note">
+        bt and ot are octrees for OctoMap, ply and glb {isSurface ? "the surface" : "the outside of the voxels"} as
+        triangles, pgm and yaml the map from above, of the band of heights, for map_server.
+      </p>
+    </>
   );
 }

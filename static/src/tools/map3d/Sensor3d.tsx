@@ -5,6 +5,7 @@ import type { Store } from "../../store/store";
 import { Choice } from "../../ui/Choice";
 import type { Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
+import { useTable } from "../parameters/useTable";
 
 const NONE = "none";
 const KINDS = [
@@ -14,14 +15,9 @@ const KINDS = [
   { value: "depth_camera", label: "Depth camera" },
 ];
 
-/** The rows of the 3D map's parameters in these groups. */
-export function useMap3dRows(store: Store, ...groups: readonly string[]) {
-  const table = store.hello.value?.map3d;
-  return useMemo(
-    () => table?.filter((row) => groups.includes(row.group) && row.name !== "sensor") ?? [],
-    [table, groups.join()],
-  );
-}
+/** The rows of the 3D map's parameters in a group. */
+export const useMap3dRows = (store: Store, group: string) =>
+  useTable(store, "map3d", (row) => row.group === group && row.name !== "sensor");
 
 export function Sensor3d({ store }: { readonly store: Store }) {
   const rows = useMap3dRows(store, "sensor_3d");

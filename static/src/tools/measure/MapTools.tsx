@@ -2,7 +2,6 @@
 
 import { useComputed } from "@preact/signals";
 import type { RefObject } from "preact";
-import type { MeasuringTool } from "../../store/measuring";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import type { IconName } from "../../ui/Icon";
@@ -11,6 +10,7 @@ import { written } from "../../ui/numbers";
 import { ToggleOf } from "../../ui/Toggle";
 import { measuredText, scaleBar, scaleText } from "./model";
 import "./measure.css";
+import { type MeasuringTool, measuringOf } from "./measuring";
 
 const TOOLS: readonly (readonly [tool: MeasuringTool, icon: IconName, label: string])[] = [
   ["distance", "ruler", "Measure a distance"],
@@ -24,7 +24,7 @@ interface MapToolsProps {
 }
 
 export function MapTools({ store, stage }: MapToolsProps) {
-  const tool = store.measuring.tool.value;
+  const tool = measuringOf(store).tool.value;
   const toggleFullScreen = (): void => {
     if (document.fullscreenElement) void document.exitFullscreen();
     else void stage.current?.requestFullscreen().catch(() => undefined);
@@ -48,7 +48,7 @@ export function MapTools({ store, stage }: MapToolsProps) {
             icon={icon}
             label={label}
             pressed={tool === name}
-            onClick={() => store.measuring.take(tool === name ? null : name)}
+            onClick={() => measuringOf(store).take(tool === name ? null : name)}
           />
         ))}
       </div>
@@ -59,7 +59,7 @@ export function MapTools({ store, stage }: MapToolsProps) {
 }
 
 function Measured({ store, tool }: { readonly store: Store; readonly tool: MeasuringTool }) {
-  const { measuring } = store;
+  const measuring = measuringOf(store);
   const points = measuring.points.value;
   const resolution = store.map.value?.geometry.resolution ?? 0;
   const text = measuredText(tool, points, resolution);

@@ -6,25 +6,28 @@ import type { Store } from "../../store/store";
 import { labelFont } from "../../style/labelFont";
 import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
+import { measuringOf } from "./measuring";
 import { distanceOf } from "./model";
 import { placeAt } from "./tool";
 
 const POINT_PX = 4;
 let font = "";
 
-export function watchMeasuring({ measuring, pointer, pinned }: Store): void {
+export function watchMeasuring(store: Store): void {
+  const measuring = measuringOf(store);
+  const { pointer, pinned } = store;
   if (measuring.tool.value === null) return;
   void [measuring.points.value, measuring.isDone.value, measuring.snaps.value, pointer.value, pinned.value];
 }
 
 export function paintMeasuring(store: Store, brush: Brush): void {
-  const tool = store.measuring.tool.peek();
+  const tool = measuringOf(store).tool.peek();
   if (tool === null) return;
   const { ctx, size, view, colours } = brush;
   const at = (point: Point): Point => toScreen(view, size, ...point);
-  const kept = store.measuring.points.peek();
+  const kept = measuringOf(store).points.peek();
   const pointer = store.probe.peek();
-  const next = pointer && !store.measuring.isDone.peek() ? placeAt(store, pointer) : null;
+  const next = pointer && !measuringOf(store).isDone.peek() ? placeAt(store, pointer) : null;
   const points = next ? [...kept, next] : kept;
   const isClosed = tool === "area" && points.length > 2;
   ctx.beginPath();

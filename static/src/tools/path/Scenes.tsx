@@ -1,10 +1,9 @@
 /** Scenes to try: a button for the next step of each, and what to look for after it. */
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { SCENES, type Scene, WORLD } from "./scenes";
-import { when } from "./when";
 
 interface Shown {
   readonly scene: Scene;
@@ -59,4 +58,17 @@ export function Scenes({ store }: { readonly store: Store }) {
       })}
     </section>
   );
+}
+
+/** Do `task` once `isReady`, which reads signals, is true. */
+function when(isReady: () => boolean, task: () => void): void {
+  let isDone = false;
+  const stop = effect(() => {
+    if (isDone || !isReady()) return;
+    isDone = true;
+    queueMicrotask(() => {
+      stop();
+      task();
+    });
+  });
 }

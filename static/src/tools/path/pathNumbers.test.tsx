@@ -2,7 +2,7 @@
 import { h, render } from "preact";
 import { afterEach, expect, test } from "vitest";
 import type { PathMessage } from "../../wire/protocol";
-import { PathNumbers } from "./PathNumbers";
+import { PathNumbers } from "./PathGroup";
 
 afterEach(() => render(null, document.body));
 

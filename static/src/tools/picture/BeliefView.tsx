@@ -24,7 +24,7 @@ import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { GIVEN_MAP } from "../localization/model";
 import { measuringTool } from "../measure/tool";
-import { OVERLAYS } from "../overlays";
+import { OVERLAYS } from "../parts";
 import { paintSteps } from "../steps/paint";
 import { crossed, paintBeamCells } from "./beamCells";
 import { LinkedPicture } from "./LinkedPicture";

@@ -32,7 +32,11 @@ export function MakePuzzle({ session }: { readonly session: string }) {
     });
   const make = (): Promise<void> =>
     attempt(async () => {
-      const made = await ask("POST /api/puzzles", {}, { body: { session, fault: fault.value } });
+      const made = await ask(
+        "POST /api/sessions/{session_id}/puzzles",
+        { session_id: session },
+        { body: { fault: fault.value } },
+      );
       address.value = new URL(made.address, location.href).href;
       try {
         await navigator.clipboard.writeText(address.value);

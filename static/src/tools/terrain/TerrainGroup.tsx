@@ -1,14 +1,14 @@
 /** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
 
-import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
+import { AskedPatch } from "../../lessons/terrain/AskedPatch";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Parameter, Value } from "../../wire/protocol";
-import { useMap3dRows } from "../map3d/Sensor3d";
 import { ParameterRows } from "../parameters/ParameterRows";
+import { useTable } from "../parameters/useTable";
 import "./terrain.css";
 import { costmapOf } from "../costmap/state";
 
@@ -20,20 +20,18 @@ interface GroupProps {
   readonly store: Store;
   /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
   readonly isFile?: boolean;
-  /** The patch that is asked about, with its figure. */
-  readonly asked: (message: TerrainMessage) => JSX.Element;
 }
 
-export function TerrainGroup({ store, isFile = false, asked }: GroupProps) {
+export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { layers } = store;
   const [terrain, map3d] = [store.part("terrain"), store.part("map3d")];
   const message = terrain.message.value;
   const isOn = message?.is_on === true;
   const hasPoints = isFile ? message !== null : (map3d.message.value?.taken ?? 0) > 0;
   const isEnded = terrain.isEnded.value;
-  const view = useMap3dRows(store, "terrain_view");
-  const patches = useMap3dRows(store, "terrain_patches");
-  const ground = useMap3dRows(store, "terrain_ground");
+  const view = useTable(store, "terrain", (row) => row.group === "terrain_view");
+  const patches = useTable(store, "terrain", (row) => row.group === "terrain_patches");
+  const ground = useTable(store, "terrain", (row) => row.group === "terrain_ground");
   const set = useMemo(() => (name: string, value: Value) => store.setPart("terrain", { [name]: value }), [store]);
   const shown = isProperty(terrain.values.values.value.shown) ? VALUES : COSTS;
   useEffect(() => {
@@ -61,7 +59,7 @@ export function TerrainGroup({ store, isFile = false, asked }: GroupProps) {
     <div class="terrain-group">
       {shown === COSTS && <Key />}
       <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
-      {asked(message)}
+      <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />
       {!isFile && <CostmapChoice store={store} />}
       <h3>Patches</h3>

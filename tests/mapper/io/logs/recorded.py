@@ -133,6 +133,19 @@ def pose_stamped(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/p
     return Said(topic, "geometry_msgs/msg/PoseStamped", stamp_ns, fields)
 
 
+def bare_pose(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/robot_pose") -> Said:
+    return Said(topic, "geometry_msgs/msg/Pose", stamp_ns, _pose(x, y, yaw))
+
+
+def pose_2d(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/pose2D") -> Said:
+    return Said(topic, "geometry_msgs/msg/Pose2D", stamp_ns, {"x": x, "y": y, "theta": yaw})
+
+
+def pose_array(stamp_ns: int, poses: Iterable[tuple[float, float, float]], topic: str = "/particlecloud") -> Said:
+    fields = {"header": header(stamp_ns, "map"), "poses": [_pose(*one) for one in poses]}
+    return Said(topic, "geometry_msgs/msg/PoseArray", stamp_ns, fields)
+
+
 def transform_stamped(
     stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/vicon/robot", child: str = "robot"
 ) -> Said:
@@ -172,6 +185,25 @@ def text(stamp_ns: int, words: str, topic: str = "/chatter") -> Said:
 
 
 DATATYPES = {"i1": 1, "u1": 2, "i2": 3, "u2": 4, "i4": 5, "u4": 6, "f4": 7, "f8": 8}
+
+
+def log_line(stamp_ns: int, level: int, words: str, node: str = "base", *, ros: int = 2) -> Said:
+    """A message of /rosout, of ``level`` as that version of ROS has it."""
+    fields: dict[str, Any] = {"level": level, "name": node, "msg": words, "file": "a.cpp", "function": "f", "line": 7}
+    if ros == 2:
+        return Said("/rosout", "rcl_interfaces/msg/Log", stamp_ns, fields | {"stamp": _time(stamp_ns)})
+    fields |= {"header": header(stamp_ns, ""), "topics": []}
+    return Said("/rosout", "rosgraph_msgs/msg/Log", stamp_ns, fields)
+
+
+def diagnostics(stamp_ns: int, states: Mapping[str, tuple[int, str]]) -> Said:
+    """A message of /diagnostics: a level and a text for each name."""
+    status = [
+        {"level": level, "name": name, "message": words, "hardware_id": "1", "values": [{"key": "a", "value": "b"}]}
+        for name, (level, words) in states.items()
+    ]
+    kind = "diagnostic_msgs/msg/DiagnosticArray"
+    return Said("/diagnostics", kind, stamp_ns, {"header": header(stamp_ns, ""), "status": status})
 
 
 def cloud(
@@ -285,6 +317,8 @@ _PLAIN = {
     "transform": "geometry_msgs/msg/Transform",
     "transforms": "geometry_msgs/msg/TransformStamped",
     "poses": "geometry_msgs/msg/PoseStamped",
+    "status": "diagnostic_msgs/msg/DiagnosticStatus",
+    "values": "diagnostic_msgs/msg/KeyValue",
 }
 
 
@@ -308,6 +342,8 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
         elif name == "twist":
             part = "geometry_msgs/msg/TwistWithCovariance" if "twist" in value else "geometry_msgs/msg/Twist"
         elif isinstance(value, list):
+            if kind.endswith("PoseArray"):
+                part = "geometry_msgs/msg/Pose"
             part = part or {"points": kind.replace("CustomMsg", "CustomPoint")}.get(name, "sensor_msgs/msg/LaserEcho")
             values[name] = [_made(ros, part, one) for one in value]
             continue

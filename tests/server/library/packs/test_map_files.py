@@ -19,10 +19,10 @@ from server.downloads import file_stem
 from server.jobs.leases import Leases
 from server.library.logs.errors import LogNotFoundError
 from server.library.packs.costmaps import costmap_codes
-from server.library.packs.given_map import GivenMap, read_given_map
 from server.library.packs.map import map_codes, summarise_map
 from server.library.packs.map_files import archived, is_map, read_map
-from server.library.processing.given_maps import GivenMaps
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
+from server.library.processing.reference_maps import ReferenceMaps
 from server.library.store.availability import Standing
 from server.library.store.common_files import CommonFiles
 from server.storage import StorageError
@@ -56,7 +56,7 @@ def test_a_map_is_read_with_its_mask_and_what_made_it(tmp_path: Path) -> None:
     assert (found.speed == 35).all()
     assert found.notes[-1] == "Made by 2 edits of 'old.yaml'."
     found.write(tmp_path / "pack")
-    again = read_given_map(tmp_path / "pack")
+    again = read_reference_map(tmp_path / "pack")
     np.testing.assert_array_equal(again.keepout, found.keepout)
     np.testing.assert_array_equal(again.speed, found.speed)
     assert (again.geometry, again.notes) == (found.geometry, found.notes)
@@ -76,7 +76,7 @@ def test_a_map_of_a_long_name_is_read_back(tmp_path: Path) -> None:
 def test_a_picture_of_a_large_map_keeps_its_walls() -> None:
     values = np.full((1000, 700), -1, np.int8)
     values[10, 20], values[999, 699] = 100, 0
-    codes = map_codes(GivenMap("large", GridGeometry(0.05, 1000, 700), values))
+    codes = map_codes(ReferenceMap("large", GridGeometry(0.05, 1000, 700), values))
     assert codes.shape == (250, 175)
     assert (codes[-1 - 10 // 4, 20 // 4], codes[0, -1], (codes > 0).sum()) == (2, 1, 2)
 
@@ -158,11 +158,11 @@ async def test_no_map_is_kept_for_a_log_that_was_deleted_meanwhile(tmp_path: Pat
             if self.is_deleted:
                 raise LogNotFoundError("log.unknown", "There is no such log.")
 
-        async def given_map(self, owner: str, log_id: str) -> GivenMap:
+        async def reference_map(self, owner: str, log_id: str) -> ReferenceMap:
             self.is_deleted = True
-            return GivenMap("room", GEOMETRY, VALUES)
+            return ReferenceMap("room", GEOMETRY, VALUES)
 
-    maps = GivenMaps(Logs(), lambda: None, tmp_path / "maps", lambda: 1 << 20, CommonFiles(Leases(None, 5.0), None))  # type: ignore[arg-type,return-value]
+    maps = ReferenceMaps(Logs(), lambda: None, tmp_path / "maps", lambda: 1 << 20, CommonFiles(Leases(None, 5.0), None))  # type: ignore[arg-type,return-value]
     with pytest.raises(LogNotFoundError):
         await maps.of_log("somebody", "log", "map", None, None)
     assert (maps.total_bytes, [*(tmp_path / "maps").iterdir()]) == (0, [])

@@ -12,7 +12,7 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
 from server.library.library import Library
-from server.library.packs.given_map import GivenMap, read_given_map
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.localization import (
     LocalizationParameters,
     LocalizationRequest,
@@ -34,7 +34,7 @@ begun: list[LocalizeJob] = []
 def endless(job: LocalizeJob) -> LocalizeOutcome:
     """Go on until the files of the job are removed."""
     begun.append(job)
-    assert (read_given_map(Path(job.given)).values == VALUES).all()
+    assert (read_reference_map(Path(job.given)).values == VALUES).all()
     deadline = time.monotonic() + stand_ins.PATIENCE_S
     while Path(job.pack).exists() and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -53,7 +53,7 @@ async def test_a_job_survives_a_restart_with_its_map(
     await settled(first, "ann", record.id)
     with pytest.raises(ConfigError):
         await first.maps.get("ann", record.id)
-    GivenMap("A map", GridGeometry(0.1, 2, 3, (1.0, 2.0, 0.5)), VALUES).write(first.maps.path("ann", record.id))
+    ReferenceMap("A map", GridGeometry(0.1, 2, 3, (1.0, 2.0, 0.5)), VALUES).write(first.maps.path("ann", record.id))
     wanted = LocalizationParameters({"alpha1": 0.3, "alpha2": 0.2}, (1.0, 2.0, 0.0))
     await first.localization.begin("ann", record.id, LocalizationRequest(parameters=wanted))
     await eventually(lambda: len(begun) == 1)

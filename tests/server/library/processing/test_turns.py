@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from server.library.processing.given_maps import GivenMaps
 from server.library.processing.inspections import Inspections
+from server.library.processing.reference_maps import ReferenceMaps
 from server.library.processing.relation_scores import MeanErrors, RelationMeans, RelationScores
 
 LIMITS: dict[str, Any] = {"timeout_s": 60.0, "cpu_s": 60.0, "memory_bytes": 1 << 30}
@@ -52,18 +52,19 @@ def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[]
     async def told(*_: Any) -> None:
         await done()
 
-    monkeypatch.setattr("server.library.processing.inspections.outcome_of", told)
-    monkeypatch.setattr(made, "_worker", SimpleNamespace(progress=0.0))
+    monkeypatch.setattr("server.library.processing.lookups.outcome_of", told)
+    lookups = made.lookups
+    monkeypatch.setattr(lookups, "_worker", SimpleNamespace(progress=0.0))
 
     def inspect(visitor: str, address: str) -> Awaitable[Any]:
         record: Any = SimpleNamespace(id=visitor, name=visitor)
-        return made._inspect(record, visitor, address)
+        return lookups._found(visitor, record, visitor, address, lambda _: None)  # type: ignore[arg-type,return-value]
 
     return inspect
 
 
 def maps(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awaitable[Any]]) -> Compute:
-    made = GivenMaps(SimpleNamespace(), SimpleNamespace, folder, lambda: 0, SimpleNamespace())  # type: ignore[arg-type] # stand-ins
+    made = ReferenceMaps(SimpleNamespace(), SimpleNamespace, folder, lambda: 0, SimpleNamespace())  # type: ignore[arg-type] # stand-ins
     monkeypatch.setattr(made, "_worker", SimpleNamespace(submit=lambda _: None))
 
     async def told(*_: Any) -> None:
@@ -72,7 +73,7 @@ def maps(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Await
     async def put(*_: Any) -> None:
         pass
 
-    monkeypatch.setattr("server.library.processing.given_maps.outcome_of", told)
+    monkeypatch.setattr("server.library.processing.reference_maps.outcome_of", told)
     monkeypatch.setattr(made, "_put", put)
     return lambda visitor, address: made._made(visitor, address, "log", folder, "map", None)
 

@@ -24,9 +24,8 @@ from mapper.simulation import sample_log
 from server.jobs.record import Failure
 from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
-from server.library.store.database import Database, _engine
+from server.library.store.database import MIGRATIONS, Database, _engine, bring_up_to_date
 from server.library.store.migrations import HEAD
-from server.library.store.schema import MIGRATIONS, bring_up_to_date
 from server.library.store.tables import metadata
 from server.storage import StorageError
 
@@ -74,8 +73,8 @@ async def test_a_database_of_an_earlier_revision_is_brought_up_to_date(
         f"import sqlalchemy as sa\nfrom alembic import op\nrevision, down_revision = 'later', '{HEAD}'\n"
         "def upgrade() -> None:\n    op.add_column('logs', sa.Column('colour', sa.Text))\n"
     )
-    monkeypatch.setattr("server.library.store.schema.MIGRATIONS", later)
-    monkeypatch.setattr("server.library.store.schema.HEAD", "later")
+    monkeypatch.setattr("server.library.store.database.MIGRATIONS", later)
+    monkeypatch.setattr("server.library.store.database.HEAD", "later")
     opened = Database.open(url, tmp_path)
     found = "SELECT id, colour, version_num FROM logs, alembic_version"
     rows = await opened.run(lambda connection: [tuple(row) for row in connection.execute(text(found))])

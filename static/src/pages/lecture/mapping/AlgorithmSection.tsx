@@ -44,15 +44,13 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The inverse sensor model of this loop is <b>table 9.2</b>: it takes the beam nearest in bearing to the cell
-            and compares the cell’s distance with that reading. A loop over all cells for each scan is slow, since most
-            cells lie outside the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan,
-            and over the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
+            and compares the cell’s distance with that reading. A loop over all cells is slow, since most lie outside
+            the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan, and over the
+            cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>
-            <b>Beam by beam</b> is the reference implementation of this service, in Python, copied from its source file.
-            Step through it, and drag the <b class="noun-robot">robot</b>. The compiled code gives the same map to the
-            last bit. <b>One reading</b> follows a single distance through every step, to the character that a terminal
-            would print.
+            <b>Beam by beam</b> is that program in Python. <b>One reading</b> follows a single distance through every
+            step, to the character that a terminal would print.
           </p>
         </>
       }
@@ -60,7 +58,7 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
       <p>
         <cite>Probabilistic Robotics</cite> prints the algorithm as a loop over <em>all</em> cells. A scan changes only
         the cells in its <b class="noun-beam">perceptual field</b>: in the sensor’s field of view, and not behind what
-        it measured. All others keep their value.
+        it measured.
       </p>
     </Section>
   );

@@ -87,8 +87,8 @@ function Derivation() {
         why={
           <>
             Bayes’ rule for the newest reading z<sub>t</sub>. Two <b>Markov assumptions</b>: given the cell, older
-            readings do not help to predict the new one (strictly, this holds only given the whole map); and the new
-            pose alone says nothing about the cell.
+            readings do not help to predict the new one (strictly true only given the whole map); and the new pose alone
+            says nothing about the cell.
           </>
         }
       >
@@ -139,7 +139,7 @@ function Derivation() {
         why={
           <>
             The same for the free cell ¬m; then divide. The factors that are hard to know cancel. What remains: the odds
-            from the new reading, times the odds before it, divided by the odds of the prior.
+            from the new reading, times the odds before it, divided by the prior odds.
           </>
         }
       >
@@ -216,7 +216,7 @@ function Derivation() {
           <mn>0</mn>
         </msub>
       </Line>
-      <Line why="The probability is computed from ℓ where it is needed.">
+      <Line why="The probability is computed from ℓ when needed.">
         <mi>p</mi>
         <mo>=</mo>
         <mn>1</mn>
@@ -283,20 +283,20 @@ export function CellSection({ id, number, title }: SectionHead) {
           </p>
           <Derivation />
           <p>
-            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior is
-            subtracted because the inverse model starts from it too: otherwise it would be counted again with every
-            reading. For p = 0.5 it is 0. The order of the readings does not matter, except at the dashed lines, where ℓ
-            is <em>clamped</em> (<SectionLink to="forgetting" />
+            A reading adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior, 0 for
+            p = 0.5, is subtracted because the inverse model contains it: otherwise every reading would count it again.
+            The order of the readings does not matter, except at the dashed lines, where ℓ is <em>clamped</em> (
+            <SectionLink to="forgetting" />
             ).
           </p>
         </>
       }
     >
       <p>
-        Consider one cell and many readings of it. Its state is constant (assumption 2): either <i>m</i> (occupied) or ¬
-        <i>m</i> (free). Its odds are p/(1 − p), occupied to free. The map stores their logarithm, the log-odds{" "}
-        <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is more likely occupied, below 0 more likely free;
-        p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        The state of a cell is constant (assumption 2): either <i>m</i> (occupied) or ¬<i>m</i> (free). Its odds are
+        p/(1 − p), occupied to free. The map stores their logarithm, the log-odds <b class="noun-robot">ℓ</b> = log p/(1
+        − p): above 0 the cell is more likely occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the
+        first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}
@@ -327,7 +327,7 @@ export function CellSection({ id, number, title }: SectionHead) {
         />{" "}
         <span class="no-print">
           {" "}
-          Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus.{" "}
+          Press the buttons, or <kbd>H</kbd> and <kbd>M</kbd> on one.{" "}
         </span>{" "}
         How many misses cancel four hits?
       </p>

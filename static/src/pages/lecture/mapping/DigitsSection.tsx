@@ -4,14 +4,15 @@ import { Digits } from "../../../lessons/digits/Digits";
 import { type Readings, run, saturatedAt } from "../../../lessons/digits/model";
 import { DragNumber } from "../../../ui/DragNumber";
 import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
 
 /** The hits of the question. */
 const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
 
-/** q¹⁰⁰⁰ as a power of ten. */
-const PRODUCT = (q: number): string => `10 to the power of ${(1000 * Math.log10(q)).toFixed(0).replace("-", "−")}`;
+/** The power of ten that q¹⁰⁰⁰ is. */
+const POWER = (q: number): string => (1000 * Math.log10(q)).toFixed(0).replace("-", "−");
 
 export function DigitsSection({ id, number, title }: SectionHead) {
   const { hits, misses, pHit } = readings.value;
@@ -39,20 +40,21 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            A product of many probabilities fails earlier still. A thousand readings of {(1 - pHit).toFixed(2)} each
-            have the product {PRODUCT(1 - pHit)}, and the smallest 32-bit number is 1.4 · 10⁻⁴⁵: it <b>underflows</b> to
-            0. The sum of their logarithms is {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
+            A product of probabilities fails sooner: a thousand of {(1 - pHit).toFixed(2)} make 10
+            <sup>{POWER(1 - pHit)}</sup>, less than the smallest 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
+            Their logarithms add up to {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
           </p>
           <p>
-            With the clamp none of the three fails. What remains is <b>cost</b> and <b>exactness</b>: one addition in
-            place of two products, a sum and a division, and one rounding in place of four.
+            With ℓ clamped (<SectionLink to="forgetting" />) none of the three fails. Log-odds remain <b>cheaper</b> and{" "}
+            <b>more exact</b>: one addition in place of two products, a sum and a division, and one rounding in place of
+            four.
           </p>
         </>
       }
     >
       <p>
-        The probability p, the odds and the log-odds describe the same belief. Why store the logarithm? A robot may see
-        the same wall in many scans, and a 32-bit number has 24 bits of precision.
+        Probability, odds and log-odds describe the same belief. Why store the logarithm? A robot sees a wall in many
+        scans, and a 32-bit number has 24 bits of precision.
       </p>
       <p>
         In the figure a cell is hit{" "}
@@ -99,7 +101,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        a single miss p = {(1 - pHit).toFixed(2)}. Every step is computed in 32 bits in three ways: Bayes’ rule for{" "}
+        a single miss p = {(1 - pHit).toFixed(2)}. All is computed in 32 bits: Bayes’ rule for{" "}
         <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
       </p>
     </Section>

@@ -17,7 +17,8 @@ export function EndpointSection({ id, number, title }: SectionHead) {
       after={
         <p>
           Always round down: <code>floor</code>. Converting to an integer is wrong below zero: −0.3 becomes 0, not −1,
-          and two columns become one. Move the origin to the right of the end point and see.
+          and two columns become one.{" "}
+          <span class="no-print">Move the origin to the right of the end point and see.</span>
         </p>
       }
     >
@@ -54,8 +55,10 @@ export function EndpointSection({ id, number, title }: SectionHead) {
       </math>
       <p>
         The grid has an <b>origin</b>, the world position of its lower left corner, and a <b>resolution</b>, the side of
-        a cell. Column and row are the distances from the origin, counted in cells and rounded down. Drag the{" "}
-        <b class="noun-robot">robot</b>, the origin (the two arrows), and the resolution.
+        a cell. Column and row are the distances from the origin, counted in cells and rounded down.{" "}
+        <span class="no-print">
+          Drag the <b class="noun-robot">robot</b>, the origin (the two arrows), and the resolution.
+        </span>
       </p>
     </Section>
   );

@@ -25,20 +25,20 @@ export function GridSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that a beam
-            passes, the others become more probable. In the grid they keep the probability that the echo gave them.
-            Press the cells to change what the narrow beam measured.
+            passes, the others become more probable. In the grid they keep their probability.{" "}
+            <span class="no-print">Press a cell to change what the narrow beam measured.</span>
           </p>
           <p>
             In return the map fits into memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup>{" "}
-            numbers, the grid 10 000. With narrow laser beams little is lost, because few cells can have caused the same
+            numbers, the grid 10,000. With narrow laser beams little is lost: few cells can have caused the same
             reading.
           </p>
         </>
       }
     >
       <p>
-        An occupancy grid divides the floor into square cells and estimates for each whether it is occupied. It makes
-        three assumptions.
+        An occupancy grid divides the floor into square cells and estimates whether each is occupied. It makes three
+        assumptions.
       </p>
       <ol>
         <li>
@@ -48,14 +48,14 @@ export function GridSection({ id, number, title }: SectionHead) {
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Before any reading each cell has the <b class="noun-prior">prior</b> probability p(m<sub>i</sub>), usually 0.5.
-        Occupied is p = 1, free is p = 0. With the third assumption the probability of a whole map, given all readings z
-        <sub>1:t</sub> and all poses x<sub>1:t</sub>, is a product over its cells:
+        Occupied is p = 1, free is p = 0. Before any reading each cell has the <b class="noun-prior">prior</b>{" "}
+        probability p(m<sub>i</sub>), usually 0.5. By the third assumption the probability of a whole map, given all
+        readings z<sub>1:t</sub> and poses x<sub>1:t</sub>, is a product over its cells:
       </p>
       <MapProduct />
       <p>
-        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. The figure shows
-        what the third assumption loses: walls are connected, and the grid ignores it.
+        The poses, the robot’s positions and headings, are taken as known (until <SectionLink to="odometry" />
+        ). The figure shows what the third assumption loses: walls are connected, and the grid ignores it.
       </p>
       <p>
         A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior
@@ -102,7 +102,7 @@ export function GridSection({ id, number, title }: SectionHead) {
       <BayesRule />
       <p>
         In words: the <b class="noun-prior">prior</b>, times how likely the reading is with that map, divided by how
-        likely it is at all. The figure applies it in two ways: to each of the 32 possible maps as a whole (the{" "}
+        likely it is at all. The figure applies it to each of the 32 possible maps as a whole (the{" "}
         <b>joint distribution</b>), and to each cell by itself (the grid).
       </p>
     </Section>

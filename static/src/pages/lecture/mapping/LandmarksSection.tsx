@@ -41,7 +41,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               <tr>
                 <th scope="row">stores</th>
                 <td>position of each landmark and its uncertainty, a covariance: little</td>
-                <td>one number per cell: grows with the area, whatever is in it</td>
+                <td>one number per cell: grows with the area</td>
               </tr>
               <tr>
                 <th scope="row">another look</th>
@@ -51,7 +51,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               <tr>
                 <th scope="row">gives</th>
                 <td>where the robot is, relative to the landmarks</td>
-                <td>where it can drive: free space, walls of any shape, and what is not yet known</td>
+                <td>where it can drive: free space, walls of any shape, and what is still unknown</td>
               </tr>
             </tbody>
           </table>
@@ -60,16 +60,16 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
       sources={[["probabilistic-robotics", "chapters 6, 7 and 9"]]}
       after={
         <p>
-          A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A pillar, a plant and a wall
-          are stored in the same way. Nav2, the navigation of ROS 2, plans on two-dimensional grids.
+          A grid is <b>non-parametric</b>: it assumes neither the shape nor the number of objects. Nav2, the navigation
+          software of ROS 2, plans on two-dimensional grids, as warehouse robots do.
         </p>
       }
     >
       <p>
-        A robot in an unknown building has to answer two questions: where am I, and where can I drive? A map of{" "}
+        A robot in an unknown building asks two questions: where am I, and where can I drive? A map of{" "}
         <b class="noun-beam">landmarks</b> stores the positions of things that are easy to recognise, such as corners.
-        An <b>occupancy grid</b> stores for every small square of the floor whether something is there. Switch between
-        the two maps of the same drive.
+        An <b>occupancy grid</b> stores for every small square of the floor whether something is there.{" "}
+        <span class="no-print">Switch between the two maps of one drive.</span>
       </p>
     </Section>
   );

@@ -57,10 +57,9 @@ export function ModelSection({ id, number, title }: SectionHead) {
       ]}
       after={
         <p>
-          The model is called <em>inverse</em> because a forward model predicts the reading from the world, and this one
-          goes from a reading to the world. It is a design choice, not a physical law: the more reliable the sensor, the
-          larger the increments. If they are too large, the map follows every wrong reading; if they are too small,
-          cells stay unknown for a long time.
+          A forward model predicts the reading from the world; this one is <em>inverse</em>, from a reading to the
+          world. It is a design choice, not a physical law: the more reliable the sensor, the larger the increments. Too
+          large, and the map follows every wrong reading; too small, and cells stay unknown for long.
         </p>
       }
     >
@@ -105,7 +104,7 @@ export function ModelSection({ id, number, title }: SectionHead) {
       <p>
         As log-odds these are numbers to add, log p/(1 − p) − ℓ₀: {signed(logOdds(p_free))}, {signed(logOdds(p_occ))}{" "}
         and 0. Many programs set the two increments directly (<em>fixed increments</em>). The curve belongs to one beam
-        of the stage. Drag any part of it: the beam, its cells and the whole map follow.
+        of the stage. <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>
       </p>
     </Section>
   );

@@ -51,10 +51,10 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
           <p>
             Which is right depends on why nothing came back. <b>Free</b> is what table 9.2 of{" "}
             <cite>Probabilistic Robotics</cite> says: the reading is z<sub>max</sub>, so all cells up to it are free.
-            That clears large halls; but drag the robot in front of the glass, and the beams that pass through it erase
-            it. <b>Ignored</b> adds no evidence and is the safer choice: in recorded logs a missing return often means
-            glass, a polished wall or black material, and wrong free space is the more dangerous error. <b>A hit</b> is
-            always wrong: it happens when a driver writes the max range where there was no echo.
+            That clears large halls, but erases glass once the beams pass through it. <b>Ignored</b> adds no evidence
+            and is safer: a missing return often means glass, a polished wall or black material, and wrong free space is
+            the more dangerous error. <b>A hit</b> is always wrong: it happens when a driver writes the max range where
+            there was no echo.
           </p>
           <p>REP 117, a convention of ROS, therefore defines +∞ for no return.</p>
         </>
@@ -76,8 +76,10 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        or a surface did not reflect the light back. What does that mean for the map? The figure shows the same four
-        scans, read in three ways. Drag the <b class="noun-robot">robot</b>.
+        or a surface did not reflect the light back. The figure shows the same four scans, read in three ways.{" "}
+        <span class="no-print">
+          Drag the <b class="noun-robot">robot</b> in front of the glass.
+        </span>
       </p>
     </Section>
   );

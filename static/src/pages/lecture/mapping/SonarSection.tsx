@@ -24,8 +24,8 @@ export function SonarSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The <b>Bayes filter</b>, cell by cell, adds the evidence of one echo to every cell of the arc. Other cones
-            pass most of these cells and correct them; where arcs from both sides lie across the open door, the map
-            shows a wall.
+            pass most of these cells and correct them; where arcs from both sides cross the open door, the map shows a
+            wall.
           </p>
           <p>
             <b>Moravec and Elfes</b> stored two numbers per cell, how certainly it is <b class="noun-hit">occupied</b>{" "}
@@ -73,7 +73,7 @@ export function SonarSection({ id, number, title }: SectionHead) {
           </math>
           <p>
             This is a heuristic: both numbers can only grow, and the order of the readings matters. By 1989 Elfes had
-            based the grid on Bayes’ rule, and with independent cells (<SectionLink to="grid" />) the problem returned.
+            based the grid on Bayes’ rule; with independent cells (<SectionLink to="grid" />) the problem returned.
           </p>
         </>
       }
@@ -106,8 +106,8 @@ export function SonarSection({ id, number, title }: SectionHead) {
           after=","
           onInput={(value) => set({ window: value })}
         />{" "}
-        there is an <b class="noun-hit">obstacle</b>; where on the arc, it does not say. In the figure a robot with 16
-        sonars drives through a room. Both maps are made from the same readings.
+        there is an <b class="noun-hit">obstacle</b>; where on the arc, it does not say. The figure shows two maps from
+        the same readings of a robot with 16 sonars.
       </p>
     </Section>
   );

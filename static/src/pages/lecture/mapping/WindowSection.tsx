@@ -66,9 +66,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </OnStage>
       }
       sources={[["probabilistic-robotics", "chapter 6 and table 9.2"]]}
-      after={
-        <p>With cells of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window, and w is set to 0.</p>
-      }
+      after={<p>With cells of 5 cm and lidar noise of 1 to 2 cm the cell itself is the window: w is set to 0.</p>}
     >
       <p>
         A measured distance is never exact. The usual model is a Gaussian around the true distance <i>z</i>
@@ -146,10 +144,10 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </mrow>
       </math>
       <p>
-        The direction is not exact either, and the end point is moved to the centre of a cell. So the hits of one wall
-        fall into several cells, and a beam that measured a little too much passes a cell that an earlier one hit. The{" "}
+        Nor is the direction exact, and a cell is coarser than its end points. So the hits of one wall fall into several
+        cells, and a beam that measured a little too much passes a cell that an earlier one hit. The{" "}
         <b class="noun-hit">window</b> w absorbs all three errors. One to three cells wide, it gives a thin and stable
-        wall. Without it the wall is <b>broken</b>; much wider, the wall is <b>thick</b> and narrows the doors.
+        wall. Without it the wall is <b>broken</b>; much wider, it is <b>thick</b> and narrows the doors.
       </p>
     </Section>
   );

@@ -49,7 +49,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
       "Step through the lines of the table. Then choose “beam by beam”: the same evidence with the loops exchanged. Then “one reading”: follow it to the character at the end.",
   },
   sonar: {
-    // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.3, on conflicting cones.
+    // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.4.1, on conflicting cones.
     right: 2,
     answer: "Bayes’ filter, cell by cell, marks whole arcs and closes the door; Moravec and Elfes keep it open.",
     notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
@@ -155,7 +155,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
   particles: {
-    // Probabilistic Robotics, section 1.4 (the corridor with doors) and table 8.2.
+    // Probabilistic Robotics, section 1.2 (the corridor with doors) and table 8.2.
     right: 1,
     answer: "A belief can have three peaks. Particles keep all of them, and the next readings decide.",
     notes:

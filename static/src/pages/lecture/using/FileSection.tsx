@@ -14,8 +14,8 @@ export function FileSection({ id, number, title }: SectionHead) {
           <p>
             Your thresholds decide what is written to the image; those in the yaml file say how to read it. A reader
             computes (255 − grey) / 255: 1 for an occupied cell (grey 0), 0.004 for a free one (254) and <b>0.196</b>{" "}
-            for an unknown one (205). Below free_thresh is free. Move the reader’s free_thresh above 0.196: the image
-            does not change, but unknown cells are read as free, and a planner may drive through them.
+            for an unknown one (205). Below free_thresh is free: above 0.196, the same image is read with its unknown
+            cells free, and a planner may drive through them.
           </p>
           <p>
             The first row of the image is the top of the map, the first row of the grid the bottom. The origin is the
@@ -25,10 +25,10 @@ export function FileSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        A planner needs to know where the robot may drive, not probabilities. Two thresholds divide the cells into{" "}
+        A planner needs to know where the robot may drive. Two thresholds divide the cells into{" "}
         <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, saved as
-        an image with three grey values and a yaml file, which Nav2’s map_server loads. Drag the thresholds in the
-        histogram (heights are square roots of counts).
+        an image with three grey values and a yaml file, which Nav2’s map_server loads.{" "}
+        <span class="no-print">Drag the thresholds in the histogram (bars: square roots of counts).</span>
       </p>
     </Section>
   );

@@ -17,16 +17,18 @@ export function InflationSection({ id, number, title }: SectionHead) {
       after={
         <p>
           A <b>larger</b> cost_scaling_factor makes the cost fall <b>faster</b>, so paths come closer to walls. A door
-          narrower than twice the inscribed radius is closed, whatever the factor. With a small inflation radius paths
-          cut corners.
+          narrower than twice the inscribed radius is closed in any case. With a small inflation radius paths cut
+          corners.
         </p>
       }
     >
       <p>
         A planner on a grid treats the robot as a point. <b>Inflation</b> makes up for that: around each lethal cell the
         cost is 253 up to the <b>inscribed radius</b>, where the robot collides at any heading; beyond it the cost falls
-        exponentially and ends at the <b>inflation radius</b>. Drag the curve by its point for cost_scaling_factor, by
-        its foot for inflation_radius.
+        exponentially and ends at the <b>inflation radius</b>.{" "}
+        <span class="no-print">
+          Drag the curve by its point for cost_scaling_factor, by its foot for inflation_radius.
+        </span>
       </p>
     </Section>
   );

@@ -16,7 +16,7 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
       }
       predict={
         <Prediction
-          text="The robot was carried away four scans ago, as in the first state of the figure. After how many more scans is most of the belief within half a metre of it?"
+          text="The robot was carried away four scans ago. After how many more scans is most of the belief within half a metre of it?"
           axis={{ low: 0, high: 60, unit: "scans" }}
           step={1}
           reveal={async () => (await import("../../../lessons/localization/foundAgain")).foundAgain()}
@@ -31,17 +31,17 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
             <sub>fast</sub> has to be much larger: with equal rates no particle is ever added.
           </p>
           <p>
-            In AMCL both rates are 0 by default, and it does not recover; its documentation suggests 0.001 and 0.1. A
-            sensor that is blocked also gives poor weights: too strong a reaction scatters particles that were right.
+            In AMCL both rates are 0 by default, so it does not recover; its documentation suggests 0.001 and 0.1. A
+            blocked sensor also gives poor weights: too strong a reaction scatters particles that were right.
           </p>
         </>
       }
     >
       <p>
-        Once the particles have converged, resampling draws only from poses that are already there. The{" "}
-        <b>kidnapped robot problem</b>: the robot is carried away without being told. <b>Augmented MCL</b> compares a
-        fast average of the weights with a slow one; where the scans fit worse than before, it replaces a share of the
-        particles by random poses. Press “Drive on”, and kidnap the robot again.
+        Once the particles have converged, resampling draws only from poses that are there: a robot carried away without
+        being told stays lost (the <b>kidnapped robot problem</b>). <b>Augmented MCL</b> compares a fast average of the
+        weights with a slow one; where the scans fit worse than before, it replaces a share of the particles by random
+        poses. <span class="no-print">Press “Drive on”, and kidnap the robot again.</span>
       </p>
     </Section>
   );

@@ -16,18 +16,17 @@ export function LayersSection({ id, number, title }: SectionHead) {
       sources={["nav2-costmap"]}
       after={
         <p>
-          The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass; by default
-          Nav2 marks up to 2.5 m and clears up to 3 m. It cannot clear a wall of the static layer, because the greater
-          cost counts. The <b>dynamic layer</b> removes what has not been seen for some time; in Nav2 that takes the
-          spatio-temporal voxel layer.
+          The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass. It cannot
+          clear a wall of the static layer, whose cost is greater. The <b>dynamic layer</b> removes what has not been
+          seen for some time, in Nav2 the spatio-temporal voxel layer.
         </p>
       }
     >
       <p>
         A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
-        is free, 254 is lethal, 253 is a collision at any heading, 255 is unknown. It is made of <b>layers</b>, and the
-        greater cost counts; the saved map is only the first. Drag the crate into the robot’s view, switch layers off,
-        and read with the cross what each says.
+        is free, 254 is lethal, 253 is a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
+        saved map first, and the greatest cost counts.{" "}
+        <span class="no-print">Drag the crate into view, switch layers off, and read the costs with the cross.</span>
       </p>
     </Section>
   );

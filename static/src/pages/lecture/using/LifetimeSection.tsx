@@ -16,16 +16,17 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
       sources={["nav2-costmap"]}
       after={
         <p>
-          The lifetime is a choice between two errors. Too short: a person who is out of view for a moment is removed
-          although still there. Too long: the robot drives around something that is gone.{" "}
+          The lifetime is a choice between two errors. Too short: a person out of view for a moment is removed although
+          still there. Too long: the robot drives around something that is gone.
         </p>
       }
     >
       <p>
         The table of <SectionLink to="forgetting" /> has been removed, and the path still goes around it: only a beam
         clears an obstacle, and a robot that plans around it may never look there. In the <b>saved map</b> the table
-        stays for good. In the <b>obstacle layer</b> it stays until a beam passes: drag the robot towards it. With a{" "}
-        <b>lifetime</b> it is removed after a set time.
+        stays for good. In the <b>obstacle layer</b> it stays until a beam passes
+        <span class="no-print"> (drag the robot towards it)</span>. With a <b>lifetime</b> it is removed after a set
+        time.
       </p>
     </Section>
   );

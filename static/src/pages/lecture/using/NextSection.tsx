@@ -45,7 +45,7 @@ export function NextSection({ id, number, title }: SectionHead) {
           <SectionLink to="graph" />.
         </li>
         <li>
-          <b>Neural fields</b> keep the look or shape of a place in the weights of a network; they are slow to update.
+          <b>Neural fields</b> keep the look or shape of a place in the weights of a network, and are slow to update.
         </li>
         <li>
           <b>Gaussian splats</b> keep its look from any side; like point clouds, they do not say what is free.
@@ -53,7 +53,7 @@ export function NextSection({ id, number, title }: SectionHead) {
       </ul>
       <p>
         The book is <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1 and 9.2 for mapping, chapters 8 and 13 for
-        what follows.
+        the rest.
       </p>
     </Section>
   );

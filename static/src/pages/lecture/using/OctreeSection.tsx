@@ -21,7 +21,7 @@ export function OctreeSection({ id, number, title }: SectionHead) {
             Halving the side of the cells of a dense grid makes <b>eight</b> times as many, most of them in empty rooms.
             An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
             measured: it grows with the surfaces, about <b>four</b> times. Each access descends from the root, and nodes
-            are larger than cells: in a small, flat building it needs less memory only with fine cells.
+            are larger than cells: here it needs less memory only with fine cells.
           </p>
           <p>
             A <b>point cloud</b> keeps each reading; it grows with every scan and does not say what is free.
@@ -31,8 +31,8 @@ export function OctreeSection({ id, number, title }: SectionHead) {
     >
       <p>
         The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
-        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b> has both. Move the cut through
-        the building, then make the cells finer and compare the memory.
+        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b> has both.{" "}
+        <span class="no-print">Move the cut, then make the cells finer and compare the memory.</span>
       </p>
     </Section>
   );

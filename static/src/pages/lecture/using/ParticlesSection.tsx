@@ -15,15 +15,15 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
-            pointers on it at equal distances, turned by one random number: drag the handle. Of M draws a particle gets
-            M times its weight, rounded down or up. <b>Independent</b> draws vary more, and equally good particles are
-            lost by chance: press the button a few times.
+            pointers on it at equal distances, turned by one random number
+            <span class="no-print"> (drag the handle)</span>. Of M draws a particle gets M times its weight, rounded
+            down or up. <b>Independent</b> draws vary more, and lose equally good particles by chance.
           </p>
           <p>
             <b>
               N<sub>eff</sub>
             </b>
-            , one over the sum of the squared weights, says how many particles the weights amount to. Where it is large,
+            , one over the sum of the squared weights, is the number of particles that count. Where it is large,
             resampling can be left out.
           </p>
           <p>
@@ -33,8 +33,8 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           </p>
           <KldNumber />
           <p>
-            AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %. Go on with the steps above
-            and watch k; drag ε and q on the curve.
+            AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %.{" "}
+            <span class="no-print">Step on above and watch k; drag ε and q.</span>
           </p>
           <LaterMore id="particles" />
         </>
@@ -42,8 +42,8 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
     >
       <p>
         Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
-        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, more of them where the belief is
-        higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where the belief is higher. A
+        reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
         ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
         three equal doors: after the second one group is left.
       </p>

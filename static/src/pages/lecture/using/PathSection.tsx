@@ -18,7 +18,7 @@ export function PathSection({ id, number, title }: SectionHead) {
         <p>
           <b>Dijkstra’s algorithm</b> expands the cell with the least cost so far. <b>A*</b> adds an estimate of the
           cost to go that is never too high, here the distance times the cost of a free cell, and expands fewer cells
-          for a path of equal cost. Make the robot wider: at 0.6 m the right door is closed, and there is no path.
+          for a path of equal cost.
         </p>
       }
     >
@@ -26,7 +26,10 @@ export function PathSection({ id, number, title }: SectionHead) {
         A path is found by a <b>wavefront</b>: from the robot’s cell outwards, each cell gets the least cost of reaching
         it, its <b>potential</b>. A step costs 50 + 0.8 · cost of the cell, as in Nav2’s NavFn. A diagonal step costs √2
         times that here; NavFn has none, and interpolates between two neighbours. Lethal and inscribed cells are
-        blocked. The path is traced back from the goal. Drag the <b>goal</b>.
+        blocked. The path is traced back from the goal.{" "}
+        <span class="no-print">
+          Drag the <b>goal</b>.
+        </span>
       </p>
     </Section>
   );

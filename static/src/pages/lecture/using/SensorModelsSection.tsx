@@ -15,22 +15,19 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
           <p>
             Why can’t we get the inverse model from p(z | m) alone? It is a distribution over <b>readings</b>, for one
             whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and sums
-            over all maps that agree with the reading. Cells before z are free <i>because</i> the beam passed them;
-            cells behind it keep their prior <i>because</i> nothing was measured there. The dashed curve, the logit of
-            p(z | wall at r), is low in both.
+            over all maps that agree with the reading.
           </p>
           <p>
             Some texts add ln p(z | m) / (1 − p(z | m)), as the dashed curve does. Bayes’ rule gives ln p(z | m) / p(z |
             ¬m): how likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor
             with equal error rates both are the same; otherwise the heuristic works because its sign is right and the
-            clamp limits its size. The sum over all maps is exact here, for one beam; on a plane it is too costly, and
-            the model of <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps
-            the forward model and searches for the one most probable map, without independent cells.
+            clamp limits its size. The sum over all maps, exact here for one beam, is too costly on a plane: the model
+            of <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps the forward
+            model and searches for the most probable map, without independent cells.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest
-            occupied cell: a table look-up, smooth where the beam model jumps. It ignores that a wall hides what is
-            behind it.
+            occupied cell: a table look-up, and smooth. It ignores that a wall hides what is behind it.
           </p>
         </>
       }
@@ -38,8 +35,8 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
       <p>
         A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
         has four parts: the range to the mapped surface, with noise; shorter ranges, from people and things that are not
-        in the map; beams without a return; and random readings. Drag each by its handle. The second chart is the{" "}
-        <b>inverse</b> model: given one reading, which cells are occupied? Drag z.
+        in the map; beams without a return; and random readings. The second chart is the <b>inverse</b> model: given one
+        reading, which cells are occupied? <span class="no-print">Drag the handles, and z.</span>
       </p>
     </Section>
   );

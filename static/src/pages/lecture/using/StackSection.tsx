@@ -17,14 +17,13 @@ export function StackSection({ id, number, title }: SectionHead) {
       after={
         <p>
           Each part relies on the one before: double walls give poor weights, a wrong pose closes doors, a table in the
-          saved map is avoided for good. When a robot does not find its way, check the parts in this order.
+          saved map is avoided for good. When a robot does not find its way, check them in this order.
         </p>
       }
     >
       <p>
-        All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, which is
-        saved; on another day a particle filter finds the robot in it; then come the costs, a path and the drive. Drag
-        the goal, or play all of it.
+        All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, the robot
+        works with it on another day. <span class="no-print">Drag the goal, or play all of it.</span>
       </p>
     </Section>
   );

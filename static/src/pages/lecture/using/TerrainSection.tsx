@@ -12,26 +12,26 @@ export function TerrainSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            P = Σ v vᵀ with v = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀz is in
-            its last column, zᵀz in the corner. A new point adds one term, and the points need not be kept. Patches add
-            up: one of twice the size is the sum of four, which makes a quadtree.
+            P = Σ v vᵀ with v = [1 x y z]ᵀ holds all sums that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀz is
+            in its last column, zᵀz in the corner. A new point adds one term and need not be kept. Patches add up: one
+            of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
-            Two slips are common. The slope is cos⁻¹(1 / √(1 + b² + c²)): without the root it is not the angle of the
-            plane. And zᵀz − … is a <b>sum</b> of squares, which grows with every point; roughness divides it by n. The
-            class compares a weighted sum of slope, roughness and the step to the next patch, each divided by its safe
-            limit, with a threshold. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most
-            points agree with.
+            Two slips are common: the root in the slope is forgotten, and the residual zᵀz − …, a <b>sum</b> of squares,
+            is not divided by n, so that the roughness grows with every point. The class compares a weighted sum of
+            slope, roughness and the step to the next patch, each divided by its safe limit, with a threshold. A stone
+            tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
           </p>
         </>
       }
     >
       <p>
-        Outdoors the question is whether a robot can drive safely on the ground. The points of each <b>patch</b> of a
-        grid get a plane z = a + b x + c y by least squares, (AᵀA)⁻¹Aᵀz, where A has a row [1 x y] and z the height of
-        each point: its slope, its height, the roughness of the points around it, and their number. All sums that the
-        fit needs are entries of one matrix P: drag the points, and see which of them change and when the patch becomes
-        unsafe.
+        Can a robot drive safely on this ground? The points of each <b>patch</b> of a grid get a plane z = a + b x + c y
+        by least squares, (AᵀA)⁻¹Aᵀz, where A has a row [1 x y] and z the height of each point: its slope, its height,
+        the roughness of the points around it, and their number.{" "}
+        <span class="no-print">
+          Drag the points, and see which entries of P change and when the patch becomes unsafe.
+        </span>
       </p>
     </Section>
   );

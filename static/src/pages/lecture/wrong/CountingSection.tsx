@@ -39,9 +39,9 @@ export function CountingSection({ id, number, title }: SectionHead) {
         <>
           <p>
             <b>Per beam</b>, each beam adds its evidence. Near the sensor all beams pass the same few cells, and a
-            single scan makes those as certain as the clamp allows. The dashed curve is the number of beams that cover a
-            cell at distance r: beams × cell / 2πr. But all beams of a scan share the error of its pose: adding them
-            counts the same evidence many times.
+            single scan makes those as certain as the clamp allows. The dashed curve is the number of beams in a cell at
+            distance r: beams × cell / 2πr. But all beams of a scan share the error of its pose, and adding them counts
+            one error many times.
           </p>
           <p>
             <b>Per scan</b>, as in table 9.1, a cell in the perceptual field is updated once, by the beam nearest in
@@ -80,7 +80,7 @@ export function CountingSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        updated in two ways. Drag the cross over the cells.
+        updated in two ways. <span class="no-print">Drag the cross over the cells.</span>
       </p>
     </Section>
   );

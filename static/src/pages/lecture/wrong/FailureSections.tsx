@@ -24,15 +24,15 @@ export function PolishedSection({ id, number, title }: SectionHead) {
       sources={[["probabilistic-robotics", "section 6.3"]]}
       after={
         <p>
-          Glass and polished metal or stone do the same. A beam that comes back by way of another surface reports a
-          distance that is too long, and the cells of the wall count as passed: their values <b>oscillate</b>. More
-          readings do not help; another kind of sensor does, or a strip of tape on the glass.
+          Glass, polished metal and stone do the same. A beam that comes back by way of another surface reports too long
+          a distance, and the cells of the wall count as passed: their values <b>oscillate</b>. More readings do not
+          help; another kind of sensor does.
         </p>
       }
     >
       <p>
-        A laser measures a surface by the light that it scatters back. A <b>polished</b> wall reflects like a mirror:
-        unless the beam meets it almost at a right angle, nothing comes back (
+        A laser measures a surface by the light that it scatters back. A <b>polished</b> wall is a mirror: unless the
+        beam meets it almost at a right angle, nothing comes back (
         <SectionLink to="no-return" />
         ), and the wall is missing wherever the robot never stood in front of it.
       </p>
@@ -68,9 +68,8 @@ export function PeopleSection({ id, number, title }: SectionHead) {
       sources={["reflection-maps"]}
       after={
         <p>
-          A trail disappears where later beams pass, and stays where none do. Robots among people therefore keep a
-          static map and, on top of it, a layer of the current readings that is cleared continuously: in Nav2 the static
-          and the obstacle layer (
+          A trail stays where no later beams pass. Robots among people therefore keep a static map and, on top of it, a
+          layer of current readings that is cleared continuously: in Nav2 the static and the obstacle layer (
           <SectionLink to="layers" />
           ).
         </p>
@@ -78,7 +77,8 @@ export function PeopleSection({ id, number, title }: SectionHead) {
     >
       <p>
         Someone who follows the robot is measured at a new place in every scan and leaves a <b>trail</b> of occupied
-        cells. Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of it.
+        cells. When the robot looks at the corridor again from elsewhere, its beams clear most of it
+        <span class="no-print"> (move the slider)</span>.
       </p>
     </Section>
   );
@@ -98,17 +98,19 @@ export function LowTableSection({ id, number, title }: SectionHead) {
       sources={["octomap"]}
       after={
         <p>
-          A cell has no height: which obstacles are in the map depends on the height of the laser. A map in three
-          dimensions stores it (
+          A cell has no height: the height of the laser decides which obstacles are in the map. A three-dimensional map
+          stores it (
           <SectionLink to="octree" />
           ).
         </p>
       }
     >
       <p>
-        A planar laser measures in one plane, at the height of its mount. A table below it is in no reading. The map is
-        right about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
-        <b class="noun-beam">laser</b> up and down.
+        A planar laser measures at the height of its mount. A table below it is in no reading: the map is right about
+        what the laser saw, and wrong about where the robot can drive.{" "}
+        <span class="no-print">
+          Drag the <b class="noun-beam">laser</b> up and down.
+        </span>
       </p>
     </Section>
   );

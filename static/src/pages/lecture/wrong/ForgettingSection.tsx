@@ -45,10 +45,10 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
       ]}
       after={
         <p>
-          Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
-          disappear. The clamp limits the certainty of a cell, so the number of misses needed is always the same. The
-          price: a correct cell can be changed as quickly as a wrong one. OctoMap also compresses by it: cells at the
-          limit are equal, so eight of them become one (
+          Without a clamp the misses must outweigh all hits: a table seen for one hour needs about two hours to
+          disappear. The clamp limits the certainty of a cell, and with it the number of misses needed. The price: a
+          correct cell changes as quickly as a wrong one. OctoMap also compresses by it: cells at the limit are equal,
+          so eight of them become one (
           <SectionLink to="octree" />
           ).
         </p>
@@ -99,9 +99,9 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25). Each scan adds to a
-        cell either a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}.
-        Guess the number of scans first, then remove the table.
+        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25). A scan adds{" "}
+        {signed(INITIAL_CONFIG.log_odds_hit)} or {signed(INITIAL_CONFIG.log_odds_miss)} to a cell.{" "}
+        <span class="no-print">Guess, then remove the table.</span>
       </p>
     </Section>
   );

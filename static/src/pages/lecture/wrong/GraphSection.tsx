@@ -10,23 +10,20 @@ export function GraphSection({ id, number, title }: SectionHead) {
       figure={<Springs />}
       sources={["grisetti", ["zhang", "(kernels)"], ["yang", "(shrinking scale)"], ["kuemmerle", "(how it is judged)"]]}
       after={
-        <>
-          <p>
-            The solution has the least sum of eᵀ Ω e over the springs: e is the residual of a spring, Ω the inverse of
-            its covariance, so that residuals count in standard deviations. Least squares follow the{" "}
-            <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A <b>robust kernel</b>{" "}
-            reduces the weight of loops with large residuals. A kernel cannot tell a wrong loop that nothing contradicts
-            from a right one.
-          </p>
-          <p>“Heal” on a log’s page does this with every scan.</p>
-        </>
+        <p>
+          The solution has the least sum of eᵀ Ω e over the springs: e is the residual of a spring, Ω the inverse of its
+          covariance, so that residuals count in standard deviations. Least squares follow the{" "}
+          <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A <b>robust kernel</b>{" "}
+          reduces the weight of loops with large residuals, but cannot tell a wrong loop that nothing contradicts from a
+          right one.
+        </p>
       }
     >
       <p>
-        A matcher corrects one pose and leaves the earlier ones. A <b>pose graph</b> corrects all of them together. Its
-        nodes are poses; each measured motion between two of them is a spring, at rest where the poses agree with it.
-        The odometry makes a chain. Where the robot comes back to a place, the scans match, and a <b>loop</b> joins two
-        nodes far apart in the chain. Drag a pose and let it go, then close the loop.
+        A matcher corrects one pose and leaves the earlier ones; a <b>pose graph</b> corrects all together. Its nodes
+        are poses; each measured motion between two of them is a spring, at rest where the poses agree with it. The
+        odometry makes a chain. Where the robot comes back to a place, the scans match, and a <b>loop</b> joins two
+        nodes far apart in the chain. <span class="no-print">Drag a pose and let it go, then close the loop.</span>
       </p>
     </Section>
   );

@@ -14,15 +14,14 @@ export function MatchingSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The <b class="noun-beam">colour</b> is the score of every position at the present heading. The segments join
+            The <b class="noun-beam">colour</b> is the score of every position at the present heading; segments join
             each point to the nearest one. <b>Point to point</b> makes them short; <b>point to line</b> only their part
-            across the wall, so a scan slides along a wall. Both need a start in the <b class="noun-miss">blue</b> part
-            of the second picture. The <b>correlative</b> method tries every pose of its window, and its answer is as
-            coarse as its steps.
+            across the wall, so a scan slides along it. Both need a start in the <b class="noun-miss">blue</b> part of
+            the second picture. The <b>correlative</b> method tries every pose of its window, in steps.
           </p>
           <p>
-            In the corridor any pose along the walls fits; in the symmetric room two poses fit equally. A moved table
-            shifts the pose a little; leaving out the worst tenth of the pairs limits this.
+            In the corridor any pose along the walls fits; in the symmetric room two fit equally. A moved table shifts
+            the pose a little; leaving out the worst tenth of the pairs limits this.
           </p>
           <h3>The methods</h3>
           <ul class="realizations">
@@ -36,14 +35,16 @@ export function MatchingSection({ id, number, title }: SectionHead) {
             ))}
           </ul>
           <p>
-            Dark is what is known, <b class="noun-robot">green</b> what is matched to it.
+            Dark: known; <b class="noun-robot">green</b>: matched to it.
           </p>
         </>
       }
     >
       <p>
-        To correct a pose, the scan is laid over another scan or over the map. Drag the <b class="noun-robot">scan</b>{" "}
-        until it snaps; the outer handle turns it.
+        To correct a pose, the scan is laid over another scan or over the map.{" "}
+        <span class="no-print">
+          Drag the <b class="noun-robot">scan</b> until it snaps; the outer handle turns it.
+        </span>
       </p>
     </Section>
   );

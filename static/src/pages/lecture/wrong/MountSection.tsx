@@ -46,23 +46,23 @@ export function MountSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            A <b>rotated</b> sensor rotates each scan about the sensor, so a wall appears in a different place from
-            every pose that saw it. The offset of a <b>shifted</b> sensor rotates with the heading: where the robot
-            turned, walls appear twice; on a straight drive the error cannot be seen. A sensor that is{" "}
-            <b>upside down</b> mirrors each scan, and a symmetric corridor may even look correct.
+            A <b>rotated</b> sensor rotates each scan about itself, so a wall appears in a different place from every
+            pose. The offset of a <b>shifted</b> sensor rotates with the heading: walls appear twice where the robot
+            turned, and a straight drive hides the error. A sensor <b>upside down</b> mirrors each scan; a symmetric
+            corridor may even look correct.
           </p>
           <p>
-            The pose is that of the moment of the reading: where the clocks differ, walls fan out in every turn. A scan
-            takes time: in a turn each beam needs a pose of its own, or walls tear where the scan begins and ends.
+            The pose must be that of the moment of the reading: where clocks differ, walls fan out in every turn. A scan
+            takes time: in a turn each beam needs its own pose, or walls tear where the scan begins and ends.
           </p>
         </>
       }
     >
       <p>
-        A reading is measured in the frame of the sensor. To place it in the map, two poses are needed: that of the
-        robot in the map (from SLAM, from localization such as AMCL, or from odometry) and that of the sensor on the
-        robot, its <b class="noun-beam">mount</b> (in ROS from the description of the robot, the URDF, through TF). If
-        either is wrong, or the grid’s origin or resolution, the map is smeared, rotated or mirrored.
+        A reading is measured in the frame of the sensor. Two poses, one after the other (∘), place it in the map: that
+        of the robot in the map (from SLAM, localization such as AMCL, or odometry) and that of the sensor on the robot,
+        its <b class="noun-beam">mount</b> (in ROS from the robot’s description, the URDF, through TF). If either is
+        wrong, or the grid’s origin or resolution, the map is smeared, rotated or mirrored.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>
@@ -74,9 +74,9 @@ export function MountSection({ id, number, title }: SectionHead) {
         </mrow>
       </math>
       <p>
-        x points forward, y to the left, and angles are counter-clockwise. The dashed fan is the true mount, from which
-        the readings were made. The <b class="noun-beam">coloured</b> fan is the mount that the map assumes: drag it,
-        rotate it, or turn it upside down.
+        x points forward, y left; angles are counter-clockwise. The dashed fan is the true mount, the{" "}
+        <b class="noun-beam">coloured</b> one the mount that the map assumes.{" "}
+        <span class="no-print">Drag it, rotate it, or turn it upside down.</span>
       </p>
     </Section>
   );

@@ -43,7 +43,7 @@ export function OdometrySection({ id, number, title }: SectionHead) {
       }
       predict={
         <Prediction
-          text="The error of the heading is doubled to 8° per metre. By how much are the poses by odometry off then (root mean square)?"
+          text="The error of the heading is doubled to 8° per metre. How far off are the poses by odometry then?"
           axis={{ low: 0, high: 6, unit: "m" }}
           step={0.1}
           reveal={() => {
@@ -56,8 +56,8 @@ export function OdometrySection({ id, number, title }: SectionHead) {
       after={
         <p>
           Errors of the heading matter most: they rotate everything driven afterwards. Between two scans the lidar is
-          more accurate than the wheels, so for the right map each scan is matched with the three before it (the next
-          two sections). Small errors remain and add up more slowly; <SectionLink to="graph" /> removes those too.
+          more accurate than the wheels; for the right map each scan was matched with the three before it. Small errors
+          remain and add up slowly; <SectionLink to="graph" /> removes them.
         </p>
       }
     >

@@ -17,14 +17,14 @@ export function ProbableSection({ id, number, title }: SectionHead) {
       after={
         <p>
           <b>With cabinets</b> one position fits the scan, and the product has its maximum there. <b>With doors</b> at
-          equal distances several fit, and the odometry decides: if it is off by more than half that distance, the wrong
-          one is chosen. In the <b>bare</b> corridor every position fits, and the product is the odometry alone.
+          equal distances several fit, and the odometry decides: if it is off by more than half that distance, wrongly.
+          In the <b>bare</b> corridor every position fits, and the product is the odometry alone.
         </p>
       }
     >
       <p>
-        The scan and the odometry are both evidence about the pose. Before a scan is added to the map, its pose becomes
-        the most probable one given both (maximum a posteriori, MAP):
+        Scan and odometry are both evidence about the pose. Before a scan is added to the map, its pose becomes the most
+        probable one given both (maximum a posteriori, MAP):
       </p>
       <math display="block" class="lesson-formula pose-formula">
         <mrow>
@@ -116,7 +116,7 @@ export function ProbableSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        Drag the diamond, where the odometry says that the robot is.
+        <span class="no-print">Drag the diamond, where the odometry says that the robot is.</span>
       </p>
     </Section>
   );

@@ -21,15 +21,14 @@ export function ResolutionSection({ id, number, title }: SectionHead) {
       sources={["occupancy-grid"]}
       after={
         <p>
-          Halving the side of a cell makes four times as many, and each beam crosses twice as many. Cells of 1 cm show
-          the noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of its width. <b>5 cm</b> is the
-          usual choice in buildings.
+          Halving the side makes four times as many cells, and each beam crosses twice as many. Cells of 1 cm show the
+          noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of its width. <b>5 cm</b> is usual
+          in buildings.
         </p>
       }
     >
       <p>
         How large should a cell be? The figure shows the same scans of a door and a pillar in cells of 1, 5 and 10 cm.
-        The memory is that of the whole floor; the time is measured on your computer.
       </p>
     </Section>
   );

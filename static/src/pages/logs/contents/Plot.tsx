@@ -1,4 +1,4 @@
-/** One plot over time, drawn by uPlot. */
+/** One plot over time, or of numbers over another one, drawn by uPlot. */
 
 import { effect, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -7,15 +7,16 @@ import "uplot/dist/uPlot.min.css";
 import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
-import { clock, written } from "../../../ui/numbers";
-import type { SeriesAnswer } from "../../../wire/http";
+import { written } from "../../../ui/numbers";
+import type { Plotted } from "../fields/fields";
+import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
-import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, zoomInto } from "./plotParts";
+import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "./plotParts";
 import { type Span, scanAtTime } from "./series";
 
 interface PlotProps {
   readonly store: Store;
-  readonly series: SeriesAnswer;
+  readonly series: Plotted;
   /** Which columns. */
   readonly plot: string;
   /**
@@ -23,34 +24,51 @@ interface PlotProps {
    * when it changes. Without it a plot zooms into the values that it has.
    */
   readonly zoom?: Signal<Span | null>;
+  /** The place of the column that the others are plotted over, in place of time. */
+  readonly across?: number;
 }
 
 const HEIGHT = 150;
+const ACROSS_HEIGHT = 300;
 /** Colour roles and dashes of the lines: lines are told apart by both. */
 const LINES: readonly { readonly tone: string; readonly dash: number[] }[] = [
   { tone: "--miss", dash: [] },
   { tone: "--hit", dash: [6, 3] },
   { tone: "--robot", dash: [2, 2] },
+  { tone: "--beam", dash: [8, 3, 2, 3] },
+  { tone: "--foreground", dash: [10, 4] },
 ];
 
-export function Plot({ store, series, plot, zoom }: PlotProps) {
+export function Plot({ store, series, plot, zoom, across }: PlotProps) {
   const frame = useRef<HTMLDivElement>(null);
   const width = useWidth(frame, 360).value;
   const columns = series.columns.filter((column) => column.plot === plot);
-  const unit = columns[0]?.unit ?? "";
+  const units = [...new Set(columns.map((column) => column.unit))];
+  const unit = units.join(", ");
   const scheme = isDark.value;
   const drawn = useRef<UPlot | null>(null);
   useEffect(() => {
     const element = frame.current;
     if (!element) return;
+    const over = across === undefined ? undefined : columns[across];
+    const shown = over ? columns.filter((column) => column !== over) : columns;
+    const options = {
+      ...optionsOf(store, element, series, shown, width),
+      cursor: {
+        ...(zoom ? zoomInto(zoom) : CURSOR),
+        // Fields of several topics have values at different times.
+        dataIdx: (chart: UPlot, line: number, row: number) =>
+          line === 0 ? row : nearestKnown(chart.data[line] ?? [], row),
+      },
+    };
     const chart = new UPlot(
-      { ...optionsOf(store, element, series, columns, width), ...(zoom ? { cursor: zoomInto(zoom) } : {}) },
-      [series.times as number[], ...columns.map((column) => column.values as (number | null)[])],
+      over ? overEachOther(options, store, element, series.times, over, shown) : options,
+      [(over?.values ?? series.times) as number[], ...shown.map((column) => column.values as (number | null)[])],
       element,
     );
     drawn.current = chart;
     const span = zoom?.peek();
-    if (span) chart.setScale("x", { min: span[0], max: span[1] });
+    if (span && !over) chart.setScale("x", { min: span[0], max: span[1] });
     const stop = effect(() => {
       void store.frame.value;
       chart.redraw(false);
@@ -60,12 +78,12 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
       drawn.current = null;
       chart.destroy();
     };
-  }, [series, plot, scheme]);
+  }, [series, plot, scheme, across]);
   useEffect(() => {
-    drawn.current?.setSize({ width, height: HEIGHT });
-  }, [width]);
+    drawn.current?.setSize({ width, height: across === undefined ? HEIGHT : ACROSS_HEIGHT });
+  }, [width, across]);
   const level = levelOf(columns.flatMap((column) => column.values));
-  if (level !== null) {
+  if (level !== null && across === undefined) {
     return (
       <figure class="plot" data-plot={plot}>
         <figcaption>{plot}</figcaption>
@@ -77,14 +95,33 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
   }
   return (
     <figure class="plot" data-plot={plot}>
-      <figcaption>
-        {plot}
-        {unit && `, ${unit}`}
-      </figcaption>
+      <figcaption>{[plot, unit].filter(Boolean).join(", ")}</figcaption>
       <div ref={frame} role="img" aria-label={inWords(series, plot)} />
     </figure>
   );
 }
+
+/** Of a plot that zooms into the values that it has. */
+const CURSOR: UPlot.Cursor = {
+  drag: { x: true, y: false, dist: DRAG_PX },
+  points: { size: 6 },
+  sync: { key: "log" },
+};
+
+/** The row nearest to one that has a value. */
+function nearestKnown(values: ArrayLike<number | null | undefined>, row: number): number {
+  for (let away = 0; away < values.length; away++) {
+    if (values[row - away] != null) return row - away;
+    if (values[row + away] != null) return row + away;
+  }
+  return row;
+}
+
+const [RIGHT, LEFT] = [1, 3]; // as uPlot numbers the sides
+const scaleOf = (unit: string): string => `y ${unit}`;
+/** A number with six digits, as a value and its time can be far apart in size. */
+const shortNumber = (value: number): string =>
+  value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6) ? value.toPrecision(6) : written(value, 3);
 
 /** The value that all have in common, NaN without any; null where they differ and are worth a chart. */
 function levelOf(values: readonly (number | null)[]): number | null {
@@ -94,7 +131,7 @@ function levelOf(values: readonly (number | null)[]): number | null {
 }
 
 /** The range of each line, for screen readers. */
-function inWords(series: SeriesAnswer, plot: string): string {
+function inWords(series: Plotted, plot: string): string {
   const lines = series.columns
     .filter((column) => column.plot === plot)
     .map(({ label, unit, values }) => {
@@ -102,27 +139,36 @@ function inWords(series: SeriesAnswer, plot: string): string {
       if (known.length === 0) return `${label}: no values`;
       return `${label}: ${written(Math.min(...known), 2)} to ${written(Math.max(...known), 2)} ${unit}`;
     });
-  return `${series.topic}, ${plot} over time. ${lines.join("; ")}.`;
+  return `${[series.topic, plot].filter(Boolean).join(", ") || "Fields"} over time. ${lines.join("; ")}.`;
 }
 
 function optionsOf(
   store: Store,
   element: HTMLElement,
-  series: SeriesAnswer,
-  columns: SeriesAnswer["columns"],
+  series: Plotted,
+  columns: Plotted["columns"],
   width: number,
 ): UPlot.Options {
   const axis = axisStyle(element);
   const now = colourOf(element, "--beam");
+  const units = [...new Set(columns.map((column) => column.unit))];
   return {
     width,
     height: HEIGHT,
     legend: { show: true, live: true },
-    cursor: { drag: { x: true, y: false, dist: DRAG_PX }, points: { size: 6 }, sync: { key: "log" } },
-    scales: { x: { time: false } },
+    // Each unit has a scale of its own, in turn on the left and on the right.
+    scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), {}])) },
     axes: [
-      { ...axis, size: 26, values: (_, splits) => splits.map((at) => clock(at)), space: 60 },
-      { ...axis, size: 52 },
+      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), space: 60, incrs: TIME_STEPS },
+      ...units.map((unit, n) => ({
+        ...axis,
+        scale: scaleOf(unit),
+        side: n % 2 === 0 ? LEFT : RIGHT,
+        size: 52,
+        space: 22,
+        grid: { ...axis.grid, show: n === 0 },
+        ...(units.length > 1 ? { label: unit || "no unit", labelSize: 16, labelFont: axis.font as string } : {}),
+      })),
     ],
     series: [
       { label: "time", value: (_, at) => (at === null ? "–" : `${written(at, 2)} s`) },
@@ -130,11 +176,14 @@ function optionsOf(
         const line = LINES[n % LINES.length];
         return {
           label: column.label,
+          scale: scaleOf(column.unit),
           stroke: colourOf(element, line?.tone ?? "--foreground"),
           width: 1.5,
           dash: line?.dash ?? [],
-          ...brokenAtGaps(series, false),
-          value: (_: UPlot, value: number | null) => (value === null ? "–" : written(value, 3)),
+          ...(column.gaps
+            ? brokenAtGaps({ times: series.times, gaps: [...column.gaps] }, true)
+            : brokenAtGaps(series, false)),
+          value: (_: UPlot, value: number | null) => (value === null ? "–" : `${shortNumber(value)} ${column.unit}`),
         };
       }),
     ],

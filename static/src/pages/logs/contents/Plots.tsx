@@ -1,11 +1,13 @@
-/** The numbers of IMU, odometry, battery and commands over the time of the log. */
+/** Any numbers of a recording over time; IMU, odometry, battery and commands are ready. */
 
-import { useSignal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { ask } from "../../../wire/ask";
 import type { PlottedTopic, SeriesAnswer } from "../../../wire/http";
+import { FieldPlot } from "../fields/FieldPlot";
+import type { FieldsState } from "../fields/useFields";
 import { Plot } from "./LazyPlot";
 import type { Span } from "./series";
 import { WhenKnown } from "./useContents";
@@ -13,31 +15,38 @@ import { WhenKnown } from "./useContents";
 interface PlotsProps {
   readonly store: Store;
   readonly session: string;
+  readonly fields: FieldsState;
+  /** The interval that all plots of the log show. */
+  readonly zoom: Signal<Span | null>;
 }
 
-export function Plots({ store, session }: PlotsProps) {
+export function Plots({ store, session, fields, zoom }: PlotsProps) {
   return (
     <WhenKnown session={session}>
-      {({ series }) =>
-        series.length > 0 ? (
-          <Topic store={store} session={session} series={series} />
+      {({ topics, series }) =>
+        topics.length > 0 ? (
+          <div class="plots">
+            <FieldPlot store={store} session={session} fields={fields} zoom={zoom} />
+            {series.length > 0 && <Topic store={store} session={session} series={series} zoom={zoom} />}
+          </div>
         ) : (
-          <p class="quiet">
-            The log has no messages that are plotted: IMU, odometry, battery and velocity commands of ROS, and CARMEN's
-            ODOM lines.
-          </p>
+          <p class="quiet">A log of this kind has no messages whose fields could be plotted.</p>
         )
       }
     </WhenKnown>
   );
 }
 
-function Topic({ store, session, series }: PlotsProps & { readonly series: readonly PlottedTopic[] }) {
+function Topic({
+  store,
+  session,
+  series,
+  zoom,
+}: Omit<PlotsProps, "fields"> & { readonly series: readonly PlottedTopic[] }) {
   const chosen = useSignal(series[0]?.topic ?? "");
   const found = useSignal<SeriesAnswer | null>(null);
   const failure = useSignal<string | null>(null);
   const topic = chosen.value;
-  const zoom = useSignal<Span | null>(null);
   const span = zoom.value;
   useEffect(() => {
     const abort = new AbortController();
@@ -57,14 +66,13 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: reado
   }, [session, topic, span]);
   const now = found.value;
   return (
-    <div class="plots">
+    <>
       <label class="field">
         <span class="field-label">Topic</span>
         <select
           class="select"
           value={topic}
           onChange={(event) => {
-            zoom.value = null;
             chosen.value = event.currentTarget.value;
           }}
         >
@@ -97,6 +105,6 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: reado
           Show the whole log
         </Button>
       )}
-    </div>
+    </>
   );
 }

@@ -3,6 +3,7 @@
 import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
 import { labelFont } from "../../../style/labelFont";
+import { clock } from "../../../ui/numbers";
 import type { Span } from "./series";
 
 /** Horizontal distance from which a press is a drag, px. */
@@ -25,6 +26,24 @@ export function axisStyle(element: HTMLElement): UPlot.Axis {
     grid: { stroke: colourOf(element, "--line"), width: 1 },
     ticks: { stroke: colourOf(element, "--line") },
   };
+}
+
+/** Distances of the times on an axis, s: whole minutes and hours beyond a minute. */
+export const TIME_STEPS: number[] = [
+  ...[1e-3, 1e-2, 0.1].flatMap((step) => [step, 2 * step, 5 * step]),
+  ...[1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 21_600, 43_200, 86_400],
+];
+
+/** Times on an axis: with as many decimals as their distance needs. */
+export function timeLabels(splits: readonly number[]): string[] {
+  const step = (splits[1] ?? 1) - (splits[0] ?? 0);
+  const digits = step >= 1 ? 0 : Math.min(6, Math.ceil(-Math.log10(step) - 1e-9));
+  return splits.map((at) => {
+    const text = Math.abs(at).toFixed(digits);
+    const seconds = Number(text);
+    const rest = digits > 0 ? text.slice(text.indexOf(".")) : "";
+    return `${at < 0 && seconds > 0 ? "−" : ""}${clock(Math.floor(seconds))}${rest}`;
+  });
 }
 
 /** A vertical line over the height of a chart. */

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { file, inside, readingText, remedy, run, sentence, topic, trajectoryLabel } from "./describeLog";
+import { file, inside, lidars, readingText, remedy, run, sentence, topic, trajectoryLabel } from "./describeLog";
 import type { LogRecord, Topic } from "./library";
 
 const OWN = { source: "log", created_s: null, has_graph: false } as const;
@@ -88,6 +88,10 @@ test("a topic is told in a line", () => {
   expect(topic(scan)).toBe("1,200 × LaserScan, 360 beams, 359°, 10.0 Hz, frame laser");
   const imu = { ...scan, type: "sensor_msgs/Imu", frame: null, beams: null, field_of_view_deg: null, rate_hz: null };
   expect(topic(imu)).toBe("1,200 × Imu");
+  const other = { ...scan, name: "/scan#/tf_gt", chosen: false };
+  expect(topic(other)).toMatch(/frame laser, frames looked up in \/tf_gt$/);
+  const rear = { ...other, name: "/rear" };
+  expect(lidars({ ...intel, topics: [scan, other, rear] })).toEqual(["/scan", "/rear"]);
 });
 
 test("an unknown trajectory keeps its own name", () => {

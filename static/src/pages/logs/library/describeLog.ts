@@ -104,10 +104,14 @@ export function inside(log: LogRecord): readonly string[] {
 /** Between the names of sensors that are mapped together. */
 export const SENSOR_SEPARATOR = " + ";
 
-/** The names of the lidars of a log whose frames are known, those with most scans first. */
+/** The topic of transforms in which a sensor's frames are looked up, where its name states it; null otherwise. */
+const transformsOf = (sensor: string): string | null => /#(\/.*)$/.exec(sensor)?.[1] ?? null;
+
+/** The names of the lidars of a log whose frames are known, those with most scans first, each once. */
 export function lidars(log: LogRecord): readonly string[] {
   return log.topics
     .filter((one) => one.beams !== null && /Scan$|laser scan$/.test(one.type) && one.count > 0)
+    .filter((one) => transformsOf(one.name) === null)
     .map((one) => one.name);
 }
 
@@ -120,12 +124,14 @@ export const hasClouds = (log: LogRecord): boolean =>
 
 /** A topic in a line. */
 export function topic(one: Topic): string {
+  const transforms = transformsOf(one.name);
   return [
     `${one.count.toLocaleString("en")} × ${one.type.replace(/^.*\//, "")}`,
     ...(one.beams === null ? [] : [one.beams === 1 ? "1 beam" : `${one.beams} beams`]),
     ...(one.field_of_view_deg === null ? [] : [`${Math.round(one.field_of_view_deg)}°`]),
     ...(one.rate_hz === null ? [] : [`${written(one.rate_hz, 1)} Hz`]),
     ...(one.frame ? [`frame ${one.frame}`] : []),
+    ...(transforms === null ? [] : [`frames looked up in ${transforms}`]),
   ].join(", ");
 }
 

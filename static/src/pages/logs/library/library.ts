@@ -2,7 +2,7 @@
 
 import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
-import { NO_ANSWER, RequestError, ask as send } from "../../../wire/ask";
+import { ask as send, whyAgain } from "../../../wire/ask";
 import type { LogAnswer, SessionAnswer, Topic } from "../../../wire/http";
 import { followMaking, type Making, newName } from "../../making";
 
@@ -93,8 +93,7 @@ export async function refresh(): Promise<void> {
     listError.value = null;
     if (body.logs.some(isUnknown)) again = 500;
   } catch (error) {
-    const isAway = error instanceof RequestError && error.status === null;
-    listError.value = isAway ? `${NO_ANSWER} The page tries again by itself.` : (error as Error).message;
+    listError.value = whyAgain(error);
     again = 3000;
   }
   if (again > 0 && isWatched) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);

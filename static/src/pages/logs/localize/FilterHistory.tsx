@@ -37,8 +37,8 @@ export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
         )}
         {now?.is_on && (
           <p class="localize-now" role="status">
-            {now.is_converged ? "Converged" : "Not converged"} · {now.n_particles.toLocaleString("en")} particles ·{" "}
-            {now.entropy.toFixed(1)} bit · fit {now.fit.toFixed(2)}
+            {now.is_converged ? (now.is_sure ? "Converged, sure" : "Converged, not sure") : "Not converged"} ·{" "}
+            {now.n_particles.toLocaleString("en")} particles · {now.entropy.toFixed(1)} bit · fit {now.fit.toFixed(2)}
           </p>
         )}
         {PLOTS.map((plot) => (

@@ -1,4 +1,4 @@
-/** Finds the robot of a log in a given map, and shows how certain that is along the way. */
+/** Finds the robot of a log in a reference map, and shows how certain that is along the way. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -49,7 +49,7 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
       {!isGuest && <Find store={store} localizing={localizing} />}
       {map && (
         <Toggle
-          label="Show the given map"
+          label="Show the reference map"
           sentence="The map to localize in, instead of the map made from this log's scans."
           checked={store.underlay.value === GIVEN_MAP}
           disabled={false}
@@ -322,7 +322,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         {result.first_converged === null
           ? "The particles never agreed on one place: the position of the robot is not known."
           : result.is_converged
-            ? "Found: the poses in the map are the trajectory “localized” of this log."
+            ? `${result.is_sure ? "Found" : "Perhaps found"}: the poses in the map are the trajectory “localized” of this log.`
             : "Found and lost again: at the end the particles do not agree."}
       </p>
       <dl class="heal-facts">
@@ -332,6 +332,12 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         <dd>
           {result.first_converged === null ? "never" : `from scan ${result.first_converged + 1} on`}, at{" "}
           {result.converged} of {count} scans
+        </dd>
+        <dt>Sure</dt>
+        <dd>
+          {result.sure === 0
+            ? "at no scan: the scans fit other places of the map nearly as well, or contradict it"
+            : `at ${result.sure} scans, where other places were ruled out`}
         </dd>
         <dt>Fit of the scans</dt>
         <dd>{result.median_fit.toFixed(2)} of 1, median</dd>

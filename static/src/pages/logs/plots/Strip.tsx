@@ -6,10 +6,10 @@ import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
-import { clock, written } from "../../../ui/numbers";
+import { written } from "../../../ui/numbers";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import { brokenAtGaps } from "../contents/gaps";
-import { axisStyle, colourOf, drawLineAt, onClickAt, zoomInto } from "../contents/plotParts";
+import { axisStyle, colourOf, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "../contents/plotParts";
 import type { Span } from "../contents/series";
 import type { Shown } from "./strips";
 
@@ -62,9 +62,10 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
           ...axis,
           size: hasAxis ? AXIS_HEIGHT : 0,
           space: 70,
+          ...(series.axis === "time" ? { incrs: TIME_STEPS } : {}),
           gap: 3,
           values: (_, splits) =>
-            hasAxis ? splits.map((at) => (series.axis === "time" ? timeLabel(at, span) : written(at, 0))) : [],
+            !hasAxis ? [] : series.axis === "time" ? timeLabels(splits) : splits.map((at) => written(at, 0)),
           ticks: { ...axis.ticks, show: hasAxis, size: 5 },
         },
         { ...axis, size: Y_AXIS_WIDTH, space: 22, gap: 4 },
@@ -133,9 +134,4 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
     drawn.current?.setSize({ width, height });
   }, [width, height]);
   return <div ref={frame} class="strip-plot" aria-hidden="true" style={{ height: `${height}px` }} />;
-}
-
-/** A time on the axis; with tenths of seconds where whole ones would repeat. */
-function timeLabel(at: number, [from, to]: Span): string {
-  return to - from < 8 ? `${clock(at)}.${Math.floor((at % 1) * 10 + 1e-6)}` : clock(at);
 }

@@ -41,7 +41,7 @@ interface TimelinePlotsProps {
 export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const series = useSignal<ScanSeries | null>(null);
   const failure = useSignal<string | null>(null);
-  const zoom = useSignal<Span | null>(null);
+  const { zoom } = state;
   const whole = useSignal<Span>([0, 1]);
   const shown = useSignal<readonly string[]>(isSmall() ? FIRST_IF_SMALL : FIRST);
   const pointed = useSignal<number | null>(null);

@@ -1,6 +1,7 @@
 /** What the plots below a log's timeline share with it. */
 
 import { type Signal, useSignal } from "@preact/signals";
+import type { Span } from "../contents/series";
 
 export interface TimelinePlotsState {
   readonly isOpen: Signal<boolean>;
@@ -8,8 +9,10 @@ export interface TimelinePlotsState {
   readonly onTimeline: Signal<number | null>;
   /** The same of the pointer in the plots. */
   readonly inPlots: Signal<number | null>;
+  /** The interval that all plots of the log show; null for the whole log. */
+  readonly zoom: Signal<Span | null>;
 }
 
 export function useTimelinePlots(): TimelinePlotsState {
-  return { isOpen: useSignal(false), onTimeline: useSignal(null), inPlots: useSignal(null) };
+  return { isOpen: useSignal(false), onTimeline: useSignal(null), inPlots: useSignal(null), zoom: useSignal(null) };
 }

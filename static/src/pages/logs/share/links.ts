@@ -12,7 +12,7 @@ export type { Link, Shown };
 
 /** Create a link to the current view of a session. This and the other requests reject with an error message. */
 export const makeLink = (session: string, look: SharedView | null, shown: Shown | null = null): Promise<Link> =>
-  ask("POST /api/links", {}, { body: { session, look, shown } });
+  ask("POST /api/sessions/{session_id}/links", { session_id: session }, { body: { look, shown } });
 
 /** The links to the log of a session that its visitor has made, the newest first. */
 export const linksOf = async (session: string): Promise<readonly Link[]> =>

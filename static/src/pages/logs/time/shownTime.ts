@@ -12,3 +12,9 @@ export const shownStart = (store: Store): number | null =>
 
 /** A moment of a log, s from its first scan, as the visitor wants times. */
 export const shownTime = (store: Store, seconds: number): string => timeText(seconds, shownStart(store));
+
+/** The same without date and zone, for lists. */
+export function clockTime(store: Store, seconds: number): string {
+  const text = shownTime(store, seconds);
+  return shownStart(store) === null ? text : text.slice(11, 23);
+}

@@ -16,7 +16,8 @@ const PRESETS: readonly (readonly [name: string, layout: Layout])[] = [
   ["Map", MAP_ALONE],
   ["Map and camera", layoutOf("beside", ["map", "picture"])],
   ["Map and 3D", layoutOf("beside", ["map", "3d"])],
-  ["Diagnosis", layoutOf("four", ["map", "picture", "plots", "frames"])],
+  ["Two maps", layoutOf("beside", ["map", "second"])],
+  ["Diagnosis", layoutOf("four", ["map", "picture", "plots", "lines"])],
 ];
 
 interface LayoutChoiceProps {

@@ -3,11 +3,17 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
+import type { Comparison } from "../../../tools/compare/comparison";
 import { lazy } from "../../../ui/lazy";
 import type { StageView } from "../../../ui/stage/Stage";
+import { OtherMap } from "../compare/OtherMap";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
+import type { Span } from "../contents/series";
+import type { FieldsState } from "../fields/useFields";
+import { Lines } from "../lines/Lines";
+import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
 import "./views.css";
 
@@ -18,6 +24,11 @@ interface LogOfView {
   readonly session: string;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  readonly comparison: Comparison;
+  readonly lines: LinesState;
+  readonly fields: FieldsState;
+  /** The interval that all plots show. */
+  readonly zoom: Signal<Span | null>;
 }
 
 interface View {
@@ -25,6 +36,8 @@ interface View {
   readonly title: string;
   /** Of a view that a guest has not. */
   readonly isOwners?: boolean;
+  /** Of a picture, which fills its place and does not scroll. */
+  readonly fills?: boolean;
   readonly content: (log: LogOfView) => ComponentChildren;
 }
 
@@ -32,8 +45,15 @@ interface View {
 const VIEWS: readonly View[] = [
   { kind: "picture", title: "Pictures", content: (log) => <Pictures {...log} /> },
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
+  { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
   { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
+  {
+    kind: "second",
+    title: "Second map",
+    fills: true,
+    content: (log) => <OtherMap {...log} />,
+  },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
 ];
 
@@ -49,10 +69,10 @@ export const kindsFor = (isGuest: boolean): readonly string[] => [
 export function viewsOf(log: LogOfView, isGuest: boolean, map: () => ComponentChildren): readonly StageView[] {
   return [
     { kind: MAP_VIEW, title: "Map", content: map },
-    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, content }) => ({
+    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, fills, content }) => ({
       kind,
       title,
-      content: () => <Scrolled kind={kind}>{content(log)}</Scrolled>,
+      content: () => (fills ? content(log) : <Scrolled kind={kind}>{content(log)}</Scrolled>),
     })),
   ];
 }

@@ -2,6 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
+import { groupsOfParts } from "../../../tools/parts";
 import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import type { DockGroup } from "../../../ui/dock/Dock";
@@ -11,7 +12,6 @@ import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
 import { VolumeDownloads } from "./VolumeDownloads";
 import { VolumeMapGroup } from "./VolumeMapGroup";
-import { VolumeTerrain } from "./VolumeTerrain";
 
 /** What the groups show. */
 export interface VolumeView {
@@ -72,13 +72,7 @@ const GROUPS: readonly Group[] = [
     purpose: "The map for a driving robot: a cell is occupied if a voxel of its column is, within a band of heights.",
     content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
   },
-  {
-    id: "terrain",
-    title: "Terrain",
-    section: "Ground",
-    purpose: "Patches of the points: which are ground, their planes, and where it is safe to drive.",
-    content: ({ store }) => <VolumeTerrain store={store} />,
-  },
+  ...groupsOfParts("volume", "Ground"),
   {
     id: "compare",
     title: "Compare",

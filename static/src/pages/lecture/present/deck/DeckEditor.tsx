@@ -1,13 +1,15 @@
+import { saveAs } from "../../../../ui/files/saveAs";
 import "./deckEditor.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../../ui/Button";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
+import { LECTURE_PARTS, type Part } from "../../lessons";
 import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
 import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { numberOf, onlyOne, reordered, shown as shownSlide } from "./deckOrder";
+import { numberOf, only, reordered, shown as shownSlide } from "./deckOrder";
 import { SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
 import { ThumbnailMaker } from "./Thumbnail";
@@ -20,6 +22,10 @@ async function change(
   const title = deck.peek() === WHOLE_LECTURE ? `${WHOLE_LECTURE.title}, my deck` : deck.peek().title;
   await takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
+
+/** Whether a slide is about a section of one part of the lecture: each part is about as much as one lesson. */
+const isIn = ({ lessons }: Part, slide: Slide): boolean =>
+  "section" in slide && lessons.some(({ id }) => id === slide.section);
 
 /** How long a row is at hand before its picture is shown, ms: the pointer passes over many. */
 const REST_MS = 150;
@@ -75,10 +81,24 @@ function Slides() {
         <div class="actions">
           <Button
             disabled={count === 1 && isShown[present] === true}
-            onClick={() => void change(onlyOne(slides, present), present)}
+            onClick={() =>
+              void change(
+                only(slides, (_, i) => i === present),
+                present,
+              )
+            }
           >
             Hide all but the present slide
           </Button>
+          {LECTURE_PARTS.map((part, i) => (
+            <Button
+              key={part.title}
+              disabled={!slides.some((slide) => isIn(part, slide))}
+              onClick={() => void change(only(slides, (slide) => isIn(part, slide)))}
+            >
+              Part {i + 1} only
+            </Button>
+          ))}
           <Button disabled={count === slides.length} onClick={() => void change(slides.map(shownSlide), present)}>
             Show all
           </Button>
@@ -127,11 +147,7 @@ function Slides() {
 
 function save(of: Deck): void {
   const blob = new Blob([JSON.stringify(writtenDeck(of), null, 2)], { type: "application/json" });
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = `${of.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "deck"}.json`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  saveAs(`${of.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "") || "deck"}.json`, blob);
 }
 
 async function copyLink(of: Deck): Promise<void> {

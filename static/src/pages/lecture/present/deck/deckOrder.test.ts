@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { gapAt, indexAfter, keyedIndex, numberOf, onlyOne, reordered, shown } from "./deckOrder";
+import { gapAt, indexAfter, keyedIndex, numberOf, only, reordered, shown } from "./deckOrder";
 
 describe("a slide that is moved", () => {
   const rows = [0, 10, 20, 30].map((top) => ({ top, bottom: top + 10 }));
@@ -47,7 +47,7 @@ it("a short deck begins with one slide, and all can be shown again", () => {
     { name: "B", hidden: true },
     { name: "C" },
   ];
-  const one = onlyOne(slides, 1);
+  const one = only(slides, (_, i) => i === 1);
   expect(one).toEqual([{ name: "A", hidden: true }, { name: "B" }, { name: "C", hidden: true }]);
   expect(one.map(shown)).toEqual([{ name: "A" }, { name: "B" }, { name: "C" }]);
 });

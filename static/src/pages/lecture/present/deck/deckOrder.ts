@@ -38,9 +38,12 @@ export function keyedIndex(key: string, from: number, isShown: readonly boolean[
 export const numberOf = (isShown: readonly boolean[], index: number): number =>
   isShown.slice(0, index + 1).filter(Boolean).length;
 
-/** The slides with all but that at `index` hidden, with which a short deck begins. */
-export function onlyOne<T extends { readonly hidden?: boolean }>(slides: readonly T[], index: number): readonly T[] {
-  return slides.map((slide, i) => (i === index ? shown(slide) : { ...slide, hidden: true }));
+/** The slides with all but some hidden, with which a short deck begins. */
+export function only<T extends { readonly hidden?: boolean }>(
+  slides: readonly T[],
+  isWanted: (slide: T, index: number) => boolean,
+): readonly T[] {
+  return slides.map((slide, i) => (isWanted(slide, i) ? shown(slide) : { ...slide, hidden: true }));
 }
 
 /** A slide that is not hidden any more. */

@@ -1,0 +1,219 @@
+"""The numbers in the messages of any topic over time, by the definition that the recording carries.
+
+For a process with limits, as :mod:`mapper.io.contents.message_tree`, which decodes the messages.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mapper.core.errors import MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.contents.definitions import Definitions, definitions_of
+from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.message_tree import Tree, decoded
+from mapper.io.contents.model import Column, Series
+from mapper.io.contents.raw_message import definition_of, raw_message
+from mapper.io.contents.units import unit_of
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.containers.container import Container
+from mapper.io.logs.names import printable
+from mapper.io.logs.opening import parts_of
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros.ros_messages import plain_type
+
+MAX_COLUMNS = 400  #: numbers of a message that are kept
+MAX_VALUES = 1 << 22  #: numbers of all messages together, from which on neighbours are joined to their extremes
+WHOLE, FIRST = 36, 8  #: arrays up to WHOLE elements, as a covariance has, are kept whole; of longer ones the FIRST
+LAST_NS = 1 << 62  #: a time beyond this is a defect
+_NUMBERS = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
+_QUATERNION = frozenset("xyzw")
+
+
+def numbers_in(tree: Tree) -> dict[str, float]:
+    """Return the numbers of a message by the paths of their fields, as in ``pose.position.x`` and ``ranges[0]``.
+
+    Of a quaternion ``roll``, ``pitch`` and ``yaw`` follow, in rad, as in REP 103; of one that is no rotation NaN.
+    """
+    return dict(zip(*zip(*_numbers(tree, ""), strict=True), strict=True)) if tree else {}
+
+
+def _numbers(value: object, path: str) -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict):
+        for name, part in value.items():
+            yield from _numbers(part, f"{path}.{name}" if path else str(name))
+        if value.keys() == _QUATERNION:
+            yield from zip((f"{path}.{name}" for name in ("roll", "pitch", "yaw")), _angles(value), strict=True)
+    elif isinstance(value, list):
+        for n, part in enumerate(value if len(value) <= WHOLE else value[:FIRST]):
+            yield from _numbers(part, f"{path}[{n}]")
+    elif isinstance(value, bool | int | float):
+        yield path, float(value)
+    elif isinstance(value, str) and value in _NUMBERS:
+        yield path, _NUMBERS[value]
+
+
+def _angles(quaternion: dict[str, Any]) -> tuple[float, float, float]:
+    x, y, z, w = (float(value) if isinstance(value, int | float) else math.nan for value in map(quaternion.get, "xyzw"))
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    if not 0.5 < length < 2.0:  # also of NaN
+        return math.nan, math.nan, math.nan
+    x, y, z, w = x / length, y / length, z / length, w / length
+    return (
+        math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+        math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),
+        math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
+    )
+
+
+def stated_ns(tree: Tree) -> int:
+    """Return the stamp that a message states, ns; 0 for none."""
+    header = tree.get("header")
+    stamp = header.get("stamp") if isinstance(header, dict) else tree.get("stamp", tree.get("timestamp"))
+    if not isinstance(stamp, dict):
+        return 0
+    seconds, rest = stamp.get("sec", stamp.get("secs")), stamp.get("nanosec", stamp.get("nsecs"))
+    return seconds * 1_000_000_000 + rest if isinstance(seconds, int) and isinstance(rest, int) else 0
+
+
+@dataclass(frozen=True, slots=True)
+class TopicFields:
+    """The paths of the numbers in the first message of a topic; ``why`` there are none, a sentence, else empty."""
+
+    topic: str
+    type: str
+    fields: tuple[str, ...]
+    why: str = ""
+
+
+def fields_of(
+    path: Path,
+    topics: Iterable[tuple[str, str]],
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> list[TopicFields]:
+    """Return the fields of each of ``topics``, of names and types, by the first message of each."""
+    found = []
+    all_topics = list(topics)
+    for done, (topic, kind) in enumerate(all_topics):
+        if progress is not None:
+            progress(done / len(all_topics))
+        try:
+            names = tuple(numbers_in(raw_message(path, topic, 0, limits).tree))[:MAX_COLUMNS]
+            found.append(TopicFields(topic, kind, names, "" if names else "Its messages have no numbers."))
+        except MapperError as error:
+            found.append(TopicFields(topic, kind, (), error.message))
+    return found
+
+
+class _Rows(MessageSink):
+    """Takes the messages of one topic as rows of numbers."""
+
+    def __init__(self, topic: str, kind: str, types: Definitions, limits: Limits) -> None:
+        self.notes = []
+        self.stamps = array("q")
+        self.columns: dict[str, array[float]] = {}
+        self.recorded = False  #: whether a message had no stamp of its own
+        self.bad = 0
+        self._topic, self._kind, self._types, self._limits = topic, kind, types, limits
+        self._cdr: dict[int, bool] = {}
+        self._known: set[int] = set()
+
+    @property
+    def taken(self) -> int:
+        return len(self.stamps)
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        self._known.add(key)
+        if readable and printable(topic) == self._topic and plain_type(kind) == self._kind:
+            self._cdr[key] = cdr
+
+    def wants(self, key: int) -> bool:
+        return key in self._cdr
+
+    def knows(self, key: int) -> bool:
+        return key in self._known
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count nothing."""
+
+    def next_file(self) -> None:
+        self._cdr.clear()
+        self._known.clear()
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
+        cdr = self._cdr.get(key)
+        if cdr is None:
+            return
+        try:
+            if data[:4] == ZSTD_MAGIC:
+                data, _ = inflate("zstd", data, self._limits.max_chunk_bytes, "a message")
+            tree = decoded(self._types, self._kind, data, cdr=cdr)
+        except ReadError:
+            self.bad += 1
+            return
+        stated = stated_ns(tree)
+        is_stated = 0 < stated < LAST_NS
+        at = stated if is_stated else stamp_ns
+        if not 0 <= at < LAST_NS:
+            return
+        self.recorded |= not is_stated
+        row = numbers_in(tree)
+        for name in row:
+            if name not in self.columns and len(self.columns) < MAX_COLUMNS:
+                self.columns[name] = array("d", [math.nan]) * len(self.stamps)
+        for name, values in self.columns.items():
+            values.append(row.get(name, math.nan))
+        self.stamps.append(at)
+        if len(self.stamps) * len(self.columns) > MAX_VALUES:
+            self._join()
+
+    def series(self) -> Series:
+        """Return the rows so far, in the order of their times."""
+        stamps = np.array(self.stamps, dtype=np.int64)
+        values = np.stack([np.array(one) for one in self.columns.values()], axis=-1)
+        order = np.argsort(stamps, kind="stable")
+        columns = tuple(Column(name, unit_of(name), "") for name in self.columns)
+        return Series(self._topic, self._kind, columns, stamps[order], values[order], recorded=self.recorded)
+
+    def _join(self) -> None:
+        whole = self.series()
+        stamps, values = min_max(whole.stamps_ns, whole.values, len(self.stamps) // 4)
+        self.stamps = array("q", stamps.tobytes())
+        self.columns = {name: array("d", values[:, n].tobytes()) for n, name in enumerate(self.columns)}
+
+
+def field_series(
+    path: Path, topic: str, message_type: str, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> Series:
+    """Return all numbers of a topic's messages of a type over time, float64, at the stamps that they state.
+
+    Where one states none, that is the time of its recording.
+    The recording is read once. Where there are more than :data:`MAX_VALUES`, rows are the extremes of intervals, as
+    :func:`min_max` makes them. Raises :class:`ReadError` and :class:`LimitError` as reading and decoding do.
+    """
+    files, kind = parts_of(path, limits)
+    if not isinstance(kind, Container):
+        raise ReadError("contents.no_fields", "Only recordings (MCAP, bag, db3) have messages with fields.")
+    types = definitions_of(message_type, definition_of(path, topic, limits))
+    rows = _Rows(topic, plain_type(message_type), types, limits)
+    for done, file in enumerate(files):
+        share = None if progress is None else partial(_of_all, progress, done, len(files))
+        kind.take(file, rows, limits, share)
+        rows.next_file()
+    if not rows.stamps or not rows.columns:
+        raise ReadError("contents.no_numbers", f"The messages on {topic!r:.200} have no numbers that could be read.")
+    return rows.series()
+
+
+def _of_all(progress: Progress, done: int, of: int, share: float) -> None:
+    progress((done + share) / of)

@@ -1,0 +1,64 @@
+"""Whether a filter that has converged may say that it is sure of the place.
+
+That particles agree on a place does not tell that it is the right one: of several places that look alike they keep one.
+Two things tell it. Readings contradict a place where beams go on behind walls of the map. And other places, on which
+alternatives are begun again and again (:mod:`mapper.localization.alternative`), must be ruled out by their tests, one
+after the other and soon: where a test takes long, another place explains the scans nearly as well.
+"""
+
+from __future__ import annotations
+
+import math
+
+from mapper.core.array_types import Float64Array
+from mapper.localization.kernels.contradiction import count_contradicted
+from mapper.localization.map_model import MapModel
+from mapper.localization.scan_beams import ScanBeams
+
+TURN, MARGIN = math.radians(2.0), 0.3  #: by which beams and ranges may be off without a contradiction; m
+RATE = 0.3  #: of the average share of contradicted readings
+MOST_CONTRADICTED = 0.15  #: of the readings, in that average, of a filter that is sure
+REFUTED = 0.3  #: average from which on the place has to be confirmed again
+WANTED = 3  #: alternatives in a row that must have been ruled out
+SOON = 8  #: scans within which each must be
+
+
+def contradicted_share(model: MapModel, scan: ScanBeams, pose: Float64Array) -> float:
+    """Return the share of a scan's readings, 0 to 1, that go on behind walls of the map at ``pose`` (3,)."""
+    if not len(scan.beams):
+        return 0.0
+    far = scan.range_max
+    return count_contradicted(model.cells, scan.beams, scan.sensor, pose, TURN, MARGIN, far) / len(scan.beams)
+
+
+class Confidence:
+    """What speaks for and against the place of one filter, since it has converged there."""
+
+    def __init__(self) -> None:
+        self.contradicted = 0.0  #: average share of contradicted readings
+        self._ruled_out = 0  # alternatives in a row
+
+    def look(self, share: float) -> None:
+        """Take the share of a scan's readings that are contradicted at the estimate."""
+        self.contradicted += RATE * (share - self.contradicted)
+        if self.contradicted > REFUTED:
+            self.doubt()
+
+    def rule_out(self, scans: int) -> None:
+        """Take note of an alternative that was ruled out by so many scans."""
+        if scans <= SOON:
+            self._ruled_out += 1
+
+    def wait(self, scans: int) -> None:
+        """Take note of an alternative that so many scans have not ruled out."""
+        if scans > SOON:
+            self.doubt()
+
+    def doubt(self) -> None:
+        """Begin again: the filter is elsewhere, or another place is likelier."""
+        self._ruled_out = 0
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Whether enough alternatives were ruled out, and the readings do not contradict the place."""
+        return self._ruled_out >= WANTED and self.contradicted <= MOST_CONTRADICTED

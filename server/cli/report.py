@@ -1,0 +1,91 @@
+"""``report`` writes the report on a log as one page, which a browser prints."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.core.errors import MapperError
+from server.cli.common import (
+    LogPath,
+    Mount,
+    TfTopic,
+    TopicNames,
+    TumTrajectory,
+    app,
+    configured,
+    fail,
+    given_parameters,
+    progress_bar,
+    read_joint,
+    refusing,
+    with_corrections,
+    with_parameter_options,
+)
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Event
+    from mapper.sensors.scan import ScanLog
+    from server.report import Picture
+
+
+@app.command()
+@with_parameter_options("mount_upside_down", "time_offset", "resolution")
+def report(
+    log: LogPath,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="The page to write.")] = Path("report.html"),
+    topic: TopicNames = None,
+    trajectory: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Poses of the map; the map along the log's first ones is shown before it."),
+    ] = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
+    mount: Mount = None,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
+) -> None:
+    """Write a report on a log: facts, events, findings, maps, drift, a picture, parameters and versions."""
+    from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from server.report import make_report, report_page  # noqa: PLC0415 - start-up
+
+    given = given_parameters(parameters, mount)
+    config = configured(given)
+    scans = read_joint(log, topic or (), tum_trajectory, tf)
+    name = trajectory or (list(scans.trajectories)[-1] if tum_trajectory is not None else scans.default_trajectory)
+    with refusing(log), progress_bar("Examining") as bar:
+        corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
+        diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
+        shown = config.with_values(sensor_defaults(scans.beam_width, given))
+        made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events))
+    try:
+        out.write_text(report_page(made), encoding="utf-8")
+    except OSError as error:
+        fail(f"{out}: {error.strerror}")
+    typer.echo(f"{out} written")
+
+
+def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | None:
+    """Return the picture of the recording's first camera at the first event, else at the middle; None without one."""
+    from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - start-up
+    from mapper.io.contents.pictured import CAMERAS  # noqa: PLC0415 - start-up
+    from mapper.io.contents.pictures import picture_of  # noqa: PLC0415 - start-up
+    from mapper.io.contents.seeking import message_at  # noqa: PLC0415 - start-up
+    from server.report import Picture  # noqa: PLC0415 - start-up
+
+    if not log.n_scans:
+        return None
+    scan = events[0].scan if events else log.n_scans // 2
+    stamp_ns = int(log.stamps_ns[scan])
+    try:
+        topics = [one for one in inspect(path).topics if one.type in CAMERAS]
+        if not topics:
+            return None
+        found = message_at(path, topics[0].name, stamp_ns)
+        data, media_type = picture_of(found.type, found.data, cdr=found.cdr)
+    except MapperError:
+        return None  # a picture that cannot be read is no reason for no report
+    return Picture(data, media_type, topics[0].name, (stamp_ns - int(log.stamps_ns.min())) * 1e-9)

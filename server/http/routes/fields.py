@@ -1,0 +1,170 @@
+"""``/api/sessions/{id}/contents/fields``: the numbers in the messages of a session's recording, for plots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from fastapi import APIRouter, Query, Request, Response
+
+from mapper.core.errors import MapperError
+from mapper.io.contents.changes import derivative, moving_average
+from mapper.io.contents.model import Column, Contents, Series
+from mapper.io.contents.units import unit_of_rate
+from server.http.clients import client_address, in_turn
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.contents import ContentsReading, look_into, owner_of
+from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
+from server.http.services import Logs, RequestWork, Sessions, Visitor
+
+if TYPE_CHECKING:
+    from mapper.io.contents.fields import TopicFields
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+Made = Literal["value", "derivative", "average"]
+READING: dict[int | str, dict[str, Any]] = {
+    202: {"model": ContentsReading, "description": "The recording is still being read."}
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TopicFieldsAnswer:
+    """The numbers that can be plotted of a topic, by the paths of their fields; ``why`` there are none, else empty."""
+
+    topic: str
+    type: str
+    fields: list[str]
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class FieldsAnswer:
+    """The numbers that can be plotted of each topic."""
+
+    topics: list[TopicFieldsAnswer]
+    state: Literal["ready"] = "ready"
+
+
+@router.get("/{session_id}/contents/fields", responses=READING)
+@guests_may(GuestRight.LINKED_SESSION)
+async def fields(
+    request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
+) -> FieldsAnswer | ContentsReading:
+    """Return every number in the first message of each topic; 202 with ``progress`` while they are looked up."""
+    held = await look_into(request, sessions, library, visitor, session_id)
+    topics = [(one.name, one.type) for one in held.contents.topics]
+    owner = owner_of(sessions, library, session_id)
+    found: Sequence[TopicFields] | float = (
+        await library.fields(owner, held.recording.log_id, visitor, topics, address=client_address(request))
+        if any("/" in kind for _, kind in topics)  # of text logs the topics are words of their lines
+        else []
+    )
+    if isinstance(found, float):
+        response.status_code = 202
+        return ContentsReading(round(found, 3))
+    ready = {one.topic: [_ready_name(column) for column in one.columns] for one in held.contents.series}
+    named = {one.topic: one for one in found}
+    return FieldsAnswer(
+        [
+            TopicFieldsAnswer(
+                name,
+                kind,
+                list(named[name].fields) if name in named and named[name].fields else ready.get(name, []),
+                named[name].why if name in named and name not in ready else "",
+            )
+            for name, kind in topics
+        ]
+    )
+
+
+def _ready_name(column: Column) -> str:
+    """Return the name of a number that is kept with the contents, as that of a field."""
+    return f"{column.plot} {column.label}"
+
+
+@router.get("/{session_id}/contents/field", response_model=SeriesAnswer, responses=READING)
+@guests_may(GuestRight.LINKED_SESSION)
+async def field(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    work: RequestWork,
+    session_id: str,
+    topic: Annotated[str, Query(max_length=400)],
+    field: Annotated[str, Query(max_length=400, description="Its path in the message, as /contents/fields has it.")],
+    made: Annotated[Made, Query(description="The value, its change per second, or its moving average.")] = "value",
+    window: Annotated[float, Query(gt=0.0, le=86_400.0, description="Of the moving average, seconds.")] = 1.0,
+    start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
+    end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
+    buckets: Buckets = BUCKETS,
+    evenly: Annotated[bool, Query(description="Every n-th sample instead of the extremes of each bucket.")] = False,
+) -> Response:
+    """Return one number of a topic's messages over time; 202 with ``progress`` while the recording is read for it."""
+    held = await look_into(request, sessions, library, visitor, session_id)
+    one = _ready(held.contents, topic, field)
+    if one is None:
+        kind = next((one.type for one in held.contents.topics if one.name == topic), None)
+        if kind is None:
+            raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
+        owner, address = owner_of(sessions, library, session_id), client_address(request)
+        whole = await library.field_series(owner, held.recording.log_id, visitor, topic, kind, address=address)
+        if isinstance(whole, float):
+            return Response(
+                f'{{"progress":{round(whole, 3)},"state":"reading"}}', status_code=202, media_type="application/json"
+            )
+        one = _column(whole, field)
+    made_of = one
+    return await in_turn(
+        request,
+        work,
+        visitor,
+        lambda: json_answer(
+            SeriesAnswer.of(_made(made_of, made, window), held.origin_of(made_of), start, end, buckets, evenly=evenly)
+        ),
+    )
+
+
+def _ready(contents: Contents, topic: str, field: str) -> Series | None:
+    """Return a number that is kept with the contents; None for any other one."""
+    for one in contents.series:
+        names = [_ready_name(column) for column in one.columns]
+        if one.topic == topic and field in names:
+            return _only(one, names.index(field))
+    return None
+
+
+def _column(series: Series, field: str) -> Series:
+    names = [column.label for column in series.columns]
+    if field not in names:
+        raise MapperError("contents.no_field", f"The messages on {series.topic!r:.200} have no number {field!r:.200}.")
+    return _only(series, names.index(field))
+
+
+def _only(series: Series, n: int) -> Series:
+    return Series(
+        series.topic,
+        series.type,
+        (series.columns[n],),
+        series.stamps_ns,
+        series.values[:, n : n + 1],
+        recorded=series.recorded,
+    )
+
+
+def _made(series: Series, made: Made, window_s: float) -> Series:
+    """Return what is made of a series of one column."""
+    if made == "value":
+        return series
+    column = series.columns[0]
+    is_angle = column.unit == "rad"
+    values = series.values[:, 0].astype(np.float64)
+    if made == "derivative":
+        values = derivative(series.stamps_ns, values, is_angle=is_angle)
+        column = Column(column.label, unit_of_rate(column.unit), column.plot)
+    else:
+        values = moving_average(series.stamps_ns, values, window_s, is_angle=is_angle)
+    return Series(series.topic, series.type, (column,), series.stamps_ns, values[:, None], recorded=series.recorded)

@@ -1,0 +1,75 @@
+"""``/api/sessions/{id}/report``: the report on a session's log as one page, which a browser prints."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
+from mapper.core.errors import MapperError
+from mapper.io.contents.pictured import CAMERAS
+from mapper.mapping.parameters import MappingConfig
+from server.http.clients import client_address, in_turn, while_connected
+from server.http.routes.contents import HeldContents
+from server.http.services import Logs, RequestWork, Sessions, Visitor
+from server.http.session_access import SessionOfLog, session_of_log
+from server.library.library import Library
+from server.report import Picture, PlacedNote, make_report, report_page
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+#: The page has no scripts and asks nothing of any host.
+CSP = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; frame-ancestors 'self'"
+
+
+@router.get("/{session_id}/report", response_class=HTMLResponse)
+async def report(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> HTMLResponse:
+    """Return the report: facts, events, findings, maps before and after a correction, a picture, notes, parameters.
+
+    The log is examined for it, where that has not been done, which can take a while.
+    """
+    of_log = session_of_log(sessions, session_id)
+    recording = of_log.recording
+    record = library.get(of_log.owner, of_log.log_id)
+    diagnosis = await while_connected(request, recording.examined())
+    view, trajectory, log = recording.view(), recording.trajectory, recording.log
+    config = recording.first_config() if view.values is None else MappingConfig().with_values(view.values)
+    scan = diagnosis.events[0].scan if diagnosis.events else log.n_scans // 2
+    seconds = float(recording.recorded[scan]) if log.n_scans else 0.0
+    picture = await while_connected(request, _picture(request, library, of_log, visitor, seconds))
+    notes = [
+        PlacedNote(
+            note.text, note.pin.at_s, None if note.pin.x is None or note.pin.y is None else (note.pin.x, note.pin.y)
+        )
+        for note in await library.notes.of(record.id)
+    ]
+    page = await in_turn(
+        request,
+        work,
+        visitor,
+        lambda: report_page(
+            make_report(log, trajectory, diagnosis, config, title=record.name, picture=picture, notes=notes)
+        ),
+    )
+    return HTMLResponse(page, headers={"Content-Security-Policy": CSP, "Cache-Control": "private, no-store"})
+
+
+async def _picture(
+    request: Request, library: Library, of_log: SessionOfLog, visitor: str, seconds: float
+) -> Picture | None:
+    """Return a picture of the first camera at a moment; None without one, and where the contents are not known."""
+    address = client_address(request)
+    try:
+        contents = await library.contents(of_log.owner, of_log.log_id, visitor, address=address)
+        if isinstance(contents, float):
+            return None
+        held = HeldContents(of_log.recording, contents)
+        topic = next((one.name for one in contents.topics if one.type in CAMERAS), None)
+        if topic is None:
+            return None
+        at_ns = held.recorded_ns(seconds)
+        found = await library.picture(of_log.owner, of_log.log_id, visitor, topic, at_ns, address=address)
+    except MapperError:
+        return None  # a picture that cannot be read is no reason for no report
+    return Picture(found.data, found.media_type, topic, held.seconds(found.stamp_ns - held.recorded_ahead_ns))

@@ -1,0 +1,124 @@
+"""What is found out about recordings in a process with limits: one at a time, with progress, and kept in memory."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from mapper.core.errors import MapperError
+from server.jobs.outcome import outcome_of
+from server.jobs.process import WorkerJob
+from server.jobs.workers import PoolWorker
+from server.library.logs.catalogue import Catalogue
+from server.library.logs.records import Record
+from server.library.processing.reading_jobs import without_paths
+from server.work.fair_lock import FairLock
+
+T = TypeVar("T")
+
+IDLE_S = 20.0  #: what no request asks for during this time ends
+MOST_KEPT = 4  #: results that are kept in memory
+
+
+@dataclass(slots=True)
+class _Running(Generic[T]):
+    task: asyncio.Task[T | None]
+    timer: asyncio.TimerHandle
+    visitor: str  #: who began it
+
+
+class Lookups(Generic[T]):
+    """Results of jobs on the recordings of a catalogue, by key. Used from the event loop only."""
+
+    def __init__(self, catalogue: Catalogue, memory_bytes: int) -> None:
+        self._catalogue = catalogue
+        self._worker = PoolWorker(memory_bytes)
+        self._turns = FairLock()
+        self._running: dict[str, _Running[T]] = {}
+        self._at_work = ""  #: the key whose turn it is
+        self._kept: dict[str, T] = {}
+
+    async def look_up(
+        self,
+        key: str,
+        record: Record,
+        visitor: str,
+        address: str,
+        job: Callable[[str], WorkerJob[T | None]],
+        stored: Callable[[], Awaitable[T | None]] | None = None,
+    ) -> T | float:
+        """Return the result for a key; where it is not known yet begin to find it out, and return how far that is.
+
+        ``job`` makes the job of the recording's path; ``stored`` is a result from before, or None, as is that of a job
+        that stores it. The job ends when no request asks for it. Raises what it raised, once.
+        """
+        running = self._running.get(key)
+        if running is None:
+            kept = self._kept.get(key)
+            if kept is None and stored is not None:
+                kept = await stored()
+            if kept is None:
+                return self._begin(key, record, visitor, address, job)
+            self._keep(key, kept)
+            return kept
+        if running.task.done():
+            del self._running[key]
+            running.timer.cancel()
+            found = None if running.task.cancelled() else running.task.result()
+            if found is not None:
+                self._keep(key, found)
+            return await self.look_up(key, record, visitor, address, job, stored)
+        running.timer.cancel()
+        running.timer = self._timer(running.task)
+        return self._worker.progress if self._at_work == key else 0.0
+
+    def cancel(self, key: str, visitor: str) -> None:
+        """End what ``visitor`` began to find out, if it is under way; the next request begins it again.
+
+        Another visitor's goes on: it ends when no request asks for it.
+        """
+        running = self._running.get(key)
+        if running is not None and running.visitor == visitor:
+            del self._running[key]
+            running.timer.cancel()
+            running.task.cancel()
+
+    def _begin(
+        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
+    ) -> float:
+        if key not in self._running:
+            task = asyncio.create_task(self._found(key, record, visitor, address, job))
+            task.add_done_callback(lambda done: done.cancelled() or done.exception())
+            self._running[key] = _Running(task, self._timer(task), visitor)
+        return 0.0
+
+    def _timer(self, task: asyncio.Task[T | None]) -> asyncio.TimerHandle:
+        return asyncio.get_running_loop().call_later(IDLE_S, task.cancel)
+
+    def _keep(self, key: str, found: T) -> None:
+        self._kept.pop(key, None)
+        while len(self._kept) >= MOST_KEPT:
+            del self._kept[next(iter(self._kept))]
+        self._kept[key] = found
+
+    async def _found(
+        self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
+    ) -> T | None:
+        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
+            self._at_work = key
+            try:
+                return await outcome_of(self._worker, job(str(source)))
+            except MapperError as error:
+                raise without_paths(error, source, record.name) from None
+            finally:
+                self._at_work = ""
+
+    async def close(self) -> None:
+        """End what runs, and the process."""
+        for running in self._running.values():
+            running.timer.cancel()
+            running.task.cancel()
+        await asyncio.gather(*(one.task for one in self._running.values()), return_exceptions=True)
+        await asyncio.to_thread(self._worker.close)

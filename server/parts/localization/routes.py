@@ -1,0 +1,244 @@
+"""``/api/sessions/{id}/localization``: find the robot of a log in a reference map, by Monte Carlo localization."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from fastapi import APIRouter, Body, Query, Request
+from fastapi.responses import PlainTextResponse
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from starlette.requests import ClientDisconnect
+
+from mapper.core.errors import LimitError, MapperError
+from server.http.clients import client_address, in_turn
+from server.http.file_answer import file_answer
+from server.http.following import follow_localization, tell_at_end
+from server.http.guests import GuestRight, guests_may
+from server.http.services import Logs, RequestWork, Sessions, Visitor
+from server.http.session_access import session_of_log, writable_session
+from server.library.library import Library
+from server.library.packs.reference_map import ChosenMap
+from server.library.processing.localization import (
+    LocalizationParameters,
+    LocalizationRequest,
+    LocalizationStatus,
+    changed_values,
+    parameter_table,
+)
+from server.library.processing.log_jobs import Parameters, ParameterTable
+from server.sessions.commands import ShowReferenceMap
+from server.sessions.parts import FilterHistory, Localized
+
+if TYPE_CHECKING:
+    from server.library.packs.reference_map import ReferenceMap
+    from server.sessions import SessionHost
+
+router = APIRouter(prefix="/api", tags=["logs"])
+
+MOST_YAML_BYTES = 1 << 16
+
+
+class MapOfLog(BaseModel):
+    """The map of a log: of the session's own or of another one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
+    trajectory: str | None = Field(None, max_length=200, description="Trajectory to map it with; else its first.")
+
+
+class NewLocalization(BaseModel):
+    """A localization of a session's log in the map that was chosen."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    initial_pose: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = Field(
+        None, description="Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere."
+    )
+    odometry: str | None = Field(None, max_length=200, description="Trajectory that is the odometry; else the log's.")
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50,
+        description="Parameters, as GET /api/localization/parameters names them.",
+    )  # fmt: skip
+
+
+@router.get("/localization/parameters")
+async def parameters() -> ParameterTable:
+    """Return the table of localization's parameters, which are AMCL's."""
+    return await asyncio.to_thread(parameter_table)
+
+
+@dataclass(frozen=True, slots=True)
+class AmclParameters:
+    """What the yaml of an AMCL says: ``values`` that differ from the first ones.
+
+    ``others`` are what does not change where the robot is found; ``notes`` are on names that AMCL does not have.
+    """
+
+    values: Parameters
+    layout: Literal["nav2", "ros1"]
+    others: dict[str, Any]
+    notes: list[str]
+
+
+@router.put("/localization/parameters")
+async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> AmclParameters:
+    """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
+
+    ``others`` are what does not change where the robot is found, and ``layout`` is nav2 or ros1: a yaml that is saved
+    with them keeps it.
+    """
+    text = bytearray()
+    async for chunk in request.stream():
+        text += chunk
+        if len(text) > MOST_YAML_BYTES:
+            raise LimitError("amcl.size", f"A yaml of parameters has at most {MOST_YAML_BYTES >> 10} KiB here.")
+
+    def read() -> AmclParameters:
+        from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
+
+        found = parse_amcl_yaml(bytes(text))
+        values = changed_values(found.config.as_dict())
+        return AmclParameters(values, found.layout, {**found.others}, [*found.notes])
+
+    return await in_turn(request, work, visitor, read)
+
+
+@router.post("/localization/amcl.yaml", **file_answer("text/plain"))
+async def as_yaml(
+    values: Annotated[dict[str, Any], Body(max_length=100)],
+    layout: Annotated[Literal["nav2", "ros1"], Query(description="Names of Nav2's AMCL, or of ROS 1's.")] = "nav2",
+) -> PlainTextResponse:
+    """Return parameters, those that differ from the first values, as the yaml of an AMCL.
+
+    Names of AMCL's that do not change where the robot is found are written as they are.
+    """
+
+    def write() -> str:
+        from mapper.localization import LocalizationConfig, amcl_yaml  # noqa: PLC0415 - few visitors want one
+        from mapper.localization.amcl_parameters import is_other  # noqa: PLC0415
+
+        others = {name: value for name, value in values.items() if is_other(name)}
+        own = {name: value for name, value in values.items() if name not in others}
+        return amcl_yaml(LocalizationConfig().with_values(own), layout, others)
+
+    text = await asyncio.to_thread(write)
+    return PlainTextResponse(text, headers={"Content-Disposition": 'attachment; filename="amcl.yaml"'})
+
+
+@router.put("/sessions/{session_id}/localization/map")
+async def map_of_log(
+    request: Request, library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog
+) -> ChosenMap:
+    """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
+    of_log = writable_session(sessions, session_id)
+    _check_idle(library, of_log.owner, of_log.log_id)
+    made = await library.maps.of_log(
+        of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory, address=client_address(request)
+    )
+    return _show(of_log.session, made)
+
+
+@router.put("/sessions/{session_id}/localization/map-files")
+async def map_of_files(
+    request: Request,
+    library: Logs,
+    sessions: Sessions,
+    session_id: str,
+    name: Annotated[str, Query(max_length=200, description="Title of the map.")] = "map",
+) -> ChosenMap:
+    """Choose the map to localize the session's log in: the body is a tar archive of a yaml and its image.
+
+    Or a map of CMU's course.
+    """
+    of_log = writable_session(sessions, session_id)
+    _check_idle(library, of_log.owner, of_log.log_id)
+    try:
+        made = await library.choose_map(
+            of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
+        )
+    except ClientDisconnect:
+        return ChosenMap(None)  # the client has gone
+    return _show(of_log.session, made)
+
+
+@router.get("/sessions/{session_id}/localization/map")
+async def reference_map(library: Logs, sessions: Sessions, session_id: str) -> ChosenMap:
+    """Return the map that was chosen, and show it as a layer of the session; ``map`` is null where none was."""
+    of_log = writable_session(sessions, session_id)
+    try:
+        return _show(of_log.session, await library.maps.get(of_log.owner, of_log.log_id))
+    except MapperError as error:
+        if error.code != "localization.no_map":
+            raise
+        return ChosenMap(None)
+
+
+@router.post("/sessions/{session_id}/localization", status_code=202)
+async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewLocalization) -> LocalizationStatus:
+    """Find the robot of the session's log in the map that was chosen, as a job, and show the poses so far.
+
+    A job that is under way goes on, and the session follows it. The log then has a trajectory ``localized``.
+    """
+    of_log = writable_session(sessions, session_id)
+    owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
+    await library.maps.get(owner, log_id)
+    view, values = of_log.recording.view(), LocalizationParameters(wanted.parameters, wanted.initial_pose)
+    request = LocalizationRequest(view.topic, wanted.odometry, view.cut, view.values, values)
+    state = await library.localization.begin(owner, log_id, request)
+    follow_localization(session, library, log_id)
+    tell_at_end(library, sessions, library.localization, owner, log_id)
+    return state
+
+
+@router.get("/sessions/{session_id}/localization")
+async def state(library: Logs, sessions: Sessions, session_id: str) -> LocalizationStatus:
+    """Return the progress and the result of the localization of the session's log."""
+    of_log = writable_session(sessions, session_id)
+    return library.localization.state(of_log.owner, of_log.log_id)
+
+
+@router.delete("/sessions/{session_id}/localization")
+async def cancel(library: Logs, sessions: Sessions, session_id: str) -> LocalizationStatus:
+    """Cancel the localization of the session's log, if it is queued or running."""
+    of_log = writable_session(sessions, session_id)
+    return await library.localization.cancel(of_log.owner, of_log.log_id)
+
+
+@dataclass(frozen=True, slots=True)
+class PresentHistory:
+    """The history of the filter that made the poses in use; null where they come from no localization."""
+
+    course: FilterHistory | None
+
+
+@router.get("/sessions/{session_id}/localization/course")
+@guests_may(GuestRight.LINKED_SESSION)
+async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> PresentHistory:
+    """Return how certain the poses in use are along the log; particles and the map become layers of the session.
+
+    ``course`` is null for poses that do not come from a localization.
+    """
+    of_log = session_of_log(sessions, session_id)
+    session, log_id = of_log.session, of_log.log_id
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    localization = session.model.find(Localized)
+
+    async def source(trajectory: str) -> bytes | None:
+        known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))
+        return await library.trajectories.course(owner, log_id, trajectory) if known else None
+
+    return PresentHistory(None if localization is None else await localization.public(source))
+
+
+def _check_idle(library: Library, owner: str, log_id: str) -> None:
+    if library.localization.is_under_way(owner, log_id):
+        raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
+
+
+def _show(session: SessionHost, given: ReferenceMap) -> ChosenMap:
+    session.enqueue(ShowReferenceMap(given))
+    return ChosenMap(given.public())

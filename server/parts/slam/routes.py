@@ -1,0 +1,322 @@
+"""``/api/logs/{id}/slam``, ``/api/sessions/{id}/heal``, ``/graph``, ``/merge``: correct the poses of logs with SLAM."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from fastapi import APIRouter, Body, Query
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from mapper.core.errors import ConfigError, MapperError
+from server.http.following import follow_slam, tell_at_end
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.trajectories import update_sessions
+from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import writable_session
+from server.library.library import Library
+from server.library.logs.records import TrajectoryAnswer
+from server.library.processing.log_jobs import ParameterTable
+from server.library.processing.merging import MergeReport, MergeRequest, MergeStatus
+from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
+from server.sessions import SessionRegistry
+from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
+from server.sessions.parts import Graphed, GraphSource, Recording
+from server.sessions.view import GraphChange
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+
+router = APIRouter(prefix="/api", tags=["logs"])
+
+_tasks: set[asyncio.Task[None]] = set()  # of merges that have ended: asyncio itself keeps no reference
+
+
+class NewSlam(BaseModel):
+    """SLAM of a log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
+    trajectory: str | None = Field(
+        None, max_length=200, description="Trajectory to begin with; where it is left out, the log's odometry."
+    )
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
+    )
+    mapping: dict[str, Any] | None = Field(
+        None,
+        max_length=50,
+        description="Parameters of the map that the poses are for, see /api/parameters: SLAM uses its mount and its "
+        "time offset.",
+    )
+
+
+class PoseCorrection(BaseModel):
+    """SLAM of a session's log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
+
+
+class Change(BaseModel):
+    """A change of a pose graph by hand; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    remove: int | None = Field(None, ge=0, description="Number of a loop to remove.")
+    lock: int | None = Field(None, ge=0, description="Number of a loop that the robust kernel may not weaken.")
+    unlock: int | None = Field(None, ge=0, description="Number of a loop that it may.")
+    add: tuple[int, int] | None = Field(None, description="Two scans that are to be joined by a loop.")
+    robust: str | None = Field(None, max_length=40, description="Robust kernel of the loops.")
+    robust_scale: FiniteFloat | None = Field(None, description="Scale of the kernel, standard deviations.")
+    reset: bool = Field(False, description="Whether the graph is to be as SLAM left it.")
+
+
+@dataclass(frozen=True, slots=True)
+class PresentGraph:
+    """The pose graph of the trajectory in use; null where it has none."""
+
+    graph: PoseGraphAnswer | None
+
+
+class OtherLog(BaseModel):
+    """The log to merge with."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    log: str = Field(max_length=64, description="Id of the other log.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of it, if it has several.")
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How its scans are cut out of clouds and depth images, see /api/parameters; else as here.",
+    )
+    mapping: dict[str, Any] | None = Field(
+        None,
+        max_length=50,
+        description="Parameters of its map, see /api/parameters: its mount and its time offset are used; else as here.",
+    )
+
+
+@router.get("/slam/parameters")
+async def parameters(_visitor: Visitor) -> ParameterTable:
+    """Return the table of SLAM's parameters."""
+    return await asyncio.to_thread(parameter_table)
+
+
+@router.post("/logs/{log_id}/slam", status_code=202)
+async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> SlamStatus:
+    """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
+    state = await library.slam.begin(visitor, log_id, SlamRequest(**wanted.model_dump()))
+    tell_at_end(library, sessions, library.slam, visitor, log_id)
+    return state
+
+
+@router.get("/logs/{log_id}/slam")
+async def state(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
+    """Return the progress and the result of the visitor's newest SLAM of a log."""
+    return library.slam.state(visitor, log_id)
+
+
+@router.delete("/logs/{log_id}/slam")
+async def cancel(library: Logs, visitor: Visitor, log_id: str) -> SlamStatus:
+    """Cancel SLAM of a log, if it is queued or running."""
+    return await library.slam.cancel(visitor, log_id)
+
+
+@router.post("/sessions/{session_id}/heal", status_code=202)
+async def correct_poses(
+    library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[PoseCorrection | None, Body()] = None
+) -> SlamStatus:
+    """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
+
+    SLAM uses the mount and the time offset of the session's map.
+
+    A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
+    """
+    session, recording = _healed(sessions, session_id)
+    owner, log_id = session.owner, recording.log_id
+    values = {} if wanted is None else wanted.parameters
+    view = recording.view()
+    request = SlamRequest(topic=view.topic, parameters=values, cut=view.cut, mapping=view.values)
+    state = await library.slam.begin(owner, log_id, request)
+    follow_slam(session, library, log_id)
+    tell_at_end(library, sessions, library.slam, owner, log_id)
+    return state
+
+
+@router.get("/sessions/{session_id}/heal")
+async def correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
+    """Return the progress and the result of SLAM of the session's log."""
+    session, recording = _healed(sessions, session_id)
+    return library.slam.state(session.owner, recording.log_id)
+
+
+@router.delete("/sessions/{session_id}/heal")
+async def stop_correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
+    """Cancel SLAM of the session's log, if it is queued or running."""
+    session, recording = _healed(sessions, session_id)
+    return await library.slam.cancel(session.owner, recording.log_id)
+
+
+def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
+    session = sessions.get(session_id)
+    recording = session.model.find(Recording)
+    if recording is None:
+        raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
+    return session, recording
+
+
+# -- the pose graph ----------------------------------------------------------------------------------------------------
+
+
+def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Graphed, GraphSource]:
+    """Return a session, its graph, and the function that reads the graph's file."""
+    session = sessions.get(session_id)
+    graph, recording = session.model.find(Graphed), session.model.find(Recording)
+    if graph is None or recording is None:
+        raise MapperError("session.not_a_log", "Only the poses of a log have a pose graph.")
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    log_id = recording.log_id
+    added = library.trajectories
+
+    async def source(trajectory: str) -> bytes | None:
+        known = any(one.name == trajectory for one in added.of(owner, log_id))
+        return await added.graph(owner, log_id, trajectory) if known else None
+
+    return session, graph, source
+
+
+@router.get("/sessions/{session_id}/graph")
+@guests_may(GuestRight.LINKED_SESSION)
+async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGraph:
+    """Return the pose graph of the trajectory in use: its loops, worst first; it becomes a layer of the session.
+
+    ``graph`` is null where the trajectory has none.
+    """
+    _, found, source = _graph(library, sessions, session_id)
+    try:
+        return PresentGraph(await found.public(source))
+    except ConfigError as error:
+        if error.code != "graph.none":
+            raise
+        return PresentGraph(None)
+
+
+@router.post("/sessions/{session_id}/graph")
+@guests_may(GuestRight.LINKED_SESSION)
+async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> PresentGraph:
+    """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
+    _, found, source = _graph(library, sessions, session_id)
+    return PresentGraph(await found.change(GraphChange(**wanted.model_dump()), source))
+
+
+@router.get("/sessions/{session_id}/graph/edges/{edge}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> EdgeAnswer:
+    """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.edge(edge, source)
+
+
+@router.get("/sessions/{session_id}/graph/edges/{edge}/landscape")
+@guests_may(GuestRight.LINKED_SESSION)
+async def landscape(library: Logs, sessions: Sessions, session_id: str, edge: int) -> ScoreLandscape:
+    """Return how well the later scan of an edge fits the earlier one at the poses around the edge's measurement."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.landscape(edge, source)
+
+
+@router.get("/sessions/{session_id}/graph/candidates")
+@guests_may(GuestRight.LINKED_SESSION)
+async def near(
+    library: Logs,
+    sessions: Sessions,
+    session_id: str,
+    x: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
+    y: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
+) -> TriedNear:
+    """Return which loops SLAM tried near a place, and what refused them."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.near(x, y, source)
+
+
+@router.get("/sessions/{session_id}/graph/candidates/{candidate}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def candidate(library: Logs, sessions: Sessions, session_id: str, candidate: int) -> TriedLoopScans:
+    """Return a loop that SLAM tried, with both of its scans, in map metres."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.candidate(candidate, source)
+
+
+@router.post("/sessions/{session_id}/graph/keep")
+async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
+    """Keep the changed graph and its poses in the place of those that SLAM made."""
+    session, found, source = _graph(library, sessions, session_id)
+    recording = session.model.find(Recording)
+    if recording is None or session.owner != visitor or session.link is not None:
+        raise MapperError("session.not_yours", "A graph can only be kept by the visitor whose session it is.")
+    name, text, file = await found.files(source)
+    record = library.get(visitor, recording.log_id)
+    log = await library.load(visitor, record.id, recording.view().topic)
+    added = await library.trajectories.put_changed(visitor, record, log, name, text, file)
+    await update_sessions(library, sessions, visitor, recording.log_id)
+    return added.public()
+
+
+@router.post("/sessions/{session_id}/merge", status_code=202)
+async def begin_merge(library: Logs, sessions: Sessions, session_id: str, wanted: OtherLog) -> MergeStatus:
+    """Begin to align the session's log and another one of the same place, as a job.
+
+    Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
+    have a trajectory ``merged`` in one frame, and one more log has the scans of both along it, with a trajectory
+    ``SLAM`` that has their pose graph. Scans of clouds and depth images are cut as in the session, and the mount and
+    the time offset are those of its map.
+    """
+    of_log = writable_session(sessions, session_id)
+    view = of_log.recording.view()
+    owner, first = of_log.owner, of_log.log_id
+
+    async def tell() -> None:
+        with suppress(MapperError):  # a log was deleted meanwhile
+            for log_id in (first, wanted.log):
+                await update_sessions(library, sessions, owner, log_id)
+
+    def notify(report: MergeReport | None) -> None:
+        if report is not None:
+            return
+        task = asyncio.create_task(tell())
+        _tasks.add(task)
+        task.add_done_callback(_tasks.discard)
+
+    cut = view.cut if wanted.cut is None else wanted.cut
+    mapping = view.values if wanted.mapping is None else wanted.mapping
+    request = MergeRequest(wanted.log, view.topic, wanted.topic, view.cut, cut, view.values, mapping)
+    state = await library.merges.begin(owner, first, request)
+    library.merges.listen(owner, first, notify)
+    return state
+
+
+@router.get("/sessions/{session_id}/merge")
+async def merge_state(library: Logs, sessions: Sessions, session_id: str) -> MergeStatus:
+    """Return the progress and the result of the merge of the session's log."""
+    of_log = writable_session(sessions, session_id)
+    return library.merges.state(of_log.owner, of_log.log_id)
+
+
+@router.delete("/sessions/{session_id}/merge")
+async def cancel_merge(library: Logs, sessions: Sessions, session_id: str) -> MergeStatus:
+    """Cancel the merge of the session's log, if it is queued or running."""
+    of_log = writable_session(sessions, session_id)
+    return await library.merges.cancel(of_log.owner, of_log.log_id)

@@ -1,0 +1,88 @@
+"""All commands and messages of a session's stream, those of every session and those of the parts; reading commands."""
+
+from __future__ import annotations
+
+import json
+import re
+from functools import reduce
+from operator import or_
+from typing import Any
+
+import msgspec
+from msgspec import Struct
+
+from server.parts import stated
+from server.stream import commands, messages
+from server.stream.protocol import MAX_COMMAND_BYTES, ProtocolError
+
+COMMANDS: tuple[type[Struct], ...] = (*commands.COMMANDS, *(one for of in stated("messages", "COMMANDS") for one in of))
+MESSAGES: tuple[type[Struct], ...] = (*messages.MESSAGES, *(one for of in stated("messages", "MESSAGES") for one in of))
+Command: Any = reduce(or_, COMMANDS)  #: the union of all commands
+ServerMessage: Any = reduce(or_, MESSAGES)  #: the union of all messages
+
+_TYPE_WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "a string",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "an object",
+    "null": "null",
+}  #: descriptions of msgspec's names of types
+
+
+def _refuse_constant(name: str) -> float:
+    raise ProtocolError("command.number", f"{name} is not a JSON number.")
+
+
+def decode_command(text: str | bytes) -> Struct:
+    """Return a command from the browser, checked as :func:`command_of` does.
+
+    Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
+    unknown ``type``, a field that is missing or of another type.
+    """
+    if isinstance(text, bytes):
+        raise ProtocolError("command.binary", "Commands are text frames, not binary ones.")
+    if len(text) > MAX_COMMAND_BYTES:
+        raise ProtocolError("command.too_long", f"A command has at most {MAX_COMMAND_BYTES} characters.")
+    try:
+        fields = json.loads(text, parse_constant=_refuse_constant)
+        if "\\u" in text:  # elsewhere there can be none: a frame is UTF-8
+            json.dumps(fields, ensure_ascii=False).encode()
+    except UnicodeEncodeError as error:
+        raise ProtocolError("command.json", "A command contains a surrogate without its pair.") from error
+    except (ValueError, RecursionError) as error:
+        raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
+    return command_of(fields)
+
+
+def command_of(fields: object) -> Struct:
+    """Return the command with these fields, its ``type`` among them, as one of :data:`COMMANDS`.
+
+    Its ``values`` are those that were given: the table of the parameters checks them, and names the parameter that is
+    wrong. Raises :class:`ProtocolError`.
+    """
+    if not isinstance(fields, dict) or not isinstance(fields.get("type"), str):
+        raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
+    given = fields.get("values")
+    try:
+        command: Struct = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, Command)
+    except msgspec.ValidationError as error:
+        raise _refused(fields["type"], str(error)) from error
+    if isinstance(given, dict) and hasattr(command, "values"):
+        command.values = given
+    return command
+
+
+def _refused(kind: str, error: str) -> ProtocolError:
+    """Return the error for a command of type ``kind`` from msgspec's message ``error``."""
+    what, _, path = error.partition(" - at `$.")
+    if path == "type`":
+        return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
+    missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
+    if missing is not None:
+        return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')
+    what = re.sub(r"`([^`]+)`", lambda name: " or ".join(_TYPE_WORDS.get(k, k) for k in name[1].split(" | ")), what)
+    path = path.removesuffix("`").replace("[...]", "")
+    name = path.partition("[")[0]
+    return ProtocolError(f"command.{name}", f'"{path}" of the command "{kind}" is wrong: {what}.')

@@ -1,0 +1,193 @@
+"""The page of a report: one HTML file with its pictures in it, which prints on A4."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from html import escape
+
+from mapper.diagnosis.events.event import clock_time
+from server.report.content import PlacedNote, Report, ReportMap
+
+BARS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)  #: lengths of a scale bar
+STYLE = """
+@page { size: A4; margin: 14mm; }
+:root { color-scheme: light; font: 11pt/1.4 "Source Sans 3", system-ui, sans-serif; }
+body { margin: 0 auto; max-width: 182mm; padding: 6mm 4mm; color: #1c1b19; background: #fff; }
+h1 { font-size: 18pt; margin: 0; } h2 { font-size: 13pt; margin: 7mm 0 2mm; border-bottom: 1px solid #c9c3b2; break-after: avoid; }
+p { margin: 0 0 1.5mm; overflow-wrap: anywhere; } .quiet { color: #55524a; } .number { font-variant-numeric: tabular-nums; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .5mm 5mm; margin: 0; } dt { color: #55524a; } dd { margin: 0; overflow-wrap: anywhere; }
+ol, ul { margin: 0; padding-left: 6mm; } li { margin: 0 0 1.5mm; break-inside: avoid; }
+.maps { display: grid; gap: 4mm; grid-template-columns: repeat(auto-fit, minmax(78mm, 1fr)); }
+figure { margin: 0; break-inside: avoid; } figcaption { margin-top: 1mm; }
+figure svg, figure img { display: block; width: 100%; max-height: 105mm; border: 1px solid #c9c3b2; background: #e5e0cf; }
+figure img { width: auto; max-width: 100%; max-height: 75mm; }
+table { border-collapse: collapse; width: 100%; font-size: 9.5pt; } td, th { padding: .5mm 2mm; text-align: left; border-bottom: 1px solid #e5e0cf; vertical-align: top; }
+tr { break-inside: avoid; } .parameters { columns: 2; column-gap: 8mm; font-size: 9.5pt; } .parameters div { display: flex; justify-content: space-between; gap: 3mm; break-inside: avoid; }
+.parameters .changed { font-weight: 600; }
+button { font: inherit; padding: 1.5mm 4mm; } header { display: flex; justify-content: space-between; align-items: start; gap: 4mm; }
+@media (max-width: 90mm) { .parameters { columns: 1; } .maps { grid-template-columns: 1fr; } }
+@media print { body { padding: 0; max-width: none; } button { display: none; } * { print-color-adjust: exact; } }
+"""  # noqa: E501 - one line for each group of rules
+#: Kinds of events in words.
+KINDS = {"pushed": "Pushed", "slipped": "Slipped", "lifted": "Lifted", "clock": "Clock set"}
+
+
+def report_page(report: Report) -> str:
+    """Return the report as HTML."""
+    maps = report.maps
+    titles = ["Map"] if len(maps) == 1 else ["Before the correction", "After the correction"]
+    parts = [
+        (
+            f"<header><div><h1>{escape(report.title)}</h1><p class=quiet>Report of "
+            f"{report.made:%Y-%m-%d %H:%M} UTC{_recorded(report)}</p></div></header>"
+        ),
+        f"<h2>Facts</h2><dl>{''.join(_term(name, value) for name, value in report.facts)}</dl>",
+        f"<h2>Events</h2>{_events(report)}",
+        f"<h2>Findings</h2>{_findings(report)}",
+        (
+            f"<h2>{'Map' if len(maps) == 1 else 'Maps'}</h2><div class=maps>"
+            f"{''.join(_map(one, title, report.notes) for one, title in zip(maps, titles, strict=True))}</div>"
+        ),
+        _drift(maps),
+        _picture(report),
+        f"<h2>Notes</h2>{_notes(report)}" if report.notes else "",
+        (
+            "<h2>Parameters of the map</h2><p class=quiet>Those in bold differ from the first values.</p>"
+            f"<div class=parameters>{''.join(_parameter(report, *one) for one in report.parameters)}</div>"
+        ),
+        f"<h2>Versions</h2><dl>{''.join(_term(name, value) for name, value in report.versions)}</dl>",
+    ]
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        f"<title>Report: {escape(report.title)}</title><style>{STYLE}</style></head><body><main>{''.join(parts)}</main>"
+        "</body></html>"
+    )
+
+
+def _recorded(report: Report) -> str:
+    if report.start_s is None:
+        return ""
+    return f" on a log recorded {datetime.fromtimestamp(report.start_s, UTC):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def _term(name: str, value: str) -> str:
+    return f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>"
+
+
+def _parameter(report: Report, name: str, value: str) -> str:
+    changed = " class=changed" if name in report.changed else ""
+    return f"<div{changed}><span>{escape(name)}</span><span class=number>{escape(value)}</span></div>"
+
+
+def _events(report: Report) -> str:
+    if not report.events:
+        return "<p>None: no push, slip, lift or step of the clock was found.</p>"
+    rows = []
+    for event in report.events:
+        utc = "" if event.utc is None else f" <span class=quiet>({escape(event.utc)})</span>"
+        side = f" {event.direction}" if event.direction and event.kind != "slipped" else ""  # of its wheels
+        distance = "" if event.distance_m is None else f" {event.distance_m:.2f} m{side}"
+        step = f" {event.step_s:+.2f} s" if event.step_s else ""
+        rows.append(
+            f"<li><b>{KINDS.get(event.kind, escape(event.kind))}{distance}{step}</b> at "
+            f"<span class=number>{escape(event.time)}</span>{utc}<p>{escape(event.sentence)}</p></li>"
+        )
+    return f"<ol>{''.join(rows)}</ol><p class=quiet>The numbers are those on the map.</p>"
+
+
+def _findings(report: Report) -> str:
+    if not report.findings:
+        return "<p>None.</p>"
+    return "<ul>{}</ul>".format(
+        "".join(
+            f"<li><b>{'Possibly: ' if one.possible else ''}{escape(one.sentence)}</b> "
+            f"<span class=quiet>({100 * one.stated_sure:.0f} % sure"
+            f"{', ' + escape(one.sensor) if one.sensor else ''})</span><p>{escape(one.advice)}</p></li>"
+            for one in report.findings
+        )
+    )
+
+
+def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
+    (width, height), (metres, _) = one.size_px, one.size_m
+    scale = width / metres
+    unit = max(width, height) / 100.0  # of what is drawn on it
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        return (x - one.low_xy[0]) * scale, height - (y - one.low_xy[1]) * scale
+
+    marks = [_mark(str(n + 1), *place(x, y), unit, "#a63e08") for n, (x, y) in enumerate(one.events_xy)]
+    placed = [note.xy for note in notes]
+    marks += [
+        _mark(chr(ord("A") + n), *place(*xy), unit, "#08705f") for n, xy in enumerate(placed[:26]) if xy is not None
+    ]
+    way = " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in one.path_xy))
+    path = f'<polyline points="{way}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
+    length = max((bar for bar in BARS_M if bar <= metres / 4.0), default=BARS_M[0])
+    bar = (
+        f'<path d="M{2 * unit:.1f} {height + 3 * unit:.1f}h{length * scale:.1f}" stroke="#1c1b19" '
+        f'stroke-width="{0.6 * unit:.2f}"/><text x="{3 * unit + length * scale:.1f}" y="{height + 4 * unit:.1f}" '
+        f'font-size="{3 * unit:.1f}" fill="#1c1b19">{length:g} m</text>'
+    )
+    return (
+        f'<figure><svg viewBox="0 0 {width} {height + 6 * unit:.1f}" role="img" aria-label="{escape(title)}: the map '
+        f'along {escape(one.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
+        f'href="data:image/png;base64,{b64encode(one.png).decode()}"/>{path}{"".join(marks)}{bar}</svg>'
+        f"<figcaption><b>{escape(title)}</b>, along {escape(one.trajectory)}</figcaption></figure>"
+    )
+
+
+def _mark(text: str, x: float, y: float, unit: float, colour: str) -> str:
+    return (
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{2 * unit:.1f}" fill="{colour}" stroke="#fff" '
+        f'stroke-width="{0.4 * unit:.2f}"/><text x="{x:.1f}" y="{y + unit:.1f}" font-size="{2.8 * unit:.1f}" '
+        f'fill="#fff" text-anchor="middle">{text}</text>'
+    )
+
+
+def _drift(maps: Sequence[ReportMap]) -> str:
+    rows = "".join(
+        f"<tr><th>{escape(one.trajectory)}</th><td>{_metres(one.figures.drift_m)}</td>"
+        f"<td>{_share(one.figures.contradicted)}</td><td>{one.figures.sharpness:.3f}</td></tr>"
+        for one in maps
+    )
+    return (
+        "<h2>Drift</h2><table><thead><tr><th>Poses</th><th>Walls against their copies of another time</th>"
+        "<th>Readings that another time contradicts</th><th>Sharpness of walls, 0 to 1</th></tr></thead>"
+        f"<tbody>{rows}</tbody></table>"
+    )
+
+
+def _metres(value: float | None) -> str:
+    return "not measured: too little was seen twice" if value is None else f"{value:.2f} m"
+
+
+def _share(value: float | None) -> str:
+    return "–" if value is None else f"{100.0 * value:.1f} %"
+
+
+def _picture(report: Report) -> str:
+    one = report.picture
+    if one is None:
+        return ""
+    return (
+        f'<h2>Camera</h2><figure><img alt="Picture of {escape(one.topic)}" '
+        f'src="data:{escape(one.media_type)};base64,{b64encode(one.data).decode()}">'
+        f"<figcaption>{escape(one.topic)} at <span class=number>{clock_time(one.seconds)}</span></figcaption></figure>"
+    )
+
+
+def _notes(report: Report) -> str:
+    rows = []
+    for n, note in enumerate(report.notes):
+        where = [
+            "" if note.seconds is None else f"at {clock_time(note.seconds)}",
+            "" if note.xy is None else f"at x {note.xy[0]:.2f} m, y {note.xy[1]:.2f} m",
+        ]
+        letter = f"<b>{chr(ord('A') + n)}</b> " if note.xy is not None and n < 26 else ""
+        rows.append(
+            f"<li>{letter}{escape(note.text)} <span class=quiet>{', '.join(one for one in where if one)}</span></li>"
+        )
+    return f"<ul>{''.join(rows)}</ul>"

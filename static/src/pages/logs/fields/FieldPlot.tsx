@@ -1,0 +1,198 @@
+/** A plot of any numbers of any topics: added by search, over time or over each other. */
+
+import { type Signal, useSignal } from "@preact/signals";
+import { useMemo } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
+import { saveAs } from "../../../ui/files/saveAs";
+import { ProgressBar } from "../../../ui/ProgressBar";
+import { Plot } from "../contents/LazyPlot";
+import type { Span } from "../contents/series";
+import { type Chosen, csvOf, type Found, joined, keyOf, labelOf, type Made, matching, paired, WINDOWS } from "./fields";
+import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
+import "./fields.css";
+
+/** Matches of a search that are listed. */
+const MOST = 30;
+
+interface FieldPlotProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly fields: FieldsState;
+  readonly zoom: Signal<Span | null>;
+}
+
+export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
+  const chosen = fields.chosen.value;
+  const across = chosen.length > 1 ? fields.across.value : null;
+  const series = useFieldSeries(session, chosen, zoom.value, across !== null);
+  const plotted = useMemo(() => {
+    const found = chosen.flatMap((one): Found[] => {
+      const now = series.get(keyOf(one));
+      return now?.kind === "ready" ? [{ chosen: one, series: now.value }] : [];
+    });
+    if (found.length === 0) return null;
+    return across === null ? joined(found) : paired(found, across);
+  }, [chosen, series, across]);
+  return (
+    <section class="field-plot" aria-label="Plot of any field">
+      <Search session={session} fields={fields} />
+      {chosen.length > 0 && <Legend fields={fields} series={series} />}
+      {plotted && (
+        <Plot
+          store={store}
+          series={plotted}
+          plot=""
+          zoom={zoom}
+          {...(across === null
+            ? {}
+            : { across: plotted.columns.findIndex((_, n) => isAcross(chosen, series, n, across)) })}
+        />
+      )}
+      {plotted && (
+        <div class="actions">
+          <label>
+            Horizontal{" "}
+            <select
+              class="select"
+              value={across ?? ""}
+              onChange={(event) => {
+                fields.across.value = event.currentTarget.value || null;
+              }}
+            >
+              <option value="">time</option>
+              {chosen.length > 1 &&
+                chosen.map((one) => (
+                  <option key={keyOf(one)} value={keyOf(one)} selected={keyOf(one) === across}>
+                    {keyOf(one)}
+                  </option>
+                ))}
+            </select>
+          </label>
+          <Button
+            kind="quiet"
+            icon="download"
+            onClick={() => saveAs("plot.csv", new Blob([csvOf(plotted)], { type: "text/csv" }))}
+          >
+            CSV of what is shown
+          </Button>
+        </div>
+      )}
+    </section>
+  );
+}
+
+/** Whether the n-th column that there is belongs to the field on the horizontal axis. */
+function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, across: string): boolean {
+  const there = chosen.filter((one) => series.get(keyOf(one))?.kind === "ready");
+  const one = there[n];
+  return one !== undefined && keyOf(one) === across;
+}
+
+function Search({ session, fields }: { readonly session: string; readonly fields: FieldsState }) {
+  const names = useFieldNames(session);
+  const text = useSignal("");
+  const topics = names.kind === "ready" ? names.value : [];
+  const found = useMemo(
+    () => (text.value.trim() === "" ? [] : matching(topics, text.value, MOST)),
+    [topics, text.value],
+  );
+  const add = (one: Pick<Chosen, "topic" | "field"> | undefined): void => {
+    if (!one || fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))) return;
+    fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
+  };
+  if (names.kind === "failed") return <p role="alert">{names.why}</p>;
+  const without = topics.filter(({ fields: own, why }) => own.length === 0 && why !== "");
+  const count = topics.reduce((sum, { fields: own }) => sum + own.length, 0);
+  return (
+    <search class="field-search">
+      <input
+        class="field-text"
+        type="search"
+        aria-label="Add a field to the plot"
+        placeholder="Add a field, for example: imu z"
+        value={text.value}
+        onInput={(event) => {
+          text.value = event.currentTarget.value;
+        }}
+        onKeyDown={(event) => {
+          if (event.key !== "Enter") return;
+          event.preventDefault();
+          add(found.find((one) => !fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))));
+        }}
+      />
+      {names.kind === "reading" && <ProgressBar fraction={names.progress > 0 ? names.progress : null} />}
+      {text.value.trim() !== "" && names.kind === "ready" && (
+        <ul class="field-matches" aria-label="Fields that match">
+          {found.map((one) => (
+            <li key={keyOf(one)}>
+              <button
+                type="button"
+                aria-pressed={fields.chosen.value.some((other) => keyOf(other) === keyOf(one))}
+                onClick={() => add(one)}
+              >
+                <span class="quiet">{one.topic}</span> {one.field}
+              </button>
+            </li>
+          ))}
+          {found.length === 0 && <li class="quiet">No field matches.</li>}
+          {found.length === MOST && <li class="quiet">More fields match: write more of the name.</li>}
+        </ul>
+      )}
+      {names.kind === "ready" && fields.chosen.value.length === 0 && text.value === "" && (
+        <p class="quiet">
+          {count === 0
+            ? "The recording has no fields that can be plotted."
+            : `${count.toLocaleString("en")} fields of ${topics.length - without.length} topics. Enter adds the first match.`}
+          {count === 0 && without[0] && ` ${without[0].why}`}
+        </p>
+      )}
+    </search>
+  );
+}
+
+function Legend({ fields, series }: { readonly fields: FieldsState; readonly series: FoundSeries }) {
+  const change = (key: string, by: Partial<Chosen> | null): void => {
+    if (by === null && fields.across.peek() === key) fields.across.value = null;
+    fields.chosen.value = fields.chosen
+      .peek()
+      .flatMap((one) => (keyOf(one) !== key ? [one] : by === null ? [] : [{ ...one, ...by }]));
+  };
+  return (
+    <ul class="field-legend" aria-label="Fields of the plot">
+      {fields.chosen.value.map((one) => {
+        const key = keyOf(one);
+        const now = series.get(key);
+        return (
+          <li key={key} data-field={key}>
+            <span class="field-name">
+              <span class="quiet">{one.topic}</span> {one.field}
+            </span>
+            <select
+              class="select"
+              aria-label={`What is shown of ${key}`}
+              value={one.made === "average" ? `average ${one.window}` : one.made}
+              onChange={(event) => {
+                const [made, window] = event.currentTarget.value.split(" ");
+                change(key, { made: made as Made, ...(window === undefined ? {} : { window: Number(window) }) });
+              }}
+            >
+              <option value="value">value</option>
+              <option value="derivative">derivative</option>
+              {WINDOWS.map((window) => (
+                <option key={window} value={`average ${window}`}>
+                  mean of {window} s
+                </option>
+              ))}
+            </select>
+            <Button kind="quiet" icon="close" label={`Remove ${labelOf(one)}`} onClick={() => change(key, null)} />
+            {(now === undefined || now.kind === "reading") && (
+              <ProgressBar fraction={now?.kind === "reading" && now.progress > 0 ? now.progress : null} />
+            )}
+            {now?.kind === "failed" && <p role="alert">{now.why}</p>}
+          </li>
+        );
+      })}
+    </ul>
+  );
+}

@@ -1,0 +1,123 @@
+/** Fields of messages that are plotted: which, what is made of them, and their numbers side by side. */
+
+import type { SeriesAnswer, SeriesColumn, TopicFieldsAnswer } from "../../../wire/http";
+import type { Span } from "../contents/series";
+
+export type Made = "value" | "derivative" | "average";
+
+/** A field that is plotted. */
+export interface Chosen {
+  readonly topic: string;
+  /** Its path in the message. */
+  readonly field: string;
+  readonly made: Made;
+  /** Of the moving average, s. */
+  readonly window: number;
+}
+
+export const WINDOWS = [0.2, 1, 5, 20] as const;
+
+export const keyOf = ({ topic, field }: Pick<Chosen, "topic" | "field">): string => `${topic} ${field}`;
+
+/** What is shown of a field, as a legend has it. */
+export function labelOf(chosen: Chosen): string {
+  if (chosen.made === "derivative") return `d/dt ${keyOf(chosen)}`;
+  return chosen.made === "average" ? `${keyOf(chosen)}, mean of ${chosen.window} s` : keyOf(chosen);
+}
+
+/** The fields whose topic and path have every word of a text, in either case of letters; at most `most`. */
+export function matching(
+  topics: readonly TopicFieldsAnswer[],
+  text: string,
+  most: number,
+): readonly Pick<Chosen, "topic" | "field">[] {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  const found: Pick<Chosen, "topic" | "field">[] = [];
+  for (const { topic, fields } of topics) {
+    for (const field of fields) {
+      const name = `${topic} ${field}`.toLowerCase();
+      if (!words.every((word) => name.includes(word))) continue;
+      found.push({ topic, field });
+      if (found.length === most) return found;
+    }
+  }
+  return found;
+}
+
+/** A column with the gaps of its own topic. */
+export interface PlottedColumn extends SeriesColumn {
+  readonly gaps?: readonly Span[];
+}
+
+/** Numbers of one or several topics over one row of times. */
+export interface Plotted extends Pick<SeriesAnswer, "topic" | "times" | "gaps"> {
+  readonly columns: readonly PlottedColumn[];
+}
+
+export interface Found {
+  readonly chosen: Chosen;
+  readonly series: SeriesAnswer;
+}
+
+const column = ({ chosen, series }: Found, values: (number | null)[]): PlottedColumn => ({
+  label: labelOf(chosen),
+  unit: series.columns[0]?.unit ?? "",
+  plot: "",
+  values,
+  gaps: series.gaps,
+});
+
+/** Several fields over the times of all; null where a field has no value at a time. */
+export function joined(found: readonly Found[]): Plotted {
+  const times = [...new Set(found.flatMap(({ series }) => series.times))].sort((a, b) => a - b);
+  const place = new Map(times.map((time, n) => [time, n]));
+  const columns = found.map((one) => {
+    const values: (number | null)[] = new Array(times.length).fill(null);
+    one.series.times.forEach((time, n) => {
+      values[place.get(time) ?? 0] ??= one.series.columns[0]?.values[n] ?? null;
+    });
+    return column(one, values);
+  });
+  return { topic: "", times, gaps: [], columns };
+}
+
+/** Several fields at the times of the one with a key: of the others what lies between their samples on a line. */
+export function paired(found: readonly Found[], key: string): Plotted | null {
+  const across = found.find(({ chosen }) => keyOf(chosen) === key);
+  if (!across) return null;
+  const { times } = across.series;
+  const columns = found.map((one) => {
+    const own = one === across;
+    return column(
+      one,
+      own ? [...(one.series.columns[0]?.values ?? [])] : times.map((time) => valueAt(one.series, time)),
+    );
+  });
+  return { topic: "", times, gaps: [], columns };
+}
+
+/** The value of a series' first column at a time, between two samples on a line; null beyond its ends and in gaps. */
+export function valueAt({ times, columns, gaps }: SeriesAnswer, time: number): number | null {
+  const values = columns[0]?.values ?? [];
+  let low = 0; // the first sample after the time
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((times[middle] ?? 0) <= time) low = middle + 1;
+    else high = middle;
+  }
+  const [t0, t1] = [times[low - 1], times[low]];
+  const [a, b] = [values[low - 1] ?? null, values[low] ?? null];
+  if (t0 === undefined || a === null) return null;
+  if (t0 === time) return a;
+  if (t1 === undefined || b === null || gaps.some(([from, to]) => time > from && time < to)) return null;
+  return a + ((time - t0) / (t1 - t0)) * (b - a);
+}
+
+/** What is plotted as CSV: the time in s and one column for each field; a field without a value there is empty. */
+export function csvOf({ times, columns }: Plotted): string {
+  const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const head = ["time_s", ...columns.map(({ label, unit }) => quoted(unit ? `${label} (${unit})` : label))];
+  const rows = times.map((time, n) => [time, ...columns.map(({ values }) => values[n] ?? "")].join(","));
+  return `${[head.join(","), ...rows].join("\n")}\n`;
+}

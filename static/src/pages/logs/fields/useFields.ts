@@ -1,0 +1,107 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { ask } from "../../../wire/ask";
+import type { SeriesAnswer, TopicFieldsAnswer } from "../../../wire/http";
+import type { Span } from "../contents/series";
+import { type Chosen, keyOf } from "./fields";
+
+const AGAIN_MS = 400;
+
+/** What the plot of fields shows, in the dock and on the stage. */
+export interface FieldsState {
+  readonly chosen: Signal<readonly Chosen[]>;
+  /** The key of the field on the horizontal axis; null for time. */
+  readonly across: Signal<string | null>;
+}
+
+export function useFieldsState(session: string): FieldsState {
+  const state: FieldsState = { chosen: useSignal([]), across: useSignal(null) };
+  useEffect(() => {
+    state.chosen.value = [];
+    state.across.value = null;
+  }, [session]);
+  return state;
+}
+
+export type Waiting<T> =
+  | { readonly kind: "reading"; readonly progress: number }
+  | { readonly kind: "failed"; readonly why: string }
+  | { readonly kind: "ready"; readonly value: T };
+
+const isReading = (answer: object): answer is { readonly progress: number; readonly state: "reading" } =>
+  "state" in answer && answer.state === "reading";
+
+/** Ask until the server has read what is asked for; the end of `ending` ends it. */
+async function asked<T extends object>(
+  send: () => Promise<T | { readonly progress: number; readonly state: "reading" }>,
+  ending: AbortSignal,
+  show: (now: Waiting<T>) => void,
+): Promise<void> {
+  try {
+    while (!ending.aborted) {
+      const answer = await send();
+      if (ending.aborted) return;
+      if (!isReading(answer)) return show({ kind: "ready", value: answer });
+      show({ kind: "reading", progress: answer.progress });
+      await new Promise((done) => setTimeout(done, AGAIN_MS));
+    }
+  } catch (error) {
+    if (!ending.aborted) show({ kind: "failed", why: (error as Error).message });
+  }
+}
+
+/** The fields of all topics of a session's recording. */
+export function useFieldNames(session: string): Waiting<readonly TopicFieldsAnswer[]> {
+  const state = useSignal<Waiting<readonly TopicFieldsAnswer[]>>({ kind: "reading", progress: 0 });
+  useEffect(() => {
+    const abort = new AbortController();
+    const what = "GET /api/sessions/{session_id}/contents/fields";
+    void asked(
+      () => ask(what, { session_id: session }, { ending: abort.signal }),
+      abort.signal,
+      (now) => {
+        state.value = now.kind === "ready" ? { kind: "ready", value: now.value.topics } : now;
+      },
+    );
+    return () => abort.abort();
+  }, [session]);
+  return state.value;
+}
+
+export type FoundSeries = ReadonlyMap<string, Waiting<SeriesAnswer>>;
+
+/** The numbers of the chosen fields in an interval; `evenly` as pairs of one time need them. */
+export function useFieldSeries(
+  session: string,
+  chosen: readonly Chosen[],
+  span: Span | null,
+  evenly: boolean,
+): FoundSeries {
+  const found = useSignal<FoundSeries>(new Map());
+  useEffect(() => {
+    const abort = new AbortController();
+    // What is shown stays until what is asked for is there.
+    found.value = new Map([...found.peek()].filter(([key]) => chosen.some((one) => keyOf(one) === key)));
+    for (const one of chosen) {
+      const query = {
+        topic: one.topic,
+        field: one.field,
+        made: one.made,
+        window: one.window,
+        evenly,
+        ...(span && { start: span[0], end: span[1] }),
+      };
+      const what = "GET /api/sessions/{session_id}/contents/field";
+      void asked<SeriesAnswer>(
+        () => ask(what, { session_id: session }, { query, ending: abort.signal }),
+        abort.signal,
+        (now) => {
+          if (now.kind === "reading" && found.peek().get(keyOf(one))?.kind === "ready") return;
+          found.value = new Map(found.peek()).set(keyOf(one), now);
+        },
+      );
+    }
+    return () => abort.abort();
+  }, [session, chosen, span, evenly]);
+  return found.value;
+}

@@ -1,0 +1,17 @@
+import { lazy } from "../../ui/lazy";
+import type { PagePart } from "../part";
+
+const SlamGroup = lazy(async () => (await import("./SlamGroup")).SlamGroup);
+
+export const PART: PagePart = {
+  lab: [
+    {
+      id: "slam",
+      title: "SLAM",
+      section: "Errors",
+      purpose: "Drifting wheels, and their path corrected while the robot drives",
+      keeps: true,
+      content: ({ store }) => <SlamGroup store={store} />,
+    },
+  ],
+};

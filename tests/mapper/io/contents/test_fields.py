@@ -1,0 +1,97 @@
+"""Numbers of any topic over time, against what was written."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+from mapper.io.contents import fields
+from mapper.io.contents.changes import derivative, moving_average
+from mapper.io.contents.fields import field_series, fields_of, numbers_in
+from mapper.io.contents.units import unit_of
+from tests.mapper.io.contents.recorded_robot import T0, imu, robot
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_every_number_of_a_topic_over_time(tmp_path: Path, kind: str) -> None:
+    said = list(robot(2))
+    file = recorded.written(tmp_path, said, kind)
+    own = [one for one in said if one.topic == "/odom"]
+    shares: list[float] = []
+    found = field_series(file, "/odom", "nav_msgs/Odometry", progress=shares.append)
+    columns = {column.label: found.values[:, n] for n, column in enumerate(found.columns)}
+    np.testing.assert_array_equal(found.stamps_ns, [one.stamp_ns for one in own])
+    np.testing.assert_allclose(
+        columns["pose.pose.position.x"], [one.fields["pose"]["pose"]["position"]["x"] for one in own]
+    )
+    np.testing.assert_allclose(columns["pose.pose.orientation.yaw"], 0.0)
+    assert "pose.covariance[35]" in columns
+    assert shares[-1] == pytest.approx(1.0)
+    names = {one.topic: one for one in fields_of(file, [("/odom", "nav_msgs/Odometry"), ("/none", "x/Y")])}
+    assert set(names["/odom"].fields) == set(columns)
+    assert "no messages on '/none'" in names["/none"].why
+    with pytest.raises(ReadError):
+        field_series(file, "/none", "x/Y")
+
+
+def test_a_message_as_numbers() -> None:
+    quarter = math.sqrt(0.5)
+    tree = {
+        "name": "left",
+        "on": True,
+        "position": [1, 2.5],
+        "ranges": list(range(100)),
+        "level": ".inf",
+        "orientation": {"x": 0, "y": 0, "z": quarter, "w": quarter},
+    }
+    found = numbers_in(tree)
+    assert (found["on"], found["position[1]"], found["level"]) == (1.0, 2.5, math.inf)
+    assert [name for name in found if name.startswith("ranges")] == [f"ranges[{n}]" for n in range(fields.FIRST)]
+    assert found["orientation.yaw"] == pytest.approx(math.pi / 2.0)
+    assert "name" not in found
+    assert numbers_in({}) == {}
+    assert math.isnan(numbers_in({"x": 0, "y": 0, "z": 0, "w": 0})[".yaw"])
+    assert [unit_of(one) for one in ("twist.twist.linear.x", "a.yaw", "ranges[0]", "linear.w")] == [
+        "m/s",
+        "rad",
+        "",
+        "",
+    ]
+
+
+def test_a_long_recording_keeps_its_extremes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fields, "MAX_VALUES", 20_000)
+    said = [imu(T0 + n * SECOND // 1000, 9.0 if n == 1234 else math.sin(n), 0.0, 0.0) for n in range(2000)]
+    path = tmp_path / "fast.mcap"
+    path.write_bytes(recorded.mcap_bytes(said))
+    found = field_series(path, "/imu", "sensor_msgs/Imu")
+    assert found.values.size <= 20_000
+    n = [column.label for column in found.columns].index("angular_velocity.z")
+    assert found.values[:, n].max() == 9.0
+    assert (np.diff(found.stamps_ns) >= 0).all()
+
+
+def test_derivative_and_moving_average() -> None:
+    stamps = np.arange(0, 101, dtype=np.int64) * (SECOND // 10)
+    x: NDArray[np.float64] = np.linspace(0.0, 10.0, 101, dtype=np.float64)
+    np.testing.assert_allclose(derivative(stamps, 3.0 * x + 1.0)[1:], 3.0)
+    assert np.isnan(derivative(stamps, x)[0])
+    turning: NDArray[np.float64] = np.remainder(2.0 * x + np.pi, 2.0 * np.pi) - np.pi
+    np.testing.assert_allclose(derivative(stamps, turning, is_angle=True)[1:], 2.0)
+    late = stamps + np.where(np.arange(101) >= 50, 60 * SECOND, 0)  # a pause of a minute
+    assert np.flatnonzero(np.isnan(derivative(late, x))).tolist() == [0, 50]
+
+    values = np.random.default_rng(4).normal(1e6, 1.0, 101)
+    values[7] = np.nan
+    own = [np.nanmean(values[np.abs(stamps - stamp) <= SECOND // 2]) for stamp in stamps]
+    np.testing.assert_allclose(moving_average(stamps, values, 1.0), own)
+    around = np.array([3.1, -3.1, 3.1, -3.1, 3.1])
+    mean = moving_average(stamps[:5], around, 10.0, is_angle=True)
+    assert (np.abs(np.abs(mean) - math.pi) < 0.05).all()

@@ -1,0 +1,123 @@
+"""When a filter says that it is sure: drives through simulated worlds whose true poses are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from mapper.core.se2 import compose, inverse
+from mapper.grid import OccupancyGrid
+from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
+from mapper.localization.confidence import SOON, WANTED, Confidence, contradicted_share
+from mapper.localization.localize import BEFORE_JUMP, confirmed
+from mapper.localization.scan_beams import scan_beams
+from mapper.sensors.scan import LaserScan
+from mapper.simulation.lidar import SensorConfig
+from mapper.simulation.shapes import outer_walls, wall
+from mapper.simulation.worlds import World
+from tests.mapper.localization.rooms import model_of, office, two_rooms
+from tests.mapper.slam.worlds import along, drive
+
+CONFIG = LocalizationConfig(global_particles=8000)
+
+
+def equal_rooms() -> tuple[OccupancyGrid, World]:
+    """A map of two rooms that are the same turned by half, and its world."""
+    grid = two_rooms()
+    walls = outer_walls(0.0, 0.0, 6.3, 2.2, 0.1) + wall((3.15, 0.0), (3.15, 2.2), 0.1)
+    return grid, World("two", "Two equal rooms", (0.0, 0.0, 6.3, 2.2), tuple(walls), (1.0, 1.0, 0.0))
+
+
+def test_in_an_office_the_filter_is_sure_after_some_scans_and_right() -> None:
+    grid, log = office()
+    found = localize_log(log, grid, CONFIG, trajectory="odometry", seed=2)
+    off = np.hypot(*(found.poses - log.trajectory("true").poses)[:, :2].T)
+    assert found.is_sure[-1]
+    assert found.is_sure.mean() > 0.5
+    assert off[found.is_sure].max() < 0.5
+    assert not found.is_sure[~found.is_converged].any()
+
+
+def test_in_one_of_two_equal_rooms_it_is_never_sure_however_well_particles_agree() -> None:
+    grid, world = equal_rooms()
+    path = along([(0.8, 0.7), (2.3, 0.7), (2.3, 1.5), (0.8, 1.5), (0.8, 0.7), (2.3, 0.7), (2.3, 1.5)], 0.25)
+    log = drive(world, path, sensor=SensorConfig(n_beams=90, range_max=8.0), turn_bias=0.0)
+    found = localize_log(log, model_of(grid), CONFIG, trajectory="odometry", initial_pose=path[0])
+    assert found.is_converged.mean() > 0.5
+    assert not found.is_sure.any()
+
+
+def test_a_start_that_the_scans_contradict_is_not_believed() -> None:
+    grid, log = office()
+    wrong = log.trajectory("true").poses[60]
+    robot = MonteCarloLocalizer(grid, CONFIG, range_max=log.range_max, initial_pose=wrong, seed=1)
+    found = [robot.update(log.trajectory("odometry").poses[i], log.scan(i)) for i in range(12)]
+    off = [math.hypot(*(one.pose - log.trajectory("true").poses[i])[:2]) for i, one in enumerate(found)]
+    assert off[0] > 1.0
+    assert found[0].is_converged  # as it was told
+    assert max(one.contradicted for one, m in zip(found, off, strict=True) if m > 1.0) > 0.05
+    assert not any(one.is_sure for one, m in zip(found, off, strict=True) if m > 1.0)
+
+
+def test_beams_that_go_on_behind_a_wall_contradict_a_place_and_short_ones_do_not() -> None:
+    model = model_of(two_rooms())
+    pose = np.array([1.5, 1.0, 0.0])
+    wall_at = 3.1 - 1.5
+
+    def share(reading: float) -> float:
+        scan = LaserScan(np.full(3, reading, dtype=np.float32), -0.05, 0.05, 0.1, 8.0)
+        return contradicted_share(model, scan_beams(scan, (0.0, 0.0, 0.0), LocalizationConfig()), pose)
+
+    assert share(wall_at) == share(wall_at - 1.0) == share(wall_at + 0.2) == 0.0
+    assert share(wall_at + 0.5) == 1.0
+    assert share(math.nan) == 0.0
+
+
+def confirms(one: Confidence) -> bool:
+    return one.is_confirmed
+
+
+def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
+    one = Confidence()
+    for _ in range(WANTED):
+        assert not confirms(one)
+        one.rule_out(1)
+    assert confirms(one)
+    one.wait(SOON)
+    assert confirms(one)
+    one.wait(SOON + 1)
+    assert not confirms(one)
+    for _ in range(WANTED):
+        one.rule_out(SOON + 1)  # another place explained that many scans nearly as well
+    assert not confirms(one)
+    for _ in range(WANTED):
+        one.rule_out(SOON)
+    one.look(1.0)
+    assert not confirms(one)
+    for _ in range(10):
+        one.look(0.0)
+    assert confirms(one)  # people passed by
+    one.look(1.0)
+    one.look(1.0)
+    for _ in range(10):
+        one.look(0.0)
+    assert not confirms(one)  # it has to be confirmed again
+
+
+@pytest.mark.parametrize("jump", [None, 20])
+def test_what_confirms_a_place_later_confirms_it_for_the_scans_before_up_to_a_jump(jump: int | None) -> None:
+    odometry = np.column_stack([np.arange(40) * 0.3, np.zeros(40), np.full(40, 0.1)])
+    poses = compose(np.array([5.0, 2.0, 1.0]), odometry)
+    if jump is not None:
+        poses[jump:] = compose(np.array([-3.0, 0.0, 0.0]), compose(inverse(poses[jump]), poses[jump:]))
+    converged = np.arange(40) >= 4
+    sure = np.isin(np.arange(40), [12, 18, 30])
+    expected = np.zeros(40, dtype=bool)
+    if jump is None:
+        expected[4:31] = True
+    else:  # of the five scans before the jump nothing is sure, and what comes later does not confirm them
+        assert jump - BEFORE_JUMP < 18
+        expected[4:13] = expected[20:31] = True
+    assert confirmed(poses, odometry, converged, sure).tolist() == expected.tolist()

@@ -1,0 +1,86 @@
+"""The report on a log: what it states, from the command line and over HTTP."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from typer.testing import CliRunner
+
+from server.cli.common import app
+from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.test_pictures import image
+from tests.mapper.io.logs import recorded
+from tests.server.service import once_read, running, settings_for, until
+
+
+class _Page(HTMLParser):
+    """Addresses that a page would fetch, and its text."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+        self.texts: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag != "script"
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+def recording() -> bytes:
+    camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0)
+    return recorded.mcap_bytes([*robot(3), camera])
+
+
+def check(page: str) -> list[str]:
+    """Assert what each report of the recording has; return its text."""
+    found = _Page(page)
+    pictures = [one.partition(";base64,") for one in found.addresses]
+    assert [kind for kind, _, _ in pictures] == ["data:image/png", "data:image/jpeg"]  # the map, and the camera
+    maps, camera = (Image.open(io.BytesIO(base64.b64decode(data))) for _, _, data in pictures)
+    assert camera.size == (64, 48)
+    # Walls 2 m from the path, which is 1.45 m long, in cells of 0.05 m.
+    assert 40 < maps.size[0] < 120
+    text = found.texts
+    for heading in ("Facts", "Events", "Findings", "Map", "Drift", "Camera", "Parameters of the map", "Versions"):
+        assert heading in text
+    assert "30, 10.3 a second" in text or "30, 10.0 a second" in text
+    assert not re.search(r"https?://", page)
+    return text
+
+
+def test_the_command_writes_a_page_that_needs_nothing_else(tmp_path: Path) -> None:
+    log, out = tmp_path / "robot.mcap", tmp_path / "report.html"
+    log.write_bytes(recording())
+    done = CliRunner().invoke(app, ["report", str(log), "-o", str(out), "--resolution", "0.1"])
+    assert done.exit_code == 0, done.output
+    text = _Page(out.read_text("utf-8")).texts
+    assert text[text.index("resolution") + 1] == "0.1 m"
+    refused = CliRunner().invoke(app, ["report", str(log), "-o", str(tmp_path / "none" / "report.html")])
+    assert refused.exit_code == 2
+    assert "No such file or directory" in refused.output
+
+
+def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> None:
+    with running(settings_for(tmp_path)) as service:
+        log_id = str(service.http.put("/api/logs", params={"name": "robot.mcap"}, content=recording()).json()["id"])
+        assert once_read(service.http, log_id)["state"] == "ready"
+        session = service.begin(kind="log", log=log_id, playing=False)
+        until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+        note = {"text": "The door <b>sticks</b>", "x": 1.0, "y": 0.5, "at_s": 1.0, "scan": 10}
+        assert service.http.post(f"/api/sessions/{session}/notes", json=note).status_code in (200, 201)
+        answer = service.http.get(f"/api/sessions/{session}/report")
+        assert answer.headers["content-type"].startswith("text/html")
+        assert "default-src 'none'" in answer.headers["content-security-policy"]
+        text = check(answer.text)
+        assert "The door <b>sticks</b> " in "".join(text)
+        assert "at 0:01.000, at x 1.00 m, y 0.50 m" in text
