@@ -29,8 +29,8 @@ _PREFIX = "GRIDBLOOM_"
 _OF_TESTS = {
     f"{_PREFIX}{name}"
     for name in (
-        *("CHROMIUM", "DEV_SERVER", "EXAMPLES", "FAULTS", "FAULTS_SEED", "FUZZ", "LATE_MS", "OPEN3D", "PEERS", "SEEDS"),
-        "TEST_DATA",
+        *("CHROMIUM", "DEV_SERVER", "DRIVES", "EXAMPLES", "FAULTS", "FAULTS_SEED", "FUZZ", "LATE_MS", "OPEN3D"),
+        *("PEERS", "SEEDS", "TEST_DATA"),
     )
 }
 

@@ -56,7 +56,7 @@ _ROWS = (
         ),
         "The window around a reading absorbs noise of the range and the size of a cell. A window wider than that makes "
         "walls thick and closes narrow passages.",
-        lesson="Without it the wall is broken; much wider, the wall is thick and narrows the doors.",
+        lesson="With no window the wall is broken; with a wide one it is thick and narrows the doors.",
         amount=(0.6, 1.0),
         unit="m",
     ),
@@ -84,8 +84,7 @@ _ROWS = (
         ),
         "A wrong mount yaw turns each scan about the robot. While the robot drives straight on, walls ahead slide "
         "sideways from scan to scan, so that they are smeared; a turn on the spot alone does not show it.",
-        lesson="A rotated sensor rotates each scan about the sensor, so a wall appears in a different place from "
-        "every pose that saw it.",
+        lesson="A rotated sensor rotates each scan about itself, so a wall appears in a different place from every pose.",
         amount=(0.08, 0.2),
         unit="rad",
     ),
@@ -100,8 +99,8 @@ _ROWS = (
         ),
         "A wrong position of the sensor shifts each scan along the robot's heading. While the heading is constant, the "
         "map is only shifted; after a turn the same wall is drawn a second time beside the first.",
-        lesson="The offset of a shifted sensor rotates with the heading: where the robot turned, walls appear twice; "
-        "on a straight drive the error cannot be seen.",
+        lesson="The offset of a shifted sensor rotates with the heading: walls appear twice where the robot turned, and "
+        "a straight drive hides the error.",
         amount=(0.25, 0.45),
         unit="m",
     ),
@@ -116,7 +115,7 @@ _ROWS = (
         ),
         "With the order of the beams reversed each scan is a mirror image: what is on the left is drawn on the right. "
         "As the robot turns, the image turns the opposite way, and nothing agrees.",
-        lesson="A sensor that is upside down mirrors each scan, and a symmetric corridor may even look correct.",
+        lesson="A sensor upside down mirrors each scan; a symmetric corridor may even look correct.",
     ),
     Cause(
         "drift",
@@ -176,7 +175,7 @@ _ROWS = (
         ),
         "With a time offset each scan is placed where the robot was a moment before or after. In a turn the error is "
         "the angular velocity times the offset: walls fan out there, and stay thin on straight drives.",
-        lesson="The pose is that of the moment of the reading: where the clocks differ, walls fan out in every turn.",
+        lesson="The pose must be that of the moment of the reading: where clocks differ, walls fan out in every turn.",
         amount=(0.3, 0.6),
         unit="s",
     ),
@@ -192,8 +191,7 @@ _ROWS = (
         "A scan takes time, and the robot moves meanwhile. Each beam has a pose of its own, which is interpolated "
         "between the poses of the trajectory. Without that, walls are torn at the seam of the scan while the robot "
         "turns.",
-        lesson="A scan takes time: in a turn each beam needs a pose of its own, or walls tear where the scan begins "
-        "and ends.",
+        lesson="A scan takes time: in a turn each beam needs its own pose, or walls tear where the scan begins and ends.",
         of_log=False,
     ),
     Cause(
@@ -207,7 +205,7 @@ _ROWS = (
         ),
         "Without a clamp a cell that was hit for minutes needs as much evidence again before it becomes free. The "
         "clamp limits the log-odds, so that a few scans are enough.",
-        lesson="The clamp limits the certainty of a cell, so the number of misses needed is always the same.",
+        lesson="The clamp limits the certainty of a cell, and with it the number of misses needed.",
         of_log=False,
     ),
     Cause(
@@ -221,7 +219,7 @@ _ROWS = (
         ),
         "The map assumes that the world does not move. A person leaves a row of occupied cells, which stay where the "
         "robot does not look again. Evidence of more misses removes some; what moves belongs in another layer.",
-        lesson="A trail disappears where later beams pass, and stays where none do.",
+        lesson="A trail stays where no later beams pass.",
     ),
     Cause(
         "polished",
@@ -234,8 +232,7 @@ _ROWS = (
         ),
         "A beam that meets a polished wall or glass at a slant does not return. If no return counts as free space up "
         "to the max range, the wall is erased and the map shows free space outside the building.",
-        lesson="A polished wall reflects like a mirror: unless the beam meets it almost at a right angle, nothing "
-        "comes back.",
+        lesson="A polished wall is a mirror: unless the beam meets it almost at a right angle, nothing comes back.",
         of_log=False,
     ),
     Cause(
@@ -263,7 +260,7 @@ _ROWS = (
         ),
         "A planar laser maps one height. What is lower or higher, a low table or the top of one, is free space in the "
         "map, and the robot runs into it. A 3D sensor, or a second sensor at another height, is needed.",
-        lesson="A cell has no height: which obstacles are in the map depends on the height of the laser.",
+        lesson="A cell has no height: the height of the laser decides which obstacles are in the map.",
         of_log=False,
     ),
 )  # fmt: skip
