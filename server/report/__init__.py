@@ -1,6 +1,25 @@
-"""The report on a log for whoever asked for it: one page that needs no server, to be read or printed."""
+"""The report on a log for whoever asked for it: one page that needs no server, to be read or printed.
 
-from server.report.content import Picture, PlacedNote, Report, make_report
-from server.report.page import report_page
+Each name is imported from its module with its first use: a service starts without what examines logs.
+"""
+
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import attributes_from
+
+if TYPE_CHECKING:
+    from server.report.content import Picture, PlacedNote, Report, make_report
+    from server.report.page import report_page
 
 __all__ = ["Picture", "PlacedNote", "Report", "make_report", "report_page"]
+
+__getattr__ = attributes_from(
+    __name__,
+    {
+        "Picture": "server.report.content",
+        "PlacedNote": "server.report.content",
+        "Report": "server.report.content",
+        "make_report": "server.report.content",
+        "report_page": "server.report.page",
+    },
+)

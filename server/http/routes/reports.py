@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
+import server.report
 from mapper.core.errors import MapperError
 from mapper.io.contents.pictured import CAMERAS
 from mapper.mapping.parameters import MappingConfig
@@ -13,7 +16,9 @@ from server.http.routes.contents import HeldContents
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import SessionOfLog, session_of_log
 from server.library.library import Library
-from server.report import Picture, PlacedNote, make_report, report_page
+
+if TYPE_CHECKING:
+    from server.report import Picture
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -39,7 +44,7 @@ async def report(
     seconds = float(recording.recorded[scan]) if log.n_scans else 0.0
     picture = await while_connected(request, _picture(request, library, of_log, visitor, seconds))
     notes = [
-        PlacedNote(
+        server.report.PlacedNote(
             note.text, note.pin.at_s, None if note.pin.x is None or note.pin.y is None else (note.pin.x, note.pin.y)
         )
         for note in await library.notes.of(record.id)
@@ -48,8 +53,10 @@ async def report(
         request,
         work,
         visitor,
-        lambda: report_page(
-            make_report(log, trajectory, diagnosis, config, title=record.name, picture=picture, notes=notes)
+        lambda: server.report.report_page(
+            server.report.make_report(
+                log, trajectory, diagnosis, config, title=record.name, picture=picture, notes=notes
+            )
         ),
     )
     return HTMLResponse(page, headers={"Content-Security-Policy": CSP, "Cache-Control": "private, no-store"})
@@ -72,4 +79,6 @@ async def _picture(
         found = await library.picture(of_log.owner, of_log.log_id, visitor, topic, at_ns, address=address)
     except MapperError:
         return None  # a picture that cannot be read is no reason for no report
-    return Picture(found.data, found.media_type, topic, held.seconds(found.stamp_ns - held.recorded_ahead_ns))
+    return server.report.Picture(
+        found.data, found.media_type, topic, held.seconds(found.stamp_ns - held.recorded_ahead_ns)
+    )

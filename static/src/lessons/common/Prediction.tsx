@@ -26,10 +26,12 @@ export interface PredictionProps extends GuessQuestion {
   readonly step: number;
   /** Brings the figure into the state that was asked about, and returns the number to be guessed. */
   readonly reveal: () => number | Promise<number>;
+  /** Why the number is right, shown beside it. */
+  readonly because?: string;
 }
 
 /** A question about the figure above: a number is guessed, then the figure shows it. In a class everybody guesses. */
-export function Prediction({ text, axis, step, reveal }: PredictionProps) {
+export function Prediction({ text, axis, step, reveal, because }: PredictionProps) {
   const root = useRef<HTMLElement>(null);
   const middle = (axis.low + axis.high) / 2;
   const guess = useSignal(middle);
@@ -123,7 +125,7 @@ export function Prediction({ text, axis, step, reveal }: PredictionProps) {
         )}
       </div>
       <p role="status">
-        {result.value !== null && verdict(guess.value, result.value, step, told)}
+        {result.value !== null && verdict(guess.value, result.value, step, told)} {result.value !== null && because}
         {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
         {awaits && "Answer in the line of the class; the lecturer shows the result."}
       </p>

@@ -91,7 +91,7 @@ function Index({ name, value, origin, side }: IndexProps) {
     <>
       <dt>{name}</dt>
       <dd>
-        floor(({written(value, 2)} − {written(origin, 2)}) / {written(side, 1)}) = floor({written(quotient, 2)}) ={" "}
+        floor(({written(value, 3)} − {written(origin, 2)}) / {written(side, 1)}) = floor({written(quotient, 2)}) ={" "}
         <b>{floor}</b>
         {floor < 0 && <span class="noun-hit"> (an integer conversion would give {Math.trunc(quotient) + 0})</span>}
       </dd>

@@ -97,8 +97,8 @@ export function Kidnapping() {
         />
       </div>
       <p class="number" aria-live={playing.value ? "off" : "polite"}>
-        Scan {past.length}: w<sub>slow</sub> {written(last?.slow ?? 0, 2)}, w<sub>fast</sub>{" "}
-        {written(last?.fast ?? 0, 2)}, so {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
+        Scan {past.length}: w<sub>slow</sub> {written(last?.slow ?? 0, 3)}, w<sub>fast</sub>{" "}
+        {written(last?.fast ?? 0, 3)}, so {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
       </p>
     </div>
   );

@@ -196,7 +196,7 @@ export function World({ transform, scene, shown }: MarkProps) {
   );
 }
 
-/** The drive so far; where the map is made with other poses, those too. */
+/** The poses with which the map is made, and dashed the true ones, as in the figure of the section. */
 function Odometry({ transform, scene, shown }: MarkProps) {
   const poses = scene.poses.slice(0, shown.count);
   const line = (points: readonly (readonly number[])[]): string =>
@@ -204,8 +204,8 @@ function Odometry({ transform, scene, shown }: MarkProps) {
   const off = poses.map((pose, i) => believed(pose, i, scene.conditions, scene.poses));
   return (
     <>
-      <path class="world-stage-path" d={line(poses)} />
       <path class="world-stage-path odometry" d={line(off)} />
+      <path class="world-stage-path" d={line(poses)} />
     </>
   );
 }

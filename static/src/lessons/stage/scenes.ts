@@ -48,7 +48,7 @@ function cellInWords({ map, index }: Shown): string {
 }
 
 const WALL_WORDS = {
-  thin: "The wall is thin and whole",
+  thin: "The wall is thin",
   broken: "The wall is broken: beams that measured too much erase the hits of others",
   thick: "The wall is thick: the window marks cells that are free",
 } as const;
@@ -123,7 +123,7 @@ export const SCENES = {
         if (mapKind.value === "grid")
           return `As a grid: ${now.map.logOdds.length.toLocaleString("en")} cells, one number for each. Walls, free space, and what is not yet known.`;
         const seen = sightings(DRIVE.slice(0, 18)).filter((count) => count > 0).length;
-        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${2 * seen} numbers in all. Each further sighting shrinks its circle. Walls and free space are not in this map.`;
+        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${5 * seen} numbers in all: place and covariance. Each further sighting shrinks its circle. Walls and free space are not in this map.`;
       },
     }),
   cell: () =>
@@ -249,7 +249,7 @@ export const SCENES = {
         const wrong = phantoms(now.map, SOLID, 0.25).length;
         return driftError.value === 0
           ? "With the true poses every wall is drawn once."
-          : `The heading drifts ${written(driftError.value, 2)}° per scan; ${wrong === 0 ? "no wall is doubled yet" : `${plural(wrong, "occupied cell")} of doubled walls`}.`;
+          : `The heading drifts ${written(driftError.value, 2)}° per scan; ${wrong === 0 ? "no wall is doubled yet" : `${plural(wrong, "occupied cell")} of doubled walls`}. Dashed: the true path.`;
       },
     }),
   polished: () =>

@@ -1,4 +1,4 @@
-import { computed, useSignal } from "@preact/signals";
+import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { probability } from "../../grid/logOdds";
 import { written } from "../../ui/numbers";
@@ -11,11 +11,13 @@ import "./thresholds.css";
 
 const READ_GREY: Record<number, number> = { 100: 0, 0: 254, [-1]: 150 };
 
-/** Two thresholds on a histogram, the resulting image, the map files, and the map as read from them. */
-export function Thresholds() {
+/**
+ * Two thresholds on a histogram, the resulting image, the map files, and the map as read from them with `readFree`, the
+ * free_thresh of the reader.
+ */
+export function Thresholds({ readFree }: { readonly readFree: Signal<number> }) {
   const occupied = useSignal(0.65);
   const free = useSignal(0.25);
-  const readFree = useSignal<number>(STATED.free);
   const map = useSignal(MAP);
   const greys = useMemo(() => computed(() => greysOf(MAP, occupied.value, free.value)), [occupied, free]);
   const readAs = useMemo(

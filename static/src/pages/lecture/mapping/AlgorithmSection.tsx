@@ -43,10 +43,10 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The inverse sensor model of this loop is <b>table 9.2</b>: it takes the beam nearest in bearing to the cell
-            and compares the cell’s distance with that reading. A loop over all cells is slow, since most lie outside
-            the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan, and over the
-            cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
+            The inverse sensor model of this loop is <b>table 9.2</b>: it takes the beam whose direction is nearest to
+            the cell’s and compares the cell’s distance with that reading. A loop over all cells is slow, since most lie
+            outside the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan, and over
+            the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>
             <b>Beam by beam</b> is that program in Python. <b>One reading</b> follows a single distance through every

@@ -279,7 +279,8 @@ export function CellSection({ id, number, title }: SectionHead) {
           <LastUpdate />
           <p>
             Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: the cell does not
-            change, so there is no prediction step, and the correction is a sum.
+            change, so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor,
+            two of p = 0.7 by 7/3 · 7/3, and the logarithm makes that a sum.
           </p>
           <Derivation />
           <p>
@@ -294,9 +295,9 @@ export function CellSection({ id, number, title }: SectionHead) {
     >
       <p>
         The state of a cell is constant (assumption 2): either <i>m</i> (occupied) or ¬<i>m</i> (free). Its odds are
-        p/(1 − p), occupied to free. The map stores their logarithm, the log-odds <b class="noun-robot">ℓ</b> = log p/(1
-        − p): above 0 the cell is more likely occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the
-        first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        p/(1 − p), occupied to free. The map stores their natural logarithm, the log-odds <b class="noun-robot">ℓ</b> =
+        log(p/(1 − p)): 0.85 for p = 0.7; above 0 the cell is more likely occupied, below 0 more likely free; p = 1 is
+        +∞, p = 0 is −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}
@@ -329,7 +330,7 @@ export function CellSection({ id, number, title }: SectionHead) {
           {" "}
           Press the buttons, or <kbd>H</kbd> and <kbd>M</kbd> on one.{" "}
         </span>{" "}
-        How many misses cancel four hits?
+        After how many misses is a cell that was hit four times probably free?
       </p>
     </Section>
   );

@@ -27,6 +27,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           text="Each hit alone gives p = 0.75. After how many hits is p, computed in 32 bits, exactly 1?"
           axis={{ low: 0, high: 60, unit: "hits" }}
           step={1}
+          because="Each hit multiplies the odds by 3. After 16 of them 1 − p is less than 2⁻²⁵, and p is rounded to 1."
           reveal={() => {
             readings.value = WEAKER;
             return saturatedAt(run(WEAKER), "p") ?? WEAKER.hits;
@@ -40,7 +41,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            A product of probabilities fails sooner: a thousand of {(1 - pHit).toFixed(2)} make 10
+            A product of probabilities fails too: a thousand of {(1 - pHit).toFixed(2)} make 10
             <sup>{POWER(1 - pHit)}</sup>, less than the smallest 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
             Their logarithms add up to {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
           </p>
@@ -53,8 +54,8 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        Probability, odds and log-odds describe the same belief. Why store the logarithm? A robot sees a wall in many
-        scans, and a 32-bit number has 24 bits of precision.
+        Probability, odds and log-odds describe the same belief. Why store the logarithm? A wall is seen in many scans,
+        so p comes close to 1, and a 32-bit number has 24 bits to tell the two apart.
       </p>
       <p>
         In the figure a cell is hit{" "}

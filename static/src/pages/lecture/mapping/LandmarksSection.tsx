@@ -40,7 +40,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               </tr>
               <tr>
                 <th scope="row">stores</th>
-                <td>position of each landmark and its uncertainty, a covariance: little</td>
+                <td>position of each landmark and how uncertain it is: few numbers</td>
                 <td>one number per cell: grows with the area</td>
               </tr>
               <tr>

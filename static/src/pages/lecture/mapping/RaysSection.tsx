@@ -41,8 +41,8 @@ export function RaysSection({ id, number, title }: SectionHead) {
         A reading gives evidence for the cells <em>along its beam</em>. Bresenham’s algorithm finds them with integer
         additions only. The line goes <i>a</i> cells along its longer axis and <i>b</i> along the other. Each step goes
         one cell along the longer axis. An error ∇, initially 2<i>b</i> − <i>a</i>, compares the true line with the
-        middle between the two next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b>,
-        otherwise <b class="noun-hit">diagonal</b>.
+        middle between the two next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b> and adds
+        2<i>b</i> to it, otherwise <b class="noun-hit">diagonal</b>, and adds 2<i>b</i> − 2<i>a</i>.
       </p>
     </Section>
   );

@@ -24,13 +24,13 @@ export function SonarSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The <b>Bayes filter</b>, cell by cell, adds the evidence of one echo to every cell of the arc. Other cones
-            pass most of these cells and correct them; where arcs from both sides cross the open door, the map shows a
+            pass most of these cells and correct them; where arcs from both jambs cross the open door, the map shows a
             wall.
           </p>
           <p>
             <b>Moravec and Elfes</b> stored two numbers per cell, how certainly it is <b class="noun-hit">occupied</b>{" "}
             (Occ) and <b class="noun-miss">empty</b> (Emp). One echo makes each cell of the arc occupied with the
-            certainty O. It is reduced where the cell is known to be empty, scaled so that the whole arc holds one
+            certainty O, which is reduced where the cell is known to be empty, scaled so that the whole arc holds one
             obstacle, and only then added:
           </p>
           <math display="block" class="lesson-formula">

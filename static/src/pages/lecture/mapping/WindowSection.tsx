@@ -144,7 +144,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </mrow>
       </math>
       <p>
-        Nor is the direction exact, and a cell is coarser than its end points. So the hits of one wall fall into several
+        Nor is the direction exact, and a beam ends anywhere within a cell. So the hits of one wall fall into several
         cells, and a beam that measured a little too much passes a cell that an earlier one hit. The{" "}
         <b class="noun-hit">window</b> w absorbs all three errors. One to three cells wide, it gives a thin and stable
         wall. With no window the wall is <b>broken</b>; with a wide one it is <b>thick</b> and narrows the doors.

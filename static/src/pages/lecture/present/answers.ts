@@ -15,9 +15,9 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   cell: {
     // Probabilistic Robotics, table 4.2: the filter adds log-odds.
     right: 2,
-    answer: "The log-odds add up: hits and misses cancel by their sum, in any order, while no clamp is reached.",
+    answer: "Log-odds add up, in any order while no clamp is reached: 4 · 0.85 = 3.40, and 3.40 / 0.40 = 8.5.",
     notes:
-      "Press hit four times, then miss until the line is at the prior again. Let the audience count. The order does not matter: show it with alternating presses.",
+      "Press hit four times, then miss until the line is below the prior. Let the audience count. The order does not matter: show it with alternating presses.",
   },
   "log-odds": {
     // Computed by the figure in binary32 (lessons/digits/model.ts); IEEE 754.
@@ -50,8 +50,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   },
   sonar: {
     // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.4.1, on conflicting cones.
-    right: 2,
-    answer: "Bayes’ filter, cell by cell, marks whole arcs and closes the door; Moravec and Elfes keep it open.",
+    right: 1,
+    answer: "A wall: all arcs cross the door and no beam contradicts them. Moravec and Elfes are less certain of it.",
     notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
@@ -95,7 +95,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   landmarks: {
     // Probabilistic Robotics, chapters 7 and 9.
     right: 1,
-    answer: "Landmarks say where the robot is; only a grid says where it can drive, and what it has not seen yet.",
+    answer:
+      "Landmarks say where the robot is, but nothing about the space between; a grid stores it, and what is unknown.",
     notes:
       "Switch between the two maps of the same drive. Ask where the robot could drive by the map of landmarks alone.",
   },
@@ -185,7 +186,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   layers: {
     // Nav2, obstacle layer: marks and clears by the current scan.
     right: 1,
-    answer: "Each layer has its own source; the greater cost counts. The scan’s layer marks the crate and clears it.",
+    answer: "Each layer has its own source; the greater cost counts. The obstacle layer marks and clears the crate.",
     notes:
       "Drag the crate out of the robot’s view, and back. Switch the layers off one by one, and read the costs under the cross. What can the obstacle layer not clear?",
   },
@@ -227,7 +228,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   tsdf: {
     // Curless and Levoy 1996, section 3; computed by the figure.
     right: 2,
-    answer: "Signed distances have their zero at the mean of the readings, between voxels; occupancy has whole cells.",
+    answer:
+      "The zero crossing of the distances is at the mean of the readings, between voxels; occupancy has whole cells.",
     notes:
       "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },

@@ -20,16 +20,16 @@ export interface Answer {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "One of five cells caused an echo; three are empty. What about the other two?",
+    question: "A sonar hears one of five cells; a beam passes three. What of the other two?",
     options: [
-      "Their probability of occupied rises",
+      "They become more probably occupied",
       "They stay as the echo left them",
-      "It depends on the map’s algorithm",
+      "It depends on how the map stores the belief",
     ],
   },
   cell: {
-    question: "A cell was hit four times. What brings it back to its prior value?",
-    options: ["One miss", "As many misses as hits", "Misses that sum to what the hits added"],
+    question: "Four hits of +0.85. Which miss of −0.40 makes the cell probably free?",
+    options: ["The first", "The fourth", "The ninth"],
   },
   "log-odds": {
     question: "Stored in 32 bits, which breaks first: p, the odds, or the log-odds?",
@@ -48,8 +48,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["All of them", "Those in the perceptual field", "Those that were hit"],
   },
   sonar: {
-    question: "Sonars see an open door from both sides. What does the map show in it?",
-    options: ["An opening", "A wall", "It depends on the method"],
+    question: "Echoes come from both jambs of an open door. What is mapped between them?",
+    options: ["An opening", "A wall", "Nothing: it stays unknown"],
   },
   "no-return": {
     question: "A beam has no return. What should the map do with it?",
@@ -79,8 +79,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Corners and poles that it recognises", "For each patch of floor: is something there?"],
   },
   window: {
-    question: "A range has a noise of a few centimetres. How wide should a hit be?",
-    options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
+    question: "Ranges are noisy by a few centimetres. How wide should the hit window be?",
+    options: ["As narrow as possible", "A few times the noise", "As wide as possible"],
   },
   endpoint: {
     question: "A scan holds distances only. How does one become a row and a column?",
@@ -91,10 +91,10 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   },
   polished: {
     question: "A wall is polished like a mirror. What does a laser see of it?",
-    options: ["The wall", "Nothing, unless it looks at it straight", "A wall twice as far away, always"],
+    options: ["The wall", "Nothing, unless the beam meets it nearly head-on", "A wall twice as far away, always"],
   },
   people: {
-    question: "Somebody walks through the robot’s view. What remains of it in the map?",
+    question: "A person walks through the field of view. What remains in the map?",
     options: ["Nothing", "A trail that stays where no later beam passes", "A trail that always stays"],
   },
   "low-table": {
@@ -130,7 +130,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Yes, they follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {
-    question: "9 points of a patch leave a residual of 0.4 m². And 18 of the same ground?",
+    question: "9 points of a patch leave a residual of 0.4 m². And if each is measured twice?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
   },
   layers: {

@@ -1,5 +1,12 @@
+import { signal } from "@preact/signals";
+import { STATED } from "../../../lessons/thresholds/model";
 import { Thresholds } from "../../../lessons/thresholds/Thresholds";
+import { presenting } from "../present/state";
 import { Section, type SectionHead } from "../Section";
+
+/** The free_thresh of the text's figure, and that of the slide, which asks about it. */
+const textReadsFree = signal<number>(STATED.free);
+const slideReadsFree = signal(0.25);
 
 export function FileSection({ id, number, title }: SectionHead) {
   return (
@@ -7,15 +14,15 @@ export function FileSection({ id, number, title }: SectionHead) {
       id={id}
       number={number}
       title={title}
-      figure={<Thresholds />}
+      figure={<Thresholds readFree={presenting.value ? slideReadsFree : textReadsFree} />}
       sources={["map-server", "occupancy-grid"]}
       after={
         <>
           <p>
             Your thresholds decide what is written to the image; those in the yaml file say how to read it. A reader
             computes (255 − grey) / 255: 1 for an occupied cell (grey 0), 0.004 for a free one (254) and <b>0.196</b>{" "}
-            for an unknown one (205). Below free_thresh is free: above 0.196, the same image is read with its unknown
-            cells free, and a planner may drive through them.
+            for an unknown one (205). What is below free_thresh is free. With a free_thresh above 0.196 the unknown
+            cells of the same image are read as free, and a planner may drive through them.
           </p>
           <p>
             The first row of the image is the top of the map, the first row of the grid the bottom. The origin is the

@@ -22,7 +22,7 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        The table of <SectionLink to="forgetting" /> has been removed, and the path still goes around it: only a beam
+        As in <SectionLink to="forgetting" />, a table has been removed, and the path still goes around it: only a beam
         clears an obstacle, and a robot that plans around it may never look there. In the <b>saved map</b> the table
         stays for good. In the <b>obstacle layer</b> it stays until a beam passes
         <span class="no-print"> (drag the robot towards it)</span>. With a <b>lifetime</b> it is removed after a set

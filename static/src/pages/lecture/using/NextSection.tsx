@@ -52,8 +52,8 @@ export function NextSection({ id, number, title }: SectionHead) {
         </li>
       </ul>
       <p>
-        The book is <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1 and 9.2 for mapping, chapters 8 and 13 for
-        the rest.
+        The book is <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1 and 9.2 for mapping, chapters 5 to 8 for
+        motion, sensors and localization, 10 to 13 for SLAM.
       </p>
     </Section>
   );

@@ -27,9 +27,9 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
             resampling can be left out.
           </p>
           <p>
-            How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
-            particles for k bins the Kullback-Leibler distance to the belief is below ε, with the probability that
-            belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
+            How many particles does a belief need? The more places it covers, the more: <b>KLD sampling</b> counts the
+            bins with a particle in them. With n particles for k bins the Kullback-Leibler distance to the belief is
+            below ε, with the probability that belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
           </p>
           <KldNumber />
           <p>
@@ -45,7 +45,7 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
         <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where the belief is higher. A
         reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
         ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
-        three equal doors: after the second one group is left.
+        three equal doors: after the second door only one group is left.
       </p>
     </Section>
   );

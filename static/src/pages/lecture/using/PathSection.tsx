@@ -25,8 +25,8 @@ export function PathSection({ id, number, title }: SectionHead) {
       <p>
         A path is found by a <b>wavefront</b>: from the robot’s cell outwards, each cell gets the least cost of reaching
         it, its <b>potential</b>. A step costs 50 + 0.8 · cost of the cell, as in Nav2’s NavFn. A diagonal step costs √2
-        times that here; NavFn has none, and interpolates between two neighbours. Lethal and inscribed cells are
-        blocked. The path is traced back from the goal.{" "}
+        times that here; NavFn has no diagonal steps, and interpolates between two neighbours. Lethal and inscribed
+        cells are blocked. The path is traced back from the goal.{" "}
         <span class="no-print">
           Drag the <b>goal</b>.
         </span>

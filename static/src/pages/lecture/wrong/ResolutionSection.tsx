@@ -15,6 +15,7 @@ export function ResolutionSection({ id, number, title }: SectionHead) {
           text="The floor takes 154 kB in cells of 5 cm. How much memory does it take in cells of 2 cm?"
           axis={{ low: 0, high: 4000, unit: "kB" }}
           step={10}
+          because="The same area has (5/2)² = 6.25 times as many cells."
           reveal={() => sizeOf(0.02).bytes / 1000}
         />
       }
