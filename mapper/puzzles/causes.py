@@ -84,7 +84,8 @@ _ROWS = (
         ),
         "A wrong mount yaw turns each scan about the robot. While the robot drives straight on, walls ahead slide "
         "sideways from scan to scan, so that they are smeared; a turn on the spot alone does not show it.",
-        lesson="A rotated sensor rotates each scan about itself, so a wall appears in a different place from every pose.",
+        lesson="A rotated sensor rotates each scan about itself, so a wall appears in a different place from "
+        "every pose.",
         amount=(0.08, 0.2),
         unit="rad",
     ),
@@ -99,8 +100,8 @@ _ROWS = (
         ),
         "A wrong position of the sensor shifts each scan along the robot's heading. While the heading is constant, the "
         "map is only shifted; after a turn the same wall is drawn a second time beside the first.",
-        lesson="The offset of a shifted sensor rotates with the heading: walls appear twice where the robot turned, and "
-        "a straight drive hides the error.",
+        lesson="The offset of a shifted sensor rotates with the heading: walls appear twice where the robot turned, "
+        "and a straight drive hides the error.",
         amount=(0.25, 0.45),
         unit="m",
     ),
@@ -191,7 +192,8 @@ _ROWS = (
         "A scan takes time, and the robot moves meanwhile. Each beam has a pose of its own, which is interpolated "
         "between the poses of the trajectory. Without that, walls are torn at the seam of the scan while the robot "
         "turns.",
-        lesson="A scan takes time: in a turn each beam needs its own pose, or walls tear where the scan begins and ends.",
+        lesson="A scan takes time: in a turn each beam needs its own pose, or walls tear where the scan begins and "
+        "ends.",
         of_log=False,
     ),
     Cause(
