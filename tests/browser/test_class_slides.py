@@ -18,7 +18,7 @@ from tests.browser.test_class import ended
 from tests.marks import also_long
 
 #: Of the lecture's own slide *One cell*.
-ANSWER, NOTES = "hits and misses cancel by their sum", "Let the audience count"
+ANSWER, NOTES = "Log-odds add up, in any order", "Let the audience count"
 MARKS = ("NOTE-OF-MINE", "HIDDEN-SLIDE", "LATER-SLIDE", "LATER-PARAGRAPH", "PAST-SLIDE")
 
 

@@ -202,7 +202,7 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
     for _ in range(5):
         page.keyboard.press("ArrowRight")
     expect(origin).to_have_attribute("aria-valuetext", "0.70 m, 0.20 m")
-    expect(steps.nth(2)).to_contain_text("(6.56 − 0.70) / 0.5) = floor(11.71) = 11")
+    expect(steps.nth(2)).to_contain_text("(6.556 − 0.70) / 0.5) = floor(11.71) = 11")
 
 
 def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:

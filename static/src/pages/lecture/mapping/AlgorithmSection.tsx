@@ -50,7 +50,7 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             <b>Beam by beam</b> is that program in Python. <b>One reading</b> follows a single distance through every
-            step, to the character that a terminal would print.
+            step.
           </p>
         </>
       }

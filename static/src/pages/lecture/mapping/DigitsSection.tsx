@@ -47,8 +47,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             With ℓ clamped (<SectionLink to="forgetting" />) none of the three fails. Log-odds remain <b>cheaper</b> and{" "}
-            <b>more exact</b>: one addition in place of two products, a sum and a division, and one rounding in place of
-            four.
+            <b>more exact</b>: one addition in place of two products, a sum and a division.
           </p>
         </>
       }

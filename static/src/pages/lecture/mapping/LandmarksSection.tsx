@@ -61,7 +61,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
       after={
         <p>
           A grid is <b>non-parametric</b>: it assumes neither the shape nor the number of objects. Nav2, the navigation
-          software of ROS 2, plans on two-dimensional grids, as warehouse robots do.
+          software of ROS 2, plans on two-dimensional grids.
         </p>
       }
     >

@@ -19,7 +19,6 @@ export function RaysSection({ id, number, title }: SectionHead) {
             figure’s ∇ is that sum minus dx.
           </p>
           <Worked />
-          <p>All cells but the last are free; the last is occupied.</p>
           <h3>All eight octants</h3>
           <p>
             As usually printed, the algorithm works in one octant: right and up, not steeper than 45°. Two fixes make it

@@ -15,9 +15,8 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
-            pointers on it at equal distances, turned by one random number
-            <span class="no-print"> (drag the handle)</span>. Of M draws a particle gets M times its weight, rounded
-            down or up. <b>Independent</b> draws vary more, and lose equally good particles by chance.
+            pointers on it at equal distances, turned by one random number. Of M draws a particle gets M times its
+            weight, rounded down or up. <b>Independent</b> draws vary more, and lose equally good particles by chance.
           </p>
           <p>
             <b>

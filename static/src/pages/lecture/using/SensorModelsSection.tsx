@@ -36,7 +36,7 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
         A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
         has four parts: the range to the mapped surface, with noise; shorter ranges, from people and things that are not
         in the map; beams without a return; and random readings. The second chart is the <b>inverse</b> model: given one
-        reading, which cells are occupied? <span class="no-print">Drag the handles, and z.</span>
+        reading, which cells are occupied?
       </p>
     </Section>
   );

@@ -1,7 +1,6 @@
 import { LabLink } from "../LabLink";
 import { LaterFigure } from "../LaterFigure";
 import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
 
 export function TsdfSection({ id, number, title }: SectionHead) {
   return (
@@ -21,8 +20,7 @@ export function TsdfSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
-            same voxels. W stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves
-            <span class="no-print"> (move it with 64, then with 4)</span>.
+            same voxels. W stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>
@@ -35,10 +33,7 @@ export function TsdfSection({ id, number, title }: SectionHead) {
       <p>
         An occupancy map says whether something is in a cell. A <b>truncated signed distance function (TSDF)</b> says
         how far away the surface is: positive in front of it, negative behind, 0 on it. The figure shows one beam and
-        what both store of it.{" "}
-        <span class="no-print">
-          Drag the wall through a cell, and add noise as in <SectionLink to="window" />.
-        </span>
+        what both store of it. <span class="no-print">Drag the wall through a cell.</span>
       </p>
     </Section>
   );
