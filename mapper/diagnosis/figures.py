@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mapper.diagnosis.consistency import examined_as_mapped, unthinned
 from mapper.diagnosis.contradiction import contradiction
 from mapper.diagnosis.verdict import map_of
+from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import by_sensor
@@ -28,10 +29,13 @@ class MapFigures:
     sharpness: float
 
 
-def map_figures(log: ScanLog, trajectory: str | None, config: MappingConfig) -> MapFigures:
+def map_figures(
+    log: ScanLog, trajectory: str | None, config: MappingConfig, grid: OccupancyGrid | None = None
+) -> MapFigures:
     """Return the figures of the map of a log along a trajectory with ``config``, its mount and its time offset too.
 
-    Raises :class:`ConfigError` for a trajectory that the log lacks and :class:`LimitError` for a map that is too large.
+    ``grid`` is that map where it has been made. Raises :class:`ConfigError` for a trajectory that the log lacks and
+    :class:`LimitError` for a map that is too large.
     """
     drifts, shares = [], []
     for sensor, _ in by_sensor(log):
@@ -43,5 +47,5 @@ def map_figures(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
         if drift is not None:
             drifts.append(drift)
             shares.append(found.far)
-    sharpness = wall_contrast(map_of(log, trajectory, config))
+    sharpness = wall_contrast(map_of(log, trajectory, config) if grid is None else grid)
     return MapFigures(max(drifts, default=None), max(shares, default=None), sharpness)

@@ -97,9 +97,9 @@ def _written(value: float, *, is_double: bool) -> float | None:
     return float(f"{value:.12g}") if is_double else round(value, 6)
 
 
-def json_answer(answer: SeriesAnswer) -> Response:
+def json_answer(answer: object, status_code: int = 200) -> Response:
     """Return an answer as JSON: long ones are encoded where they were made, not on the event loop."""
-    return Response(msgspec.json.encode(answer), media_type="application/json")
+    return Response(msgspec.json.encode(answer), status_code=status_code, media_type="application/json")
 
 
 def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:

@@ -80,7 +80,7 @@ class Report:
     picture: Picture | None
     notes: tuple[PlacedNote, ...]
     parameters: tuple[tuple[str, str], ...]
-    changed: frozenset[str]  #: names of the parameters that differ from the first values
+    changed: frozenset[str]  #: names of the parameters that differ from the default values
     versions: tuple[tuple[str, str], ...]
 
 
@@ -155,7 +155,7 @@ def _map(log: ScanLog, trajectory: str, config: MappingConfig, events: Sequence[
     rows, cols = (-(-(high - low) // step)).tolist()
     codes = np.full((rows, cols), UNOBSERVED, dtype=np.uint8)
     for cells, code in ((free, FREE), (occupied, OCCUPIED)):
-        at = (np.argwhere(cells[low[0] : high[0], low[1] : high[1]])) // step
+        at = np.argwhere(cells[low[0] : high[0], low[1] : high[1]]) // step
         codes[at[:, 0], at[:, 1]] = code
     cell = grid.geometry.resolution * step
     low_xy = np.array(grid.geometry.origin[:2]) + low[::-1] * grid.geometry.resolution
@@ -168,7 +168,7 @@ def _map(log: ScanLog, trajectory: str, config: MappingConfig, events: Sequence[
         size_m=(cols * cell, rows * cell),
         low_xy=(float(low_xy[0]), float(low_xy[1])),
         resolution=grid.geometry.resolution,
-        figures=map_figures(log, trajectory, config),
+        figures=map_figures(log, trajectory, config, grid),
         length_m=path_length(poses),
         path_xy=_points(poses[::every]),
         events_xy=_points(poses[[event.scan for event in events]]),

@@ -54,7 +54,7 @@ def report_page(report: Report) -> str:
         _picture(report),
         f"<h2>Notes</h2>{_notes(report)}" if report.notes else "",
         (
-            "<h2>Parameters of the map</h2><p class=quiet>Those in bold differ from the first values.</p>"
+            "<h2>Parameters of the map</h2><p class=quiet>Those in bold differ from the default values.</p>"
             f"<div class=parameters>{''.join(_parameter(report, *one) for one in report.parameters)}</div>"
         ),
         f"<h2>Versions</h2><dl>{''.join(_term(name, value) for name, value in report.versions)}</dl>",
@@ -123,8 +123,8 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
     marks += [
         _mark(chr(ord("A") + n), *place(*xy), unit, "#08705f") for n, xy in enumerate(placed[:26]) if xy is not None
     ]
-    way = " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in one.path_xy))
-    path = f'<polyline points="{way}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in one.path_xy))
+    path = f'<polyline points="{points}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
     length = max((bar for bar in BARS_M if bar <= metres / 4.0), default=BARS_M[0])
     bar = (
         f'<path d="M{2 * unit:.1f} {height + 3 * unit:.1f}h{length * scale:.1f}" stroke="#1c1b19" '

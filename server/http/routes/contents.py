@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-import msgspec
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
@@ -27,7 +26,6 @@ from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-JSON = "application/json"
 LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
 
 
@@ -293,7 +291,7 @@ async def lines(
 ) -> Response:
     """Return the lines of /rosout and the changes of the states on /diagnostics."""
     held = await look_into(request, sessions, library, visitor, session_id)
-    return await in_turn(request, work, visitor, lambda: Response(msgspec.json.encode(_lines(held)), media_type=JSON))
+    return await in_turn(request, work, visitor, lambda: json_answer(_lines(held)))
 
 
 def _lines(held: HeldContents) -> LinesAnswer:

@@ -113,9 +113,7 @@ async def field(
         owner, address = owner_of(sessions, library, session_id), client_address(request)
         whole = await library.field_series(owner, held.recording.log_id, visitor, topic, kind, address=address)
         if isinstance(whole, float):
-            return Response(
-                f'{{"progress":{round(whole, 3)},"state":"reading"}}', status_code=202, media_type="application/json"
-            )
+            return json_answer(ContentsReading(round(whole, 3)), 202)
         one = _column(whole, field)
     made_of = one
     return await in_turn(
