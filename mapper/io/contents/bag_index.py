@@ -74,16 +74,19 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
         return None
 
 
-def definition_in_bag(file: Source, topic: str) -> str | None:
-    """Return the definition of the messages of a topic, as the index at the end of a bag states it; None for none."""
+def definitions_in_bag(file: Source) -> dict[str, str]:
+    """Return the definitions of the messages of each topic, as the index at the end of a bag states them."""
+    found: dict[str, str] = {}
     try:
         with opened(file) as stream:
             for fields, content in _index_records(stream):
-                if fields[b"op"] == CONNECTION and printable(topic_and_type(fields, content)[0]) == topic:
-                    return fields_of(content).get(b"message_definition", b"").decode("utf-8", "replace") or None
+                if fields[b"op"] == CONNECTION:
+                    text = fields_of(content).get(b"message_definition", b"").decode("utf-8", "replace")
+                    if text:
+                        found.setdefault(printable(topic_and_type(fields, content)[0]), text)
     except (CutError, DamagedError, StopIteration, KeyError, ReadError):
         pass
-    return None
+    return found
 
 
 def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:

@@ -9,7 +9,6 @@ import math
 from array import array
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +18,13 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.definitions import Definitions, definitions_of
 from mapper.io.contents.downsampling import min_max
-from mapper.io.contents.message_tree import Tree, decoded
+from mapper.io.contents.message_tree import Tree, decoded, tree_of
 from mapper.io.contents.model import Column, Series
-from mapper.io.contents.raw_message import definition_of, raw_message
+from mapper.io.contents.raw_message import definition_of, text_of
+from mapper.io.contents.seeking import first_messages, stated_in
 from mapper.io.contents.units import unit_of
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
-from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
@@ -101,14 +101,21 @@ def fields_of(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> list[TopicFields]:
-    """Return the fields of each of ``topics``, of names and types, by the first message of each."""
-    found = []
+    """Return the fields of each of ``topics``, of names and types, by the first message of each; it is read once.
+
+    Raises as reading the recording does.
+    """
     all_topics = list(topics)
-    for done, (topic, kind) in enumerate(all_topics):
-        if progress is not None:
-            progress(done / len(all_topics))
+    stated = stated_in(path, limits)
+    firsts = first_messages(path, {topic for topic, _ in all_topics}, limits, progress)
+    found = []
+    for topic, kind in all_topics:
         try:
-            names = tuple(numbers_in(raw_message(path, topic, 0, limits).tree))[:MAX_COLUMNS]
+            first = firsts.get(topic)
+            if first is None:
+                raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
+            tree = tree_of(first.type, text_of(topic, stated.get(topic)), first.data, cdr=first.cdr)
+            names = tuple(numbers_in(tree))[:MAX_COLUMNS]
             found.append(TopicFields(topic, kind, names, "" if names else "Its messages have no numbers."))
         except MapperError as error:
             found.append(TopicFields(topic, kind, (), error.message))
@@ -207,13 +214,8 @@ def field_series(
     types = definitions_of(message_type, definition_of(path, topic, limits))
     rows = _Rows(topic, plain_type(message_type), types, limits)
     for done, file in enumerate(files):
-        share = None if progress is None else partial(_of_all, progress, done, len(files))
-        kind.take(file, rows, limits, share)
+        kind.take(file, rows, limits, part_of(progress, done, len(files)))
         rows.next_file()
     if not rows.stamps or not rows.columns:
         raise ReadError("contents.no_numbers", f"The messages on {topic!r:.200} have no numbers that could be read.")
     return rows.series()
-
-
-def _of_all(progress: Progress, done: int, of: int, share: float) -> None:
-    progress((done + share) / of)

@@ -6,7 +6,6 @@ import os
 from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from mapper.io.contents.log_lines import LOGGED, LineReader
 from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.series_messages import PLOTTED, PlottedType
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
-from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import open_robot_log, parts_of
@@ -226,8 +225,7 @@ def inspect(
         return inspect_carmen(files[0], limits, progress) if kind is carmen.read_carmen else Contents(())
     inspector = Inspector(limits)
     for done, file in enumerate(files):
-        share = None if progress is None else partial(_of_all, progress, done, len(files))
-        kind.take(file, inspector, limits, share)
+        kind.take(file, inspector, limits, part_of(progress, done, len(files)))
         inspector.next_file()
     return inspector.contents()
 
@@ -275,7 +273,3 @@ def open_held(
     inspector = Inspector(limits)
     streams = kind.streams(files, limits, progress, also=inspector)
     return Held(kind.form, inspector.contents(), streams.clouds, streams.imus)
-
-
-def _of_all(progress: Progress, done: int, of: int, share: float) -> None:
-    progress((done + share) / of)

@@ -8,7 +8,7 @@ from pathlib import Path
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.message_tree import Tree, tree_of
-from mapper.io.contents.seeking import message_at, stated_in
+from mapper.io.contents.seeking import Stated, message_at, stated_in
 
 TEXT_DEFINITIONS = ("ros1msg", "ros2msg")
 
@@ -39,7 +39,11 @@ def definition_of(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> st
 
     Raises :class:`ReadError` where it has none, or one of another kind than ROS's own.
     """
-    stated = stated_in(path, topic, limits)
+    return text_of(topic, stated_in(path, limits).get(topic))
+
+
+def text_of(topic: str, stated: Stated | None) -> str:
+    """Return the text of what a recording states of a topic. Raises :class:`ReadError` as :func:`definition_of`."""
     if stated is None or not stated.definition.strip():
         raise ReadError(
             "message.no_definition",

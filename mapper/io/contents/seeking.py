@@ -1,4 +1,4 @@
-"""The newest message of a topic at a moment, without reading what does not lead there.
+"""The newest message of a topic at a moment, and the first of each, without reading what does not lead there.
 
 Of an MCAP file with a summary and of a ROS 1 bag with an index one chunk is read; of an SQLite bag one row. Any other
 recording is read from its beginning, in which other topics are jumped over.
@@ -7,6 +7,7 @@ recording is read from its beginning, in which other topics are jumped over.
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,11 +15,11 @@ from mcap.reader import SeekingReader
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.contents.bag_index import definition_in_bag, indexed_message
+from mapper.io.contents.bag_index import definitions_in_bag, indexed_message
 from mapper.io.contents.definitions import MAX_BYTES
 from mapper.io.logs.archives.archive import Member, Source
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
-from mapper.io.logs.archives.unpacking import opened
+from mapper.io.logs.archives.unpacking import Progress, opened, part_of
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
@@ -96,6 +97,52 @@ class _Newest(MessageSink):
             self.found = FoundMessage(stamp_ns, *wanted, data)
 
 
+class _Firsts(MessageSink):
+    """Takes the first message of each of some topics. Raises :class:`_PastError` when it has all."""
+
+    def __init__(self, topics: Collection[str]) -> None:
+        self.notes = []
+        self.found: dict[str, FoundMessage] = {}
+        self._missing = set(topics)
+        self._kinds: dict[int, tuple[str, str, bool] | None] = {}
+
+    @property
+    def taken(self) -> int:
+        """Number of messages found."""
+        return len(self.found)
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages."""
+        self._kinds[key] = (printable(topic), plain_type(kind), cdr) if readable else None
+
+    def wants(self, key: int) -> bool:
+        """Return whether it is a stream of a topic of which there is no message yet."""
+        stream = self._kinds.get(key)
+        return stream is not None and stream[0] in self._missing
+
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._kinds
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count nothing."""
+
+    def next_file(self) -> None:
+        """Forget the streams of the file."""
+        self._kinds.clear()
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
+        """Take one message."""
+        stream = self._kinds.get(key)
+        if stream is None or stream[0] not in self._missing:
+            return
+        topic, kind, cdr = stream
+        self.found[topic] = FoundMessage(stamp_ns, kind, cdr, data)
+        self._missing.discard(topic)
+        if not self._missing:
+            raise _PastError
+
+
 def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> FoundMessage:
     """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
 
@@ -114,41 +161,58 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
     raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
 
 
-def stated_in(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> Stated | None:
-    """Return how the recording at ``path`` says that messages of ``topic`` are to be read; None where it does not.
+def first_messages(
+    path: Path, topics: Collection[str], limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> dict[str, FoundMessage]:
+    """Return the first message of each of ``topics`` that has one, in one pass, which ends when all are found.
+
+    Raises as reading the recording does.
+    """
+    files, kind = parts_of(path, limits)
+    if not isinstance(kind, Container):
+        return {}
+    firsts = _Firsts(topics)
+    with contextlib.suppress(_PastError):
+        for done, file in enumerate(files):
+            kind.take(file, firsts, limits, part_of(progress, done, len(files)))
+            firsts.next_file()
+    return {topic: _unpacked(found, limits) for topic, found in firsts.found.items()}
+
+
+def stated_in(path: Path, limits: Limits = DEFAULT_LIMITS) -> dict[str, Stated]:
+    """Return how the recording at ``path`` says that messages are to be read, for each topic of which it does.
 
     Raises :class:`ReadError` as reading it does.
     """
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
-        return None
+        return {}
+    found: dict[str, Stated] = {}
     for file in files:
-        stated = _stated_in_file(file, kind, topic, limits)
-        if stated is not None:
-            return stated
-    return None
+        found = _stated_in_file(file, kind, limits) | found
+    return found
 
 
-def _stated_in_file(file: Source, kind: Container, topic: str, limits: Limits) -> Stated | None:
+def _stated_in_file(file: Source, kind: Container, limits: Limits) -> dict[str, Stated]:
     if kind is mcap_file.MCAP:
         try:
             with opened(file) as stream:
                 summary = SeekingReader(stream, record_size_limit=limits.max_chunk_bytes).get_summary()
         except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file
-            return None
+            return {}
+        found: dict[str, Stated] = {}
         for channel in () if summary is None else summary.channels.values():
             schema = summary.schemas.get(channel.schema_id) if summary else None
-            if printable(channel.topic) == topic:
-                text = "" if schema is None else schema.data[:MAX_BYTES].decode("utf-8", "replace")
-                return Stated(channel.message_encoding, "" if schema is None else schema.encoding, text)
-        return None
+            text = "" if schema is None else schema.data[:MAX_BYTES].decode("utf-8", "replace")
+            stated = Stated(channel.message_encoding, "" if schema is None else schema.encoding, text)
+            found.setdefault(printable(channel.topic), stated)
+        return found
     if kind is ros1_bag.ROS1_BAG:
-        definition = definition_in_bag(file, topic)
-        return None if definition is None else Stated("ros1", "ros1msg", definition)
+        return {topic: Stated("ros1", "ros1msg", text) for topic, text in definitions_in_bag(file).items()}
     if kind is ros2_db3.ROS2_DB3:
-        row = ros2_db3.definition_row(file, topic, limits)
-        return None if row is None else Stated("cdr", *row)
-    return None
+        rows = ros2_db3.definition_rows(file, limits)
+        return {topic: Stated("cdr", *row) for topic, row in rows.items()}
+    return {}
 
 
 def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:

@@ -24,6 +24,11 @@ PIECE = 1 << 18  #: bytes read, and bytes decompressed, at a time
 Progress = Callable[[float], None]  #: called now and then with the share of the file that has been read, 0 … 1
 
 
+def part_of(progress: Progress | None, done: int, of: int) -> Progress | None:
+    """Return the progress of the next of ``of`` files, of which ``done`` are done."""
+    return None if progress is None else lambda share: progress((done + share) / of)
+
+
 def opened(path: Source) -> BinaryIO:
     """Open a file for reading. Raises :class:`ReadError` if it is missing or may not be read."""
     try:

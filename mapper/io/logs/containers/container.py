@@ -10,7 +10,7 @@ from itertools import pairwise
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archives.archive import Source
-from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.recording.recorded_streams import Streams, streams_of, with_streams
 from mapper.io.logs.recording.recording import Recording
 from mapper.io.logs.recording.sink import BothSinks, MessageSink
@@ -72,7 +72,7 @@ class Container:
         for done, file in enumerate(files):
             before = len(recording.notes)
             try:
-                self.take(file, sink, limits, _part_of(progress, done, len(files)))
+                self.take(file, sink, limits, part_of(progress, done, len(files)))
             except LimitError:
                 raise
             except ReadError as error:
@@ -108,7 +108,7 @@ class Container:
         recording = Recording(limits, Selection((NO_SENSOR,)))
         sink = _with(recording, also)
         for done, file in enumerate(files):
-            self.take(file, sink, limits, _part_of(progress, done, len(files)))
+            self.take(file, sink, limits, part_of(progress, done, len(files)))
             sink.next_file()
         recording.finish()
         return streams_of(files, self.take, recording.parts)
@@ -129,10 +129,6 @@ def are_parts_by_name(names: Sequence[str]) -> bool:
     parts = {(one[1], one[3]) for one in found if one}
     numbers = {int(one[2]) for one in found if one}
     return None not in found and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
-
-
-def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:
-    return None if progress is None else lambda share: progress((done + share) / of)
 
 
 def _numbered(name: str) -> list[int | str]:

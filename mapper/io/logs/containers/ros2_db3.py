@@ -200,21 +200,21 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     return row[0], str(row[1]), row[2]
 
 
-def definition_row(file: Source, topic: str, limits: Limits) -> tuple[str, str] | None:
-    """Return encoding and text of the definition of a topic's messages; None in bags before ROS 2 Iron."""
+def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str]]:
+    """Return encoding and text of the definition of each topic's messages; none in bags before ROS 2 Iron."""
     connection, _, _ = _opened(file, limits, None)
     try:
         _check_tables(connection, TABLES | DEFINITIONS)
-        row = connection.execute(
-            "SELECT encoding, encoded_message_definition FROM message_definitions JOIN topics "
-            "ON topic_type = type WHERE name = ? LIMIT 1",
-            (topic,),
-        ).fetchone()
+        rows = connection.execute(
+            "SELECT name, encoding, encoded_message_definition FROM message_definitions JOIN topics "
+            "ON topic_type = type LIMIT ?",
+            (limits.max_topics,),
+        ).fetchall()
     except (sqlite3.Error, UnicodeDecodeError, ReadError):
-        return None
+        return {}
     finally:
         connection.close()
-    return (row[0], row[1]) if row and all(isinstance(one, str) for one in row) else None
+    return {printable(row[0]): (row[1], row[2]) for row in rows if all(isinstance(one, str) for one in row)}
 
 
 def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = TABLES) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tarfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from mapper.core.errors import ReadError
 from mapper.io.contents import fields
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.fields import field_series, fields_of, numbers_in
+from mapper.io.contents.raw_message import raw_message
 from mapper.io.contents.units import unit_of
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
 from tests.mapper.io.logs import recorded
@@ -39,6 +42,36 @@ def test_every_number_of_a_topic_over_time(tmp_path: Path, kind: str) -> None:
     assert "no messages on '/none'" in names["/none"].why
     with pytest.raises(ReadError):
         field_series(file, "/none", "x/Y")
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap", "db3"])
+def test_the_fields_of_all_topics_of_a_packed_recording_in_one_pass(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    said = list(robot(2))
+    plain = recorded.written(tmp_path, said, kind)
+    topics = sorted({(one.topic, one.kind) for one in said})
+    packed = tmp_path / "packed.tgz"
+    with tarfile.open(packed, "w:gz") as archive:
+        archive.add(plain, plain.name)
+    opened: list[Path] = []
+    open_path = Path.open
+
+    def counted(path: Path, *more: Any, **named: Any) -> Any:
+        opened.append(path)
+        return open_path(path, *more, **named)
+
+    monkeypatch.setattr(Path, "open", counted)
+    fields_of(packed, topics[:1])
+    of_one = opened.count(packed)
+    opened.clear()
+    found = fields_of(packed, topics)
+    assert len(found) == len(topics) > 4
+    assert opened.count(packed) == of_one > 0
+    assert found == fields_of(plain, topics)
+    numbers = {one.topic: one.fields for one in found}
+    if kind != "db3":  # of which the writer states no definitions
+        assert numbers["/odom"] == tuple(numbers_in(raw_message(plain, "/odom", 0).tree))
 
 
 def test_a_message_as_numbers() -> None:
