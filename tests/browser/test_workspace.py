@@ -36,6 +36,9 @@ def opened(page: Page, server: str, folder: Path) -> None:
 
 def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: Path) -> None:
     opened(page, server, tmp_path)
+    # Warnings and errors of nodes are marked on the slider before anybody looks at the lines.
+    expect(page.locator(".timeline-tick")).to_have_count(2)
+    expect(page.locator(".timeline-tick.grave")).to_have_count(1)
     page.keyboard.press("2")
     views = page.locator(".view-pane")
     expect(views).to_have_count(2)
@@ -88,7 +91,6 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     logged = open_group(page, "Log lines")
     rows = logged.locator(".log-line")
     expect(rows).to_have_count(4)
-    expect(page.locator(".timeline-tick")).to_have_count(2)
     assert violations(page, ".dock") == []
     logged.get_by_label("Level").select_option(label="warning and above (2)")
     expect(rows).to_have_count(2)

@@ -19,6 +19,7 @@ import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
+import { ContentsContext, useContents } from "./contents/useContents";
 import { eventsOf, useDoctor } from "./Doctor";
 import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
@@ -69,7 +70,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const plots = useTimelinePlots();
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
   const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
-  const lines = useLines(session);
+  const contents = useContents(session);
+  const lines = useLines(session, store, contents);
   const fields = useFieldsState(session);
   const topic = useSignal(""); // whose messages are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
@@ -150,64 +152,66 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     </div>
   );
   return (
-    <ViewerFrame
-      dock={
-        <Dock
-          label="About this log"
-          groups={groupsOf({
-            store,
-            session,
-            isGuest,
-            log,
-            comparison,
-            doctor,
-            healing,
-            localizing,
-            sensor,
-            notes,
-            trajectoryErrors,
-            openGroup,
-            topic,
-            lines,
-            fields,
-            zoom: plots.zoom,
-            onHeal,
-            sharedView: () => sharedViewOf(store, picture),
-            shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
-          })}
-          open={openGroup}
-        />
-      }
-    >
-      <Head store={store} onClose={onClose}>
-        <LayoutChoice layout={layout} kinds={kinds} />
-        {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
-      </Head>
-      <div class="viewer-stage" ref={stage}>
-        <Stage
-          views={viewsOf({ store, session, topic, comparison, lines, fields, zoom: plots.zoom }, isGuest, map)}
-          layout={layout.value}
-          onLayout={(next) => {
-            layout.value = next;
-          }}
-        />
-        <Transport
-          store={store}
-          notes={notes}
-          onNote={openNotes}
-          events={eventsOf(doctor)}
-          lines={lines}
-          plots={plots}
-        />
-        {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
-        <div class="viewer-readout">
-          {comparison.isOn.value ? (
-            <CompareReadout store={store} summedOver={comparison.summedOver.value} />
-          ) : (
-            <Readout store={store} />
-          )}
+    <ContentsContext.Provider value={contents}>
+      <ViewerFrame
+        dock={
+          <Dock
+            label="About this log"
+            groups={groupsOf({
+              store,
+              session,
+              isGuest,
+              log,
+              comparison,
+              doctor,
+              healing,
+              localizing,
+              sensor,
+              notes,
+              trajectoryErrors,
+              openGroup,
+              topic,
+              lines,
+              fields,
+              zoom: plots.zoom,
+              onHeal,
+              sharedView: () => sharedViewOf(store, picture),
+              shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
+            })}
+            open={openGroup}
+          />
+        }
+      >
+        <Head store={store} onClose={onClose}>
+          <LayoutChoice layout={layout} kinds={kinds} />
+          {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
+        </Head>
+        <div class="viewer-stage" ref={stage}>
+          <Stage
+            views={viewsOf({ store, session, topic, comparison, lines, fields, zoom: plots.zoom }, isGuest, map)}
+            layout={layout.value}
+            onLayout={(next) => {
+              layout.value = next;
+            }}
+          />
+          <Transport
+            store={store}
+            notes={notes}
+            onNote={openNotes}
+            events={eventsOf(doctor)}
+            lines={lines}
+            plots={plots}
+          />
+          {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
+          <div class="viewer-readout">
+            {comparison.isOn.value ? (
+              <CompareReadout store={store} summedOver={comparison.summedOver.value} />
+            ) : (
+              <Readout store={store} />
+            )}
+          </div>
         </div>
-      </div>
-    </ViewerFrame>
+      </ViewerFrame>
+    </ContentsContext.Provider>
   );
 }

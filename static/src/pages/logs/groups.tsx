@@ -155,10 +155,9 @@ const GROUPS: readonly Group[] = [
     id: "topics",
     title: "Topics",
     section: "Data",
-    content: ({ session, sensor, log, isGuest, topic, openGroup }) => (
+    content: ({ sensor, log, isGuest, topic, openGroup }) => (
       <Topics
         key={log?.topic}
-        session={session}
         sensor={isGuest ? null : sensor}
         log={log}
         onMessages={(name) => {
@@ -178,7 +177,7 @@ const GROUPS: readonly Group[] = [
     id: "lines",
     title: "Log lines",
     section: "Data",
-    content: ({ store, session, lines }) => <Lines store={store} session={session} lines={lines} />,
+    content: ({ store, lines }) => <Lines store={store} lines={lines} />,
   },
   {
     id: "pictures",

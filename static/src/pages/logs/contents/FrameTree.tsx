@@ -18,7 +18,7 @@ interface FrameTreeProps {
 
 export function FrameTree({ store, session }: FrameTreeProps) {
   return (
-    <WhenKnown session={session}>
+    <WhenKnown>
       {({ frames }) =>
         frames > 0 ? (
           <Tree store={store} session={session} />

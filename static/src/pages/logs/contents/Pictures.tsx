@@ -15,7 +15,7 @@ interface PicturesProps {
 
 export function Pictures({ store, session }: PicturesProps) {
   return (
-    <WhenKnown session={session}>
+    <WhenKnown>
       {({ pictures }) =>
         pictures.length > 0 ? (
           <OfTopic store={store} session={session} topics={pictures} />

@@ -22,7 +22,7 @@ interface PlotsProps {
 
 export function Plots({ store, session, fields, zoom }: PlotsProps) {
   return (
-    <WhenKnown session={session}>
+    <WhenKnown>
       {({ topics, series }) =>
         topics.length > 0 ? (
           <div class="plots">

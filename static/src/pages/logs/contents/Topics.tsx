@@ -11,7 +11,6 @@ import "./contents.css";
 import { WhenKnown } from "./useContents";
 
 interface TopicsProps {
-  readonly session: string;
   /** Maps another topic; null for a guest. */
   readonly sensor: SensorState | null;
   /** The log of the session; null until it is known. */
@@ -21,9 +20,9 @@ interface TopicsProps {
 }
 
 /** Every topic of a recording with its type, count, rate, span and size; those of sensors can be mapped. */
-export function Topics({ session, sensor, log, onMessages }: TopicsProps) {
+export function Topics({ sensor, log, onMessages }: TopicsProps) {
   return (
-    <WhenKnown session={session}>
+    <WhenKnown>
       {(contents) => (
         <>
           <Table

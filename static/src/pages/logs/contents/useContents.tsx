@@ -1,6 +1,6 @@
 import { type Signal, useSignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { type ComponentChildren, createContext } from "preact";
+import { useContext, useEffect, useMemo } from "preact/hooks";
 import { Button } from "../../../ui/Button";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
@@ -10,74 +10,88 @@ import type { ContentsAnswer } from "../../../wire/http";
 const POLL_MS = 500;
 
 export type ContentsState =
+  | { readonly kind: "idle" }
   | { readonly kind: "reading"; readonly progress: number; readonly since: number }
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "cancelled" }
   | { readonly kind: "ready"; readonly contents: ContentsAnswer };
 
-interface ContentsOfSession {
+export interface ContentsOfSession {
   readonly state: Signal<ContentsState>;
+  /** Find them out, where that was not begun and not cancelled. */
+  readonly begin: () => void;
   /** Have the server stop, until `again` is called. */
   readonly cancel: () => void;
   readonly again: () => void;
 }
 
-/** The contents of a session's recording, asked for while a group that shows them is open. */
+/** What all views of a log's page share, so that one cancels for all. */
+export const ContentsContext = createContext<ContentsOfSession | null>(null);
+
+/** The contents of a session's recording, asked for from `begin` on. */
 export function useContents(session: string): ContentsOfSession {
-  const begun = (): ContentsState => ({ kind: "reading", progress: 0, since: performance.now() });
-  const state = useSignal<ContentsState>(begun());
-  const attempt = useSignal(0);
-  const ending = useRef<() => void>(() => undefined);
+  const state = useSignal<ContentsState>({ kind: "idle" });
+  const made = useMemo(() => contentsOf(session, state), [session]);
   useEffect(() => {
-    state.value = begun();
-    const abort = new AbortController();
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const ask = async (): Promise<void> => {
-      try {
-        const what = "GET /api/sessions/{session_id}/contents";
-        const found = await send(what, { session_id: session }, { ending: abort.signal });
-        if (found.state === "reading") {
-          const before = state.peek();
-          const since = before.kind === "reading" ? before.since : performance.now();
-          state.value = { kind: "reading", progress: found.progress, since };
-          timer = setTimeout(() => void ask(), POLL_MS);
-        } else {
-          state.value = { kind: "ready", contents: found };
-        }
-      } catch (error) {
-        if (abort.signal.aborted) return;
-        state.value = { kind: "failed", why: (error as Error).message };
+    state.value = { kind: "idle" };
+    return made.end;
+  }, [made]);
+  return made;
+}
+
+function contentsOf(session: string, state: Signal<ContentsState>): ContentsOfSession & { readonly end: () => void } {
+  let abort = new AbortController();
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const ask = async (ending: AbortSignal, since: number): Promise<void> => {
+    try {
+      const found = await send("GET /api/sessions/{session_id}/contents", { session_id: session }, { ending });
+      if (ending.aborted) return;
+      if (found.state === "reading") {
+        state.value = { kind: "reading", progress: found.progress, since };
+        timer = setTimeout(() => void ask(ending, since), POLL_MS);
+      } else {
+        state.value = { kind: "ready", contents: found };
       }
-    };
-    void ask();
-    ending.current = () => {
-      abort.abort();
-      clearTimeout(timer);
-    };
-    return ending.current;
-  }, [session, attempt.value]);
-  const cancel = (): void => {
-    ending.current();
-    state.value = { kind: "cancelled" };
-    // Whatever comes of it: without requests the server stops by itself, only later.
-    void send("DELETE /api/sessions/{session_id}/contents", { session_id: session }).catch(() => undefined);
+    } catch (error) {
+      if (!ending.aborted) state.value = { kind: "failed", why: (error as Error).message };
+    }
+  };
+  const end = (): void => {
+    abort.abort();
+    clearTimeout(timer);
   };
   const again = (): void => {
-    attempt.value += 1;
+    end();
+    abort = new AbortController();
+    const since = performance.now();
+    state.value = { kind: "reading", progress: 0, since };
+    void ask(abort.signal, since);
   };
-  return { state, cancel, again };
+  return {
+    state,
+    begin: () => {
+      if (state.peek().kind === "idle") again();
+    },
+    cancel: () => {
+      end();
+      state.value = { kind: "cancelled" };
+      // Whatever comes of it: without requests the server stops by itself, only later.
+      void send("DELETE /api/sessions/{session_id}/contents", { session_id: session }).catch(() => undefined);
+    },
+    again,
+    end,
+  };
 }
 
 /** Shows the contents once they are known, and before that how far finding them out is. */
-export function WhenKnown({
-  session,
-  children,
-}: {
-  readonly session: string;
-  readonly children: (contents: ContentsAnswer) => ComponentChildren;
-}) {
-  const { state, cancel, again } = useContents(session);
-  const now = state.value;
+export function WhenKnown({ children }: { readonly children: (contents: ContentsAnswer) => ComponentChildren }) {
+  const shared = useContext(ContentsContext);
+  const now = shared?.state.value;
+  useEffect(() => {
+    if (now?.kind === "idle") shared?.begin();
+  }, [shared, now?.kind]);
+  if (!shared || !now || now.kind === "idle") return null;
+  const { cancel, again } = shared;
   if (now.kind === "ready") return <>{children(now.contents)}</>;
   if (now.kind === "failed") return <p role="alert">{now.why}</p>;
   if (now.kind === "cancelled") {

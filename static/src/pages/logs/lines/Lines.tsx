@@ -9,7 +9,6 @@ import { WhenKnown } from "../contents/useContents";
 import { scansAt } from "../time/scanTimes";
 import { clockTime, shownTime } from "../time/shownTime";
 import { LEVELS, type Line, type LinesState, levelName, matching, newestAt, nodesOf, WARNING } from "./lines";
-import { useLoadedLines } from "./useLines";
 import "./lines.css";
 
 /** Lines that are drawn before and after the present one, and as many more by each press of a button. */
@@ -17,16 +16,15 @@ const AROUND = 150;
 
 interface LinesProps {
   readonly store: Store;
-  readonly session: string;
   readonly lines: LinesState;
 }
 
-export function Lines({ store, session, lines }: LinesProps) {
-  return <WhenKnown session={session}>{() => <Loaded store={store} session={session} lines={lines} />}</WhenKnown>;
+export function Lines({ store, lines }: LinesProps) {
+  return <WhenKnown>{() => <Loaded store={store} lines={lines} />}</WhenKnown>;
 }
 
-function Loaded({ store, session, lines: state }: LinesProps) {
-  const all = useLoadedLines(session, state);
+function Loaded({ store, lines: state }: LinesProps) {
+  const all = state.lines.value;
   const [least, node, text] = [state.least.value, state.node.value, state.text.value];
   const isThere = useRef(false); // whether the log has come to the line that was gone to
   const found = useMemo(() => matching(all ?? [], least, node, text), [all, least, node, text]);

@@ -1,10 +1,18 @@
-import { useSignal } from "@preact/signals";
+import { useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
 import { ask } from "../../../wire/ask";
-import type { Line, LinesState } from "./lines";
+import type { ContentsOfSession } from "../contents/useContents";
+import type { LinesState } from "./lines";
 
-/** The lines of a session's recording, which {@link loadLines} asks for when they are first shown. */
-export function useLines(session: string): LinesState {
+/** Formats of recordings of ROS, as the server names them: only those have log lines. */
+const RECORDING = /^(MCAP|ROS )/;
+
+/**
+ * The lines of a session's recording. They are asked for when its log is open, for the marks on the time slider; the
+ * recording is gone through for that where its contents are not known.
+ */
+export function useLines(session: string, store: Store, contents: ContentsOfSession): LinesState {
   const state: LinesState = {
     lines: useSignal(null),
     failure: useSignal(null),
@@ -14,28 +22,29 @@ export function useLines(session: string): LinesState {
     text: useSignal(""),
     chosen: useSignal(null),
   };
+  const isReady = useComputed(() => store.frame.value !== null).value;
+  const isRecording = RECORDING.test(store.hello.value?.log?.format ?? "") && isReady;
+  const known = contents.state.value.kind;
   useEffect(() => {
     state.lines.value = state.failure.value = state.chosen.value = null;
   }, [session]);
-  return state;
-}
-
-/** Ask for the lines where they are not known; the contents of the recording are. */
-export function useLoadedLines(session: string, { lines, failure, leftOut }: LinesState): readonly Line[] | null {
   useEffect(() => {
-    if (lines.peek() !== null) return;
+    if (isRecording && known === "idle") contents.begin();
+  }, [session, isRecording, known]);
+  useEffect(() => {
+    if (known !== "ready") return;
     const abort = new AbortController();
     ask("GET /api/sessions/{session_id}/contents/lines", { session_id: session }, { ending: abort.signal }).then(
       (found) => {
-        failure.value = null;
-        leftOut.value = found.left_out;
-        lines.value = found.lines;
+        state.failure.value = null;
+        state.leftOut.value = found.left_out;
+        state.lines.value = found.lines;
       },
       (error: Error) => {
-        if (!abort.signal.aborted) failure.value = error.message;
+        if (!abort.signal.aborted) state.failure.value = error.message;
       },
     );
     return () => abort.abort();
-  }, [session]);
-  return lines.value;
+  }, [session, known]);
+  return state;
 }

@@ -24,7 +24,7 @@ interface MessagesProps {
 
 export function Messages({ store, session, topic }: MessagesProps) {
   return (
-    <WhenKnown session={session}>
+    <WhenKnown>
       {({ topics }) => {
         const names = topics.map(({ name }) => name);
         const chosen = names.includes(topic.value) ? topic.value : (names[0] ?? "");
