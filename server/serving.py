@@ -208,7 +208,8 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: W
     ``worker`` says which one of several workers it is, whose settings these are.
     """
     handover = None if worker is None else worker.handover
-    connections = Connections(settings.max_connections, settings.max_connections_per_address)
+    elsewhere = None if worker is None else worker.connections
+    connections = Connections(settings.max_connections, settings.max_connections_per_address, elsewhere)
     return Server(
         uvicorn.Config(
             create_app(settings, kinds, worker),

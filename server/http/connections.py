@@ -16,7 +16,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import structlog
 
@@ -38,15 +38,28 @@ class _Open:
     end: Callable[[], None] | None = None
 
 
+class Elsewhere(Protocol):
+    """The connections of the other workers of a service."""
+
+    def others(self, network: str) -> tuple[int, int]:
+        """Return how many they have open: in all, and of a network."""
+
+    def add(self, network: str, number: int) -> None:
+        """Count so many more of a network in this worker."""
+
+
 class Connections:
     """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
 
-    An IPv6 address counts as its /64 network. The limit on file descriptors bounds ``most``.
+    Those ``elsewhere`` count too. An IPv6 address counts as its /64 network. The limit on file descriptors bounds how
+    many are open here.
     """
 
-    def __init__(self, most: int, most_of_address: int) -> None:
-        self._most = min(most, int(resource.getrlimit(resource.RLIMIT_NOFILE)[0] * DESCRIPTORS))
+    def __init__(self, most: int, most_of_address: int, elsewhere: Elsewhere | None = None) -> None:
+        self._most = most
+        self._most_here = int(resource.getrlimit(resource.RLIMIT_NOFILE)[0] * DESCRIPTORS)
         self._most_of_network = most_of_address
+        self._elsewhere = elsewhere
         self._open: dict[int, _Open] = {}  #: by descriptor
         self._count: Counter[str] = Counter()  #: by network
         self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, the longest waiting first
@@ -66,14 +79,19 @@ class Connections:
     def admit(self, descriptor: int, address: str) -> bool:
         """Count a new connection; return False if the limit is reached."""
         network = network_of(address)
-        if self._count[network] >= self._most_of_network and not self._end_one(self._waiting[network]):
+        others, of_network = (0, 0) if self._elsewhere is None else self._elsewhere.others(network)
+        is_full = self._count.get(network, 0) + of_network >= self._most_of_network
+        if is_full and not self._end_one(self._waiting.get(network, {})):
             self.refuse("as many connections as one address may have")
             return False
-        if len(self) >= self._most and not self._end_one(self._all_waiting):
+        is_full = len(self) >= min(self._most - others, self._most_here)
+        if is_full and not self._end_one(self._all_waiting):
             self.refuse("as many connections as there may be")
             return False
         self._open[descriptor] = _Open(network)
         self._count[network] += 1
+        if self._elsewhere is not None:
+            self._elsewhere.add(network, 1)
         self._coming.add(descriptor)
         return True
 
@@ -105,6 +123,8 @@ class Connections:
         if one is None:
             return
         self._count[one.network] -= 1
+        if self._elsewhere is not None:
+            self._elsewhere.add(one.network, -1)
         if not self._count[one.network]:
             del self._count[one.network]
             self._waiting.pop(one.network, None)

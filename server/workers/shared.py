@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from server.workers.shared_class import SharedClass
+from server.workers.shared_connections import SharedConnections
 from server.workers.shared_counts import MAX_NETWORKS, SharedCounts
 from server.workers.use import SharedUse
 
@@ -25,9 +26,13 @@ class Guesses:
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """The use of the budgets, the wrong secrets, and the class that is open from the start, None for none."""
+    """The use of the budgets, the open connections, the wrong secrets, and the class that is open from the start.
+
+    That class is None for none.
+    """
 
     use: SharedUse
+    connections: SharedConnections
     guesses: Guesses
     prepared: SharedClass | None
 
@@ -35,10 +40,11 @@ class Shared:
     def make(cls, workers: int, class_code: str | None) -> Shared:
         """Make the memory for so many workers."""
         prepared = None if class_code is None else SharedClass(class_code, workers)
-        return cls(SharedUse(workers), Guesses.make(), prepared)
+        return cls(SharedUse(workers), SharedConnections(workers), Guesses.make(), prepared)
 
     def clear(self, worker: int) -> None:
         """Forget what a worker had, which has ended. The wrong secrets stay."""
         self.use.clear(worker)
+        self.connections.clear(worker)
         if self.prepared is not None:
             self.prepared.clear(worker)

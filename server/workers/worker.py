@@ -12,6 +12,7 @@ from server.workers.handover import Channel, Handover
 from server.workers.places import worker_of_class
 from server.workers.shared import Guesses, Shared
 from server.workers.shared_class import WorkersClass
+from server.workers.shared_connections import WorkersConnections
 from server.workers.use import WorkersUse
 
 
@@ -25,6 +26,7 @@ class Worker:
     number: int
     handover: Handover
     use: WorkersUse
+    connections: WorkersConnections
     guesses: Guesses
     prepared: WorkersClass | None
     alive: int
@@ -34,7 +36,8 @@ class Worker:
         """Return a worker with what was made for all of them."""
         prepared = None if shared.prepared is None else shared.prepared.of(number)
         handover = Handover(number, channels, shared.prepared)
-        return cls(number, handover, shared.use.of(number), shared.guesses, prepared, alive)
+        use, connections = shared.use.of(number), shared.connections.of(number)
+        return cls(number, handover, use, connections, shared.guesses, prepared, alive)
 
     def has_class(self, code: str) -> bool:
         """Return whether requests with this code of a class reach this worker."""
