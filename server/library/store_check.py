@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from server.jobs.workers import worker_at
 from server.library.processing.fleet.cluster import require_dask
 from server.library.store.blobs import Blobs
+from server.library.store.revision import refuse_newer_file
 from server.settings import Settings
 from server.storage import private_folder
 
@@ -15,6 +18,10 @@ def check_stores(settings: Settings) -> None:
     from server.library.store.identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
     root = settings.data_dir / "library"
+    url = settings.database_url or ""
+    file = Path(url.removeprefix("sqlite:///")) if url.startswith("sqlite:///") else root / "library.db"
+    if file.is_file() and not url.startswith("postgresql:"):
+        refuse_newer_file(file)
     private_folder(root)
     blobs = Blobs.at(settings.blobs, root)
     database = Database.open(settings.database_url, root)

@@ -22,6 +22,7 @@ from server.library.store.announcing import announce_changes
 from server.library.store.migrations import HEAD
 from server.library.store.recorded_changes import record_changes
 from server.library.store.reserve import Reserve
+from server.library.store.revision import MIGRATIONS, refuse_unknown
 from server.library.store.tables import alembic_version, metadata
 from server.storage import StorageError, disk_full
 
@@ -30,7 +31,6 @@ BUSY_S = 5.0  #: how long to wait for a lock that another program holds
 T = TypeVar("T")
 
 _log = structlog.get_logger(__name__)
-MIGRATIONS = Path(__file__).parent / "migrations"
 
 
 class Database:
@@ -181,7 +181,8 @@ def bring_up_to_date(connection: Connection) -> None:
         is_versioned = alembic_version.name in known
         version = connection.execute(alembic_version.select()).scalar() if is_versioned else None
         if version != HEAD:
-            _upgrade(connection, version)
+            refuse_unknown(version)
+            _upgrade(connection)
     if connection.dialect.name == "postgresql":
         announce_changes(connection)
 
@@ -193,20 +194,13 @@ def _create(connection: Connection) -> None:
     connection.execute(alembic_version.insert().values(version_num=HEAD))
 
 
-def _upgrade(connection: Connection, version: str | None) -> None:
-    """Run the revisions after ``version``. Raises :class:`StorageError` for an unknown one, and for none."""
+def _upgrade(connection: Connection) -> None:
+    """Run the revisions after that of the tables."""
     logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each step
     from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
     from alembic.config import Config  # noqa: PLC0415
-    from alembic.script import ScriptDirectory  # noqa: PLC0415
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
-    if version not in {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}:
-        raise StorageError(
-            "library.newer",
-            f"The records were written by a newer Gridbloom, or by one from before version 0.2 (their revision is "
-            f"{version or 'unknown'}, this one knows {HEAD}): install that one, or choose another database.",
-        )
     config.attributes["connection"] = connection
     command.upgrade(config, "head")

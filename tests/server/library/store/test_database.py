@@ -24,8 +24,9 @@ from mapper.simulation import sample_log
 from server.jobs.record import Failure
 from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
-from server.library.store.database import MIGRATIONS, Database, _engine, bring_up_to_date
+from server.library.store.database import Database, _engine, bring_up_to_date
 from server.library.store.migrations import HEAD
+from server.library.store.revision import MIGRATIONS
 from server.library.store.tables import metadata
 from server.storage import StorageError
 

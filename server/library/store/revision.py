@@ -1,0 +1,48 @@
+"""The revision of the tables of a database of records, and the refusal of one that this program does not know."""
+
+from __future__ import annotations
+
+import contextlib
+import sqlite3
+from collections.abc import Collection
+from pathlib import Path
+
+from server.library.store.migrations import HEAD
+from server.storage import StorageError
+
+MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+def known_revisions() -> Collection[str]:
+    """Return all revisions that this program can bring up to date."""
+    from alembic.config import Config  # noqa: PLC0415 - start-up: mostly the revision is the newest
+    from alembic.script import ScriptDirectory  # noqa: PLC0415
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    return {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
+
+
+def refuse_unknown(version: str | None) -> None:
+    """Raise :class:`StorageError` for a revision that this program does not know, and for none."""
+    if version != HEAD and version not in known_revisions():
+        raise StorageError(
+            "library.newer",
+            f"The records were written by a newer Gridbloom, or by one from before version 0.2 (their revision is "
+            f"{version or 'unknown'}, this one knows {HEAD}): install that one, or choose another database.",
+        )
+
+
+def refuse_newer_file(file: Path) -> None:
+    """Raise :class:`StorageError` for a file of SQLite with unknown tables; nothing is written, not even beside it.
+
+    One that cannot be read is left to those who open it.
+    """
+    journal = file.with_name(f"{file.name}-wal")
+    # Without a journal the file is whole; with one SQLite needs its index, which it makes beside it if it is not there.
+    is_whole = not journal.exists() or journal.stat().st_size == 0
+    place = f"{file.absolute().as_uri()}?mode=ro{'&immutable=1' if is_whole else ''}"
+    version: tuple[str] | None = (HEAD,)
+    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(place, uri=True)) as records:
+        version = records.execute("SELECT version_num FROM alembic_version").fetchone()
+    refuse_unknown(None if version is None else version[0])
