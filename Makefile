@@ -22,7 +22,7 @@ export PYTHONDONTWRITEBYTECODE =
 DATA_DIR = $(shell home="$${XDG_DATA_HOME:-$$HOME/.local/share}"; test -n "$$GRIDBLOOM_DATA_DIR" || \
              { mkdir -p "$$home" && test -w "$$home"; } 2>/dev/null || echo env GRIDBLOOM_DATA_DIR=.data)
 
-.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long test-shell bench dev clean
+.PHONY: serve setup lock audit sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long test-shell bench dev clean
 
 serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(DATA_DIR) $(BIN)/gridbloom serve $(ARGS)
@@ -43,6 +43,10 @@ lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that p
 	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
+
+audit: $(VENV)/.installed ## locked dependencies against known advisories; ADVISORIES="FILE..." names records of OSV, else registries are asked
+	test -n "$(ADVISORIES)" || $(PIP) pip-audit || echo "pip-audit cannot be installed"
+	$(BIN)/python -m tests.audit $(ADVISORIES)
 
 sbom: $(VENV)/.installed ## build/sbom.json: what the service is made of, as CycloneDX, from requirements/runtime.txt
 	$(PIP) cyclonedx-bom
