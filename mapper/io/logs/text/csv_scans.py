@@ -17,10 +17,15 @@ least and the largest distance that it measures (metres; 0 and no limit where th
 the next of a scan that is stamped at its first. Then the line ``stamp,x,y,theta,ranges``, and a line
 for each scan: its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are
 beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
+
+As spreadsheets of other countries save it, semicolons or tabs may stand for the commas, and then commas for the decimal
+points; fields may be in quotation marks.
 """
 
 from __future__ import annotations
 
+import contextlib
+import csv
 import math
 
 import numpy as np
@@ -38,6 +43,8 @@ from mapper.sensors.scan import ScanLog, georeferenced, is_angle_step
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
+SEPARATORS = ",;\t"
+_SWAPPED = str.maketrans(",.", ".,")
 INITIAL = {
     "range_min": 0.0,
     "range_max": math.inf,
@@ -51,8 +58,22 @@ INITIAL = {
 def is_csv_scans(head: bytes) -> bool:
     """Return whether the first line that is no remark names one of the sensor's values."""
     lines = (line.strip() for line in head.split(b"\n"))
-    first = next((line for line in lines if line and not line.startswith(b"#")), b"")
-    return first.split(b",")[0].strip().decode("latin-1") in {*NEEDED, *INITIAL}
+    first = next((line for line in lines if line and not line.startswith(b"#")), b"").decode("latin-1")
+    separator = _separator(first)
+    return separator is not None and _fields(first, separator)[0] in {*NEEDED, *INITIAL}
+
+
+def _separator(line: str) -> str | None:
+    """Return what separates the fields of a line, by the first one, which is a name; None where nothing does."""
+    return next((sign for sign in line if sign in SEPARATORS), None)
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    found = line.split(separator)
+    if '"' in line:
+        with contextlib.suppress(csv.Error):
+            found = next(csv.reader([line], delimiter=separator), [""])
+    return [field.strip() for field in found]
 
 
 class _Reader:
@@ -61,12 +82,18 @@ class _Reader:
         self.values = dict(INITIAL)
         self.stack = ScanStack("CSV", limits)
         self._in_rows = False
+        self._separator: str | None = None
+        self._decimal = ""  #: what stands before the decimals, once a number has told it
         self._first: list[float] | None = None  #: the first scan's pose
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
-        tokens = [token.strip() for token in text.decode("latin-1").split(",")]
-        if tokens == [""] or tokens[0].startswith("#"):
+        said = text.decode("latin-1").strip(" \r\n")
+        if not said or said.startswith("#"):
+            return
+        self._separator = self._separator or _separator(said) or ","
+        tokens = _fields(said, self._separator)
+        if not any(tokens):
             return
         if self._in_rows:
             self._take_scan(tokens, line)
@@ -75,13 +102,19 @@ class _Reader:
         elif tokens[0] in NEEDED or tokens[0] in INITIAL:
             if len(tokens) < 2 or any(tokens[2:]):
                 raise ReadError("log.header", f"Line {line}: {tokens[0]} needs one value, as in {tokens[0]},0.5.")
-            (self.values[tokens[0]],) = fields.numbers(tokens[1:2], line, tokens[0])
+            (self.values[tokens[0]],) = fields.numbers(self._with_points(tokens[1:2]), line, tokens[0])
         else:
             raise ReadError(
                 "log.header",
                 f"Line {line}: {tokens[0]!r:.40} is neither a value of the sensor nor the line "
                 "'stamp,x,y,theta,ranges' that the scans follow.",
             )
+
+    def _with_points(self, tokens: list[str]) -> list[str]:
+        """Return numbers with decimal points; a file has either points or commas, and the other sign stays wrong."""
+        if not self._decimal:
+            self._decimal = next((sign for token in tokens for sign in token if sign in ",."), "")
+        return [token.translate(_SWAPPED) for token in tokens] if self._decimal == "," else tokens
 
     def _begin_rows(self, line: int) -> None:
         missing = [name for name in NEEDED if name not in self.values]
@@ -98,6 +131,7 @@ class _Reader:
         self._in_rows = True
 
     def _take_scan(self, tokens: list[str], line: int) -> None:
+        tokens = self._with_points(tokens)
         n = len(tokens) - len(COLUMNS)
         if n < 1:
             raise ReadError("log.truncated_line", f"Line {line} ends early: it has {len(tokens)} fields and no ranges.")

@@ -40,6 +40,37 @@ def test_remarks_spaces_mounts_and_the_range_limits(tmp_path):
     assert log.time_increment == 0.0
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_what_spreadsheets_of_other_countries_save(tmp_path, separator, decimal):
+    text = HEAD + COLUMNS + "0.5,1.25,0,-0.5,2.31,,inf\n" + "1.5,2,0,0,2.5,3.5,nan\n"
+    plain, saved = tmp_path / "plain.csv", tmp_path / "saved.csv"
+    plain.write_text(text)
+    saved.write_text("\ufeff" + text.replace(",", separator).replace(".", decimal) + 6 * separator + "\n")
+    assert is_log(saved)
+    expected, log = open_log(plain), open_log(saved)
+    np.testing.assert_array_equal(log.ranges, expected.ranges)
+    np.testing.assert_array_equal(log.trajectory().poses, expected.trajectory().poses)
+    assert log.stamps_ns.tolist() == expected.stamps_ns.tolist() == [500_000_000, 1_500_000_000]
+
+
+def test_quoted_fields(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text('"angle_min","-1,5"\n"angle_increment","0,5"\n' + COLUMNS + '"0","1,25","0","0","2,5","3"\n')
+    log = open_log(path)
+    assert (log.angle_min, log.ranges.tolist()) == (-1.5, [[2.5, 3.0]])
+    assert log.trajectory().poses.tolist() == [[1.25, 0.0, 0.0]]
+
+
+@pytest.mark.parametrize("number", ["1.5", "1.234,5"])
+def test_points_among_decimal_commas_are_refused(tmp_path, number):
+    """What they mean, nobody knows: thousands, or a program that mixes both."""
+    path = tmp_path / "a.csv"
+    path.write_text("angle_min;-1,5\nangle_increment;0,5\n" + COLUMNS.replace(",", ";") + f"0;0;0;0;{number}\n")
+    with pytest.raises(MapperError, match="Line 4"):
+        open_log(path)
+
+
 def test_the_time_from_beam_to_beam(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(HEAD + "time_increment,0.0005\n" + COLUMNS + "0,0,0,0,1,2\n")
