@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mapper.diagnosis import sweep
 from mapper.diagnosis.consistency import examined_as_mapped
 from mapper.diagnosis.examination import LEAST_SCANS, causes_of_drift
 from mapper.diagnosis.finding import Finding
@@ -32,7 +33,8 @@ def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -
 def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
     """Return what makes the map of a log with ``config`` bad, as far as it is known cheaply: its first cause, or drift.
 
-    What is not drift is looked for only where walls are double; then a few more maps of some of the readings are made.
+    What is neither drift nor a wrong sweep is looked for only where walls are double; then a few more maps of some of
+    the readings are made.
     Raises as :func:`drift_finding`.
     """
     if log.n_scans < LEAST_SCANS:
@@ -43,12 +45,16 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
             if (finding.parameters or {}).get("range_max", 0.0) < config.range_max:
                 return finding
     drift = drift_finding(log, trajectory, config)
-    if drift is None and is_alone and not log.trajectory(trajectory).is_placeholder:
-        return next(iter(check_still(*examined_as_mapped(log, trajectory, config))), None)
-    if drift is None or not is_alone:
+    if not is_alone:
         return drift
     corrected = as_mapped(log, config)
     if config.deskew == "off":
         corrected = each_part(corrected, lambda part: replace(part, time_increment=0.0))
+    if drift is None and not log.trajectory(trajectory).is_placeholder:
+        # Drift is looked for without the motion within a scan, so a wrong sweep is none.
+        still = check_still(*examined_as_mapped(log, trajectory, config))
+        return next(iter(still or causes_of_drift(corrected, trajectory, frozenset({sweep.CHECK}))), None)
+    if drift is None:
+        return None
     found = [one for one in causes_of_drift(corrected, trajectory) if not one.possible]
     return found[0] if found and all(one.check != drift.check for one in found) else drift

@@ -96,12 +96,12 @@ def examine(
     return [*of_sensors(sensors, found), *between]
 
 
-def causes_of_drift(log: ScanLog, trajectory: str | None) -> list[Finding]:
+def causes_of_drift(log: ScanLog, trajectory: str | None, names: frozenset[str] = DOUBLING) -> list[Finding]:
     """Return what a log of one sensor has that draws walls double, and drift, if that remains with the remedies.
 
-    Only some of the readings are looked at, so that it costs little.
+    Only the checks of ``names`` are made, and only some of the readings are looked at, so that it costs little.
     """
-    checks = [check for check in CHECKS if set(check.names) & DOUBLING]
+    checks = [check for check in CHECKS if set(check.names) & names]
     return _examine_one(log, trajectory, None, lambda: True, 0.0, lambda _: None, checks, FEWER_READINGS)
 
 

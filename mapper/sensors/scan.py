@@ -21,6 +21,8 @@ from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offse
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
+#: First words of a reader's note where the file states no angles, and its beams are those of no lidar that is known.
+ANGLES_ASSUMED = "180° is assumed:"
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 

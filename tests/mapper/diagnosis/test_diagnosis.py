@@ -17,7 +17,7 @@ from mapper.diagnosis.finding import POSSIBLE
 from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
 from mapper.io.logs import open_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.scan import ANGLES_ASSUMED, ScanLog, Trajectory
 from mapper.simulation import WORLDS, SensorConfig, Simulation, World, sample_log
 from mapper.simulation.odometry import drifting_odometry
 from tests.bench.doctor import part as part_of
@@ -290,6 +290,22 @@ def test_scans_that_are_swept_are_judged_from_the_middle_of_their_sweep(clean: S
     assert the(examine(stamped), "timing.delay").parameters == {"time_offset": pytest.approx(sweep / 2, abs=0.06)}
     known = replace(stamped, time_increment=sweep / (clean.n_beams - 1))
     assert "timing.delay" not in named(examine(known))
+
+
+def test_a_wrong_sweep_is_the_cause_that_map_names(clean: ScanLog) -> None:
+    """Drift is looked for without the motion within a scan, and there is none."""
+    stated = replace(clean, time_increment=0.4 / (clean.n_beams - 1))
+    found = first_cause(stated, None, MappingConfig())
+    assert (found.check if found else None) == "timing.increment"
+    assert first_cause(stated, None, MappingConfig(deskew="off")) is None
+
+
+def test_poses_are_not_said_to_drift_where_the_beams_angles_are_a_guess(clean: ScanLog) -> None:
+    """Beams at wrong angles contradict each other along true poses too, so that nothing tells drift."""
+    drifting = with_poses(clean, drifting_odometry(clean.trajectory().poses, np.random.default_rng(3)))
+    assert "walls.drift" in named(examine(drifting))
+    guess = replace(drifting, notes=(f"{ANGLES_ASSUMED} FLASER lines state no angles.",))
+    assert "walls.drift" not in named(examine(guess))
 
 
 def test_poses_that_stay_are_the_cause_that_map_names(clean: ScanLog) -> None:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from mapper.core.errors import ReadError
-from mapper.sensors.scan import is_angle_step
+from mapper.sensors.scan import ANGLES_ASSUMED, is_angle_step
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def front_laser_beams(
         return *_around(n_beams, step), _note(n_beams, word, step, "as PARAM states")
     step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
     note = (
-        f"180° is assumed: {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "
+        f"{ANGLES_ASSUMED} {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "
         "known here. If walls are bent or doubled, give the log a line PARAM laser_front_laser_resolution, in degrees."
     )
     return -math.pi / 2.0, step, [note]
