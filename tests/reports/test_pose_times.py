@@ -142,3 +142,21 @@ def test_scans_of_a_lidar_that_is_switched_stay_in_order_where_its_clock_steps_b
             assert kept.stamps_ns.tolist() == stamps
         if resets:
             assert_places(log, [of(true(i, way), MOUNT) for way in (0, 1) for i in range(N)])
+
+
+@pytest.mark.parametrize("first", [1, 3])
+def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path: Path, first: int) -> None:
+    """With use_sim_time a node's time is 0 until /clock comes; a simulation also begins at 0 itself.
+
+    The recorder's clock is another one, so the time of recording is no stand-in by itself.
+    """
+    said = [LASER, *drive(lambda at, pose: [transform(at, "odom", "base_link", *pose)])]
+    expected = open_log(written(tmp_path, said, "mcap"))
+    for one in said:
+        for header in [part["header"] for part in one.fields.get("transforms", [one.fields])]:
+            ns = one.stamp_ns - T0 if one.stamp_ns >= T0 + first * STEP else 0
+            header["stamp"] = {"sec": ns // recorded.SECOND, "nanosec": ns % recorded.SECOND}
+    log = open_log(written(tmp_path, said, "db3"))
+    assert not any("clock" in note for note in log.notes)
+    np.testing.assert_allclose(log.trajectory().poses, expected.trajectory().poses, atol=1e-6)
+    assert (log.stamps_ns + T0 == expected.stamps_ns).all()

@@ -7,6 +7,30 @@ from array import array
 import numpy as np
 from numpy.typing import NDArray
 
+FAR_NS = 10_000_000_000_000_000  #: a third of a year: a clock so far from the recorder's is a simulation's
+
+
+def with_set_stamps(stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    """Return the stamps (n,) of one sender, a few of which are 0, by its own clock; None where there is nothing to do.
+
+    Stamps that are 0, as before a simulation's clock has come, are the times at which the messages were recorded here
+    (n,), 0 where that is not known. Where the sender's other stamps are of another clock, theirs are taken to be as far
+    from that as those of the message nearest in the recording.
+    """
+    ahead = stamps_ns - recorded_ns
+    unset = (ahead == 0) & (recorded_ns != 0)
+    n = int(np.count_nonzero(unset))
+    if not n or 2 * n > len(stamps_ns):
+        return None
+    known, places = np.flatnonzero(~unset), np.arange(len(stamps_ns))
+    after = np.minimum(np.searchsorted(known, places), len(known) - 1)
+    before = np.maximum(after - 1, 0)
+    is_before = np.abs(known[before] - places) < np.abs(known[after] - places)
+    usual = ahead[known[np.where(is_before, before, after)]]
+    if np.abs(usual[unset]).min() < FAR_NS:
+        return None
+    return np.where(unset, recorded_ns + usual, stamps_ns)
+
 
 class Clock:
     """Offset of one sender's stamps from the times at which its messages were recorded."""
@@ -22,6 +46,10 @@ class Clock:
     def reset(self) -> None:
         """Let the stamps be the times at which the messages were recorded."""
         self._ahead = array("q", bytes(8 * len(self._ahead)))
+
+    def set_to(self, stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]) -> None:
+        """Take stamps (n,) in place of all before, of messages that were recorded at these times (n,)."""
+        self._ahead = array("q", (stamps_ns - recorded_ns).tolist())
 
     @property
     def ahead_ns(self) -> int | None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
+from mapper.io.logs.recording.clocks import with_set_stamps
 from mapper.io.logs.recording.poses3 import Poses3, interpolated, poses_of, why_no_pose
 from mapper.io.logs.recording.runs import LEAST_STEP_NS
 from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
@@ -124,6 +125,13 @@ class Timeline:
         self._stamps, self._in_order, self._moves = array("q", recorded.tolist()), None, None
         self._run_from, self._is_ascending = 0, False
         return len(np.unique(stamps))
+
+    def set_stamps(self) -> None:
+        """Give poses without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
+        found = with_set_stamps(np.array(self._stamps, dtype=np.int64), np.array(self._recorded, dtype=np.int64))
+        if found is not None:
+            self._stamps, self._in_order, self._moves = array("q", found.tolist()), None, None
+            self._run_from, self._is_ascending = 0, False
 
     @property
     def last_position(self) -> int:
