@@ -117,8 +117,8 @@ def not_built(where: str, plugin: object, in_place: str) -> str:
 def checked(row: Parameter, value: object, where: str, notes: list[str]) -> float | str | bool:
     """Return a value of a parameter file as a row of ours has it; ``where`` is its path in the file.
 
-    A number beyond what is computed with here, as a greatest height of 1000 m, is wrong for nobody: the nearest value
-    is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
+    A number beyond what is computed with here, as a greatest height of 1000 m or .inf, is wrong for nobody: the nearest
+    value is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
     """
     value = within(row, value, where, notes)
     try:
@@ -135,12 +135,7 @@ def within(row: Parameter, value: object, where: str, notes: list[str]) -> objec
 
     There is a note on it. Other values are returned as they are.
     """
-    if (
-        row.kind != "number"
-        or isinstance(value, bool)
-        or not isinstance(value, int | float)
-        or not math.isfinite(value)
-    ):
+    if row.kind != "number" or isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
         return value
     nearest = row.high if value > row.high else row.low if value < row.low < 0.0 else value
     if nearest != value:

@@ -64,6 +64,9 @@ TEXTS: dict[str, bytes] = {
     "carriage returns": lines("{:.3f},{:.3f},{:.3f}").replace(b"\n", b"\r\n"),
     "CloudCompare's names": lines("{:.3f} {:.3f} {:.3f}", head="//X Y Z\n30\n"),
     "ParaView's names": lines("{:.3f},{:.3f},{:.3f}", head='"Points:0","Points:1","Points:2"\n'),
+    "VeloView's names": lines(
+        "{:.3f},{:.3f},{:.3f},7", head='"Points_m_XYZ:0","Points_m_XYZ:1","Points_m_XYZ:2","laser_id"\n'
+    ),
     "surveyors' names": lines("{1:.3f},{0:.3f},{2:.3f}", head="Northing,Easting,Height\n"),
     "units in the names": lines("{:.1f};{:.1f};{:.1f}", 1000.0 * POINTS, head="x [mm];y [mm];z [mm]\n"),
     "units after the names": lines("{:.3f} {:.3f} {:.3f}", 100.0 * POINTS, head="x_cm y_cm z_cm\n"),

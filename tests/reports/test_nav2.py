@@ -268,6 +268,10 @@ def test_values_beyond_what_is_computed_with_are_taken_as_the_nearest() -> None:
         "global_costmap.v.max_obstacle_height is 1000, more than is computed with here: 50 m is taken.",
         "global_costmap.v.min_obstacle_height is -1000, less than is computed with here: -10 m is taken.",
     )
+    endless = node("plugins: [o]\no: {plugin: nav2_costmap_2d::ObstacleLayer, max_obstacle_height: .inf}")
+    assert isinstance(endless.layers[0].config, ObstacleConfig)
+    assert endless.layers[0].config.max_obstacle_height == 50.0
+    assert endless.notes[0].startswith("global_costmap.o.max_obstacle_height is inf, more than is computed with here")
     read = parse_amcl_yaml(b"amcl: {ros__parameters: {lambda_short: 30.0}}")
     assert (read.config.lambda_short, len(read.notes)) == (10.0, 1)
 

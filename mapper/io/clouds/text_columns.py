@@ -22,6 +22,7 @@ _TRIPLES = (
     *((f"{before}x{after}", f"{before}y{after}", f"{before}z{after}") for before, after in _AFFIXES),
     ("points:0", "points:1", "points:2"),
     ("points_0", "points_1", "points_2"),
+    ("points_m_xyz:0", "points_m_xyz:1", "points_m_xyz:2"),  # VeloView's
 )
 _UNITS = {
     "m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0,
