@@ -119,6 +119,7 @@ def test_a_log_without_scans(tmp_path):
             "'0,2' in this PARAM line is not a number with",
         ),
         (b"BZh91AY&SY", "log.unknown_format", "bzip2 data (unpack it)"),
+        (b"\x04\x22\x4d\x18\x64\x40\xa7", "log.unknown_format", "lz4 data (unpack it)"),
         (b"# stamps\n1.7e9 1 2 0 0 0 0.6 0.8\n1.7e9 1 2 0 0 0 0 1\n", "log.poses", "a trajectory in the format TUM"),
         (b"1.7e9 1 2 0 0 0 0.6 0.8\n1.7e9 1 2 0 0 0 1 1\n", "log.unknown_format", "starts with '1.7e9"),
         (b"VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n", "log.poses", "a pose graph in the format g2o"),

@@ -116,6 +116,8 @@ def test_info_says_what_a_map_is(tmp_path: Path, run: Run) -> None:
     assert "'room.pgm' beside the yaml is read in its place" in out
     facts = json.loads(run("info", path, "--json").out)
     assert (facts["occupied"], facts["free"], facts["unknown"], facts["between"]) == (2, 4, 2, 0)
+    path.write_text("\ufeff" + path.read_text())  # as Windows' editor saves it
+    assert "2 occupied (25.0 %)" in run("info", path).out
     path.write_text(path.read_text().replace("resolution: 0.5", "resolution: wide"))
     assert "resolution" in run("info", path).err
 

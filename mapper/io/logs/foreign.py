@@ -9,6 +9,7 @@ from mapper.core.errors import ReadError
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC
 from mapper.io.logs.archives.unpacking import GZIP_MAGIC
 from mapper.io.logs.text import sonar
+from mapper.io.logs.text.lines import BOM
 
 OLD_BAGS = (b"#ROSRECORD V", b"#ROSLOG V")  #: first bytes of ROS 1 bags before format 2.0
 KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"
@@ -21,6 +22,8 @@ AS_CLOUD = "save its points as PLY, LAS or PCD, as CloudCompare does"
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
     (b"\xfd7zXZ\0", "xz data (unpack it)"),
+    (b"\x04\x22\x4d\x18", "lz4 data (unpack it)"),
+    (b"\x5d\0\0", "lzma data (unpack it)"),
     (b"\x89PNG\r\n", "a PNG picture (of a map, open the yaml that names it)"),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"BM", "a BMP picture"),
@@ -60,10 +63,6 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     (
         re.compile(rb"(?:---\s*)?header:\s*\n\s+(?:seq|stamp):"),
         "messages as text, as ros2 topic echo prints them (record the topics in a bag, those of poses as well)",
-    ),
-    (
-        re.compile(rb"(?:angle_min|angle_increment|range_min|range_max|mount)[ \t]*[;\t]"),
-        "a log as CSV with semicolons or tabs (save it with commas between the fields, and with decimal points)",
     ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
@@ -129,6 +128,7 @@ def what_else(head: bytes) -> str | None:
 
 def not_a_log(head: bytes) -> ReadError:
     """Return the error that says what a file is that begins with ``head`` as no log does."""
+    head = head.removeprefix(BOM)
     if not head:
         return ReadError("log.empty", "The file is empty.")
     if head.startswith(OLD_BAGS):
