@@ -37,6 +37,12 @@ TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": 
 DEFINITIONS = {"message_definitions": {"topic_type", "encoding", "encoded_message_definition"}}  #: since ROS 2 Iron
 
 
+_IN_WAL = (
+    "If the recorder was not closed, what it wrote is in the file next to it that ends in -wal; with both in one "
+    "folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in."
+)
+
+
 def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
 
@@ -54,6 +60,8 @@ def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress
                 "file next to it that ends in -wal, which is not read, and is missing here."
             )
         _take_all(connection, Transcoding(recording), limits, progress)
+        if is_journaled and recording.taken == before:
+            raise ReadError("log.no_scans", "The SQLite file holds no messages.")
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if recording.taken == before:
             raise _unreadable(error) from error
@@ -61,11 +69,7 @@ def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress
     except ReadError as error:
         if not is_journaled:
             raise
-        raise ReadError(
-            error.code,
-            f"{error.message} If the recorder was not closed, what it wrote is in the file next to it that ends in "
-            "-wal; with both in one folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in.",
-        ) from error
+        raise ReadError(error.code, f"{error.message} {_IN_WAL}") from error
     finally:
         connection.close()
 

@@ -101,6 +101,14 @@ def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
         single_threaded.write_bytes((tmp_path / "run.db3").read_bytes())
         with pytest.raises(ReadError, match=r"no table 'topics'\. .* ends in -wal; .* wal_checkpoint"):
             open_log(single_threaded)
+        recorder.execute("CREATE TABLE messages (topic_id, timestamp, data)")
+        recorder.commit()
+        recorder.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        single_threaded.write_bytes((tmp_path / "run.db3").read_bytes())
+        with pytest.raises(ReadError, match=r"holds no messages\. .* ends in -wal; .* wal_checkpoint"):
+            open_log(single_threaded)
+        recorder.execute("INSERT INTO topics VALUES (1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr')")
+        recorder.commit()
         single_threaded.write_bytes((tmp_path / "run.db3-wal").read_bytes())
         with pytest.raises(ReadError, match=r"write-ahead log of an SQLite file, of no use without the \.db3"):
             open_log(single_threaded)
