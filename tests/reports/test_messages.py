@@ -239,6 +239,16 @@ def test_an_angle_max_that_contradicts_the_increment_is_named(tmp_path, step, co
         assert "angle_max is 178°, and 180 beams 2.6° apart from -180° end at 285.4°" in said[0]
 
 
+def test_increments_whose_sign_contradicts_the_angles_are_named(tmp_path):
+    """ros-planning/navigation#310: angle_min above angle_max, as of a clockwise sweep, with a positive increment."""
+    clockwise = (math.pi, -math.radians(2.0))
+    right = open_log(written(tmp_path, drive(lambda i: measured(i, clockwise)), "mcap"))
+    assert off_the_walls(ends(right)) < 2e-3
+    assert not any("contradict" in note for note in right.notes)
+    wrong = open_log(written(tmp_path, drive(lambda i: measured(i, clockwise, angle_increment=-clockwise[1])), "db3"))
+    assert any("if the map is mirrored, its sign is wrong in the driver" in note for note in wrong.notes)
+
+
 @pytest.mark.parametrize("stated", [30_000.0, 30.0])
 def test_readings_in_millimetres_are_named(tmp_path, stated):
     said = [
@@ -316,6 +326,7 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
     (513, -128.0, 0.5, ("PARAM laser_front_laser_fov 256", "PARAM laser_front_laser_resolution 0.5"), "256° in all"),
     (501, -125.0, 0.5, ("PARAM laser_front_laser_fov 4.363323",), "as PARAM states"),
     (361, -180.0, 1.0, ("PARAM laser_front_laser_fov 360", "PARAM laser_front_laser_resolution 1"), "as PARAM states"),
+    (121, -120.0, 2.0, ("PARAM laser_laser1_fov 240", "PARAM laser_laser1_resolution 2"), "as PARAM states"),
     (91, -90.0, 2.0, (), "180° is assumed"),
 )  # fmt: skip
 
@@ -323,7 +334,6 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
 TEXTS_THAT_ARE_NO_LOGS = {
     "a table of rostopic echo": ("%time,field.header.seq,field.ranges0\n1,2,3.0\n", "as rostopic echo -p prints it"),
     "messages of ros2 topic echo": ("header:\n  stamp:\n    sec: 1\nranges:\n- 1.0\n", "as ros2 topic echo prints"),
-    "CSV of a German spreadsheet": ("angle_min;-3,14\nangle_increment;0,01\n", "CSV with semicolons or tabs"),
 }
 
 
@@ -402,7 +412,9 @@ def test_raw_lasers_have_the_poses_of_the_odometry(tmp_path):
     assert (log.format, list(log.trajectories)) == ("CARMEN RAWLASER1", ["wheel"])
     assert off_the_walls(ends(log)) < 2e-3
     path.write_text("\n".join([line for line in lines if line.startswith("RAW")] + [""]))
-    assert open_log(path).trajectory().is_placeholder
+    without = open_log(path)
+    assert without.trajectory().is_placeholder
+    assert any("RAWLASER1 lines state no poses" in note for note in without.notes)
 
 
 def test_what_gmapping_writes_has_the_poses_of_its_best_particle(tmp_path):

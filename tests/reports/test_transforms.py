@@ -151,6 +151,10 @@ def inverted(at: int, pose: Pose) -> list[Said]:
     return [transform(at, "base_link", "odom_lidar", *back(pose))]
 
 
+def inverted_of_loam(at: int, pose: Pose) -> list[Said]:
+    return [transform(at, "base_link", "camera_init", *back(pose))]
+
+
 def camera_as_root(at: int, pose: Pose) -> list[Said]:
     return [transform(at, "odom", "camera_link", *of(pose, CAMERA))]
 
@@ -317,6 +321,9 @@ CASES: dict[str, Case] = {
     "odometry published upside down": Case(
         "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted)], sensor_at()
     ),
+    "odometry published upside down, of LOAM's frame": Case(
+        "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted_of_loam)], sensor_at()
+    ),
     "poses alone": Case(
         "evo#660", [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, *pose)])], sensor_at(), trajectory="pose"
     ),
@@ -400,6 +407,16 @@ def test_a_quaternion_that_is_no_rotation_is_the_reason_that_is_given(tmp_path: 
     notes = open_log(written(tmp_path, said, "mcap")).notes
     assert any("poses can be used" in note and why in note for note in notes)
     assert not any("holds no poses" in note for note in notes)
+
+
+def test_odometry_that_states_velocities_alone_is_named(tmp_path: Path) -> None:
+    """A base whose driver fills the twist, and leaves the pose as it was made."""
+    said = [LASER, *drive(lambda at, pose: [odometry(at, 0.0, 0.0, 0.0)])]
+    for one in said:
+        if one.topic == "/odom":
+            one.fields["twist"]["twist"]["linear"] = {"x": 0.3, "y": 0.4, "z": 0.0}
+    (note,) = open_log(written(tmp_path, said, "bag")).notes
+    assert note.startswith("The poses on /odom never change, although its messages state velocities up to 0.5 m/s")
 
 
 NOT_SOURCES: dict[str, tuple[Callable[[int, Pose], list[Said]], str]] = {

@@ -7,6 +7,7 @@ A container's reader announces each stream of messages (:meth:`Recording.channel
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 
@@ -218,6 +219,8 @@ class Recording:
         at = _stamp(one.stamp_ns, stamp_ns)
         known.timeline.add(at, one.pose, self._position, _stamp(stamp_ns, 0))
         known.clock.add(at, _stamp(stamp_ns, 0))
+        if math.isfinite(one.speed):
+            known.fastest = max(known.fastest, one.speed)
         if child and len(taken.children) < MAX_CHILDREN:
             taken.children.add(child)
 
@@ -264,6 +267,8 @@ class Recording:
         lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
         lines = [(topic, line) for topic, line in lines if len(line)]
         sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
+        for one in (*sensors, *(line for _, line in lines)):
+            one.set_stamps()
         self._take_recorded_times(sensors)
         tracks = [Track(topic, *line.track) for topic, line in lines]
         stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)

@@ -44,6 +44,7 @@ NO_SOURCES = {
 }
 #: Words of topics of poses at which a robot shall be, and not is.
 WANTED = frozenset(("goal", "target", "setpoint", "waypoint", "initialpose", "initial", "desired", "reference", "plan"))
+LEAST_SPEED = 0.02  #: m/s, at which a robot drives
 MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
 
 
@@ -140,6 +141,11 @@ class RobotPoses:
         if known.kind in WITHOUT_HEADER:
             self.notes.append(
                 f"The poses on {known.topic} ({known.kind}) state no time: each has that at which it was recorded."
+            )
+        if known.fastest > LEAST_SPEED and not known.timeline.moves:
+            self.notes.append(
+                f"The poses on {known.topic} never change, although its messages state velocities up to "
+                f"{known.fastest:.2g} m/s, of which no poses are made here."
             )
         sentence = f"the {known.kind.split('/')[-1]} messages on {known.topic}, at the time of each scan"
         path: Path | None = None

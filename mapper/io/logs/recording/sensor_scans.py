@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mapper.core.se2 import wrap_angle
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
-from mapper.io.logs.recording.clocks import Clock
+from mapper.io.logs.recording.clocks import Clock, with_set_stamps
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
 from mapper.io.logs.ros.ros_messages import Beams
@@ -86,6 +86,15 @@ class SensorScans:
             self.clock.add(stamp, stamp)
         return len(np.unique(stamps))
 
+    def set_stamps(self) -> None:
+        """Give scans without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
+        stamps = np.array(self.stamps)
+        recorded = self.clock.recorded(stamps)
+        found = None if recorded is None else with_set_stamps(stamps, recorded)
+        if recorded is not None and found is not None:
+            self.stamps = array("q", found.tolist())
+            self.clock.set_to(found, recorded)
+
     @property
     def kind(self) -> str:
         """The type of its messages."""
@@ -127,17 +136,34 @@ class SensorScans:
 
 
 def ends_elsewhere(beams: Beams) -> bool:
-    """Return whether ``angle_max`` is not the angle of the last beam, by more than two beams, modulo one turn."""
+    """Return whether ``angle_max`` is not the angle of the last beam, by more than two beams.
+
+    Angles are compared modulo one turn, but the sweep must be the same way round.
+    """
     if not np.isfinite(beams.angle_max) or len(beams.ranges) < LEAST_BEAMS:
         return False
     apart = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1) - beams.angle_max
-    return bool(abs(wrap_angle(apart)) > MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD)
+    return bool(abs(wrap_angle(apart)) > _near(beams)) or _is_other_way(beams)
+
+
+def _near(beams: Beams) -> float:
+    return MOST_BEAMS_OFF * abs(beams.angle_increment) + MOST_OFF_RAD
+
+
+def _is_other_way(beams: Beams) -> bool:
+    """Return whether ``angle_max`` is where the last beam would be if the increments had the other sign."""
+    swept = beams.angle_increment * (len(beams.ranges) - 1)
+    return bool(
+        abs(beams.angle_min - swept - beams.angle_max) <= _near(beams)
+        and abs(beams.angle_min + swept - beams.angle_max) > _near(beams)
+    )
 
 
 def _said_of_end(beams: Beams) -> str:
     last = beams.angle_min + beams.angle_increment * (len(beams.ranges) - 1)
     first, step, last, stated = np.degrees([beams.angle_min, beams.angle_increment, last, beams.angle_max])
+    wrong = "the map is mirrored, its sign is wrong" if _is_other_way(beams) else "walls are bent, it is wrong"
     return (
         f"angle_max is {stated:.4g}°, and {len(beams.ranges)} beams {step:.4g}° apart from {first:.4g}° end at "
-        f"{last:.4g}°. angle_increment counts here, as in laser_geometry; if walls are bent, it is wrong in the driver."
+        f"{last:.4g}°. angle_increment counts here, as in laser_geometry; if {wrong} in the driver."
     )

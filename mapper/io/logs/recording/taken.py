@@ -16,9 +16,12 @@ SONAR = "sensor_msgs/Range"
 ODOMETRY = "nav_msgs/Odometry"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class PoseTopic:
-    """The poses of one topic, ``T_frame_child``; of a topic with several pairs of frames, those of one pair."""
+    """The poses of one topic, ``T_frame_child``; of a topic with several pairs of frames, those of one pair.
+
+    ``fastest`` is the greatest speed that the messages state beside the poses, m/s.
+    """
 
     topic: str
     kind: str
@@ -26,6 +29,7 @@ class PoseTopic:
     child: str
     timeline: Timeline
     clock: Clock
+    fastest: float = 0.0
 
 
 @dataclass(slots=True)

@@ -50,7 +50,7 @@ MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
 _WORLD_WORDS = frozenset(
-    ("map", "odom", "odometry", "vision", "world", "earth")
+    ("map", "odom", "odometry", "vision", "world", "earth", "init", "origin", "utm", "enu", "ned")
 )  #: one of the words of a fixed frame's name
 
 Path = tuple[str, ...]  #: frames, each the parent or a child of the next

@@ -48,12 +48,13 @@ class Beams:
 
 @dataclass(frozen=True, slots=True)
 class StampedPose:
-    """``T_frame_child`` at a time."""
+    """``T_frame_child`` at a time, and the speed, m/s, that the message states as well, 0 where it states none."""
 
     stamp_ns: int
     frame: str
     child: str
     pose: Pose7
+    speed: float = 0.0
 
 
 def laser_scan(data: bytes, *, cdr: bool) -> Beams:
@@ -134,9 +135,9 @@ def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
     stamp, frame = fields.header()
     child = fields.frame()
     pose = fields.pose()
-    fields.unpack("78d", 8)  # its covariance; the twist and its covariance
+    x, y = fields.unpack("78d", 8)[36:38]  # behind its covariance; then the twist's covariance
     fields.end()
-    return [StampedPose(stamp, frame, child, pose)]
+    return [StampedPose(stamp, frame, child, pose, math.hypot(x, y))]
 
 
 def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:

@@ -248,6 +248,11 @@ class CarmenReader:
             groups, notes_on_groups = scan_groups(stated, self.limits)
             notes += notes_on_groups
         mount = self._mount(sensor, notes)
+        if word in RAW and not len(self.odometry) and not len(self.truth):
+            notes.append(
+                f"The {word} lines state no poses, and the log has no ODOM or TRUEPOS lines, so the map shows all "
+                "scans as from one place: add poses, as a TUM file, or estimate them with gridbloom slam."
+            )
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
         trajectories = self._trajectories(sensor, mount)
@@ -426,6 +431,12 @@ _PARAMETERS = {
     **{
         f"laser_{side}_laser_{which}": (f"{side}_{which}", "degrees")
         for side in ("front", "rear")
+        for which in ("fov", "resolution")
+    },
+    # As later versions of CARMEN number the lasers: the first is in front.
+    **{
+        f"laser_laser{number}_{which}": (f"{side}_{which}", "degrees")
+        for number, side in ((1, "front"), (2, "rear"))
         for which in ("fov", "resolution")
     },
 }
