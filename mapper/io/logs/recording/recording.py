@@ -267,8 +267,10 @@ class Recording:
         lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
         lines = [(topic, line) for topic, line in lines if len(line)]
         sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
-        for one in (*sensors, *(line for _, line in lines)):
-            one.set_stamps()
+        for sensor in sensors:
+            sensor.set_stamps()
+        for _, line in lines:
+            line.set_stamps()
         self._take_recorded_times(sensors)
         tracks = [Track(topic, *line.track) for topic, line in lines]
         stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
