@@ -1,7 +1,8 @@
 """Whether a filter that has converged may say that it is sure of the place.
 
 That particles agree on a place does not tell that it is the right one: of several places that look alike they keep one.
-Two things tell it. Readings contradict a place where beams go on behind walls of the map. And other places, on which
+Two things tell it. Readings contradict a place where beams go on behind walls of the map, and a scan of which the map
+explains little was not taken there, or the map is not that of the place any more. And other places, on which
 alternatives are begun again and again (:mod:`mapper.localization.alternative`), must be ruled out by their tests, one
 after the other and soon: where a test takes long, another place explains the scans nearly as well.
 """
@@ -11,24 +12,29 @@ from __future__ import annotations
 import math
 
 from mapper.core.array_types import Float64Array
-from mapper.localization.kernels.contradiction import count_contradicted
+from mapper.localization.kernels.contradiction import count_unexplained
 from mapper.localization.map_model import MapModel
 from mapper.localization.scan_beams import ScanBeams
 
 TURN, MARGIN = math.radians(2.0), 0.3  #: by which beams and ranges may be off without a contradiction; m
 RATE = 0.3  #: of the average share of contradicted readings
 MOST_CONTRADICTED = 0.15  #: of the readings, in that average, of a filter that is sure
+MOST_UNEXPLAINED = 0.4  #: of the readings of the newest scan, longer or shorter than the map has it
 REFUTED = 0.3  #: average from which on the place has to be confirmed again
-WANTED = 3  #: alternatives in a row that must have been ruled out
+WANTED = 5  #: alternatives in a row that must have been ruled out
 SOON = 8  #: scans within which each must be
 
 
-def contradicted_share(model: MapModel, scan: ScanBeams, pose: Float64Array) -> float:
-    """Return the share of a scan's readings, 0 to 1, that go on behind walls of the map at ``pose`` (3,)."""
-    if not len(scan.beams):
-        return 0.0
-    far = scan.range_max
-    return count_contradicted(model.cells, scan.beams, scan.sensor, pose, TURN, MARGIN, far) / len(scan.beams)
+def unexplained_shares(model: MapModel, scan: ScanBeams, pose: Float64Array) -> tuple[float, float]:
+    """Return the shares of a scan's readings, 0 to 1, that are longer and shorter than the map has it at ``pose`` (3,).
+
+    The longer ones go on behind walls.
+    """
+    n = len(scan.beams)
+    if not n:
+        return 0.0, 0.0
+    longer, shorter = count_unexplained(model.cells, scan.beams, scan.sensor, pose, TURN, MARGIN, scan.range_max)
+    return longer / n, shorter / n
 
 
 class Confidence:
@@ -36,11 +42,13 @@ class Confidence:
 
     def __init__(self) -> None:
         self.contradicted = 0.0  #: average share of contradicted readings
+        self._unexplained = 0.0
         self._ruled_out = 0  # alternatives in a row
 
-    def look(self, share: float) -> None:
-        """Take the share of a scan's readings that are contradicted at the estimate."""
-        self.contradicted += RATE * (share - self.contradicted)
+    def look(self, longer: float, shorter: float) -> None:
+        """Take the shares of a scan's readings that are longer and shorter than the map has it at the estimate."""
+        self._unexplained = longer + shorter
+        self.contradicted += RATE * (longer - self.contradicted)
         if self.contradicted > REFUTED:
             self.doubt()
 
@@ -60,5 +68,6 @@ class Confidence:
 
     @property
     def is_confirmed(self) -> bool:
-        """Whether enough alternatives were ruled out, and the readings do not contradict the place."""
-        return self._ruled_out >= WANTED and self.contradicted <= MOST_CONTRADICTED
+        """Whether enough alternatives were ruled out, and the map explains the readings at the place."""
+        is_explained = self.contradicted <= MOST_CONTRADICTED and self._unexplained <= MOST_UNEXPLAINED
+        return self._ruled_out >= WANTED and is_explained

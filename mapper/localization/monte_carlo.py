@@ -19,7 +19,7 @@ from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
 from mapper.localization.alternative import SHARE as ALTERNATIVE_SHARE
 from mapper.localization.alternative import Alternative, alternative_config, alternative_particles, near
-from mapper.localization.confidence import Confidence, contradicted_share
+from mapper.localization.confidence import Confidence, unexplained_shares
 from mapper.localization.estimate import Estimate, estimate_of, find_clusters
 from mapper.localization.map_model import MapModel, check_pose, map_model
 from mapper.localization.motion import anywhere, around, key_of, motion_between, move
@@ -210,7 +210,7 @@ class MonteCarloLocalizer:
     def _judge(self, scan: ScanBeams) -> None:
         """Say whether the filter is sure of its place."""
         confidence, found = self._confidence, self.estimate
-        confidence.look(contradicted_share(self.model, scan, found.pose))
+        confidence.look(*unexplained_shares(self.model, scan, found.pose))
         if self._alternative is not None:
             confidence.wait(self._alternative.n_scans)
         if not found.is_converged or self._recovery.is_searched:

@@ -119,23 +119,25 @@ def expected_range(
     return range_max
 
 
-def count_contradicted(
+def count_unexplained(
     readings: Sequence[float],
     bearings: Sequence[float],
     sensor_pose: Float64Array,
     map_range: Callable[[Float64Array, float], float],
     turn: float,
     margin: float,
-) -> int:
-    """Return how many readings exceed what the map allows, within ``turn`` radians of their bearings, by ``margin`` m.
+) -> tuple[int, int]:
+    """Return how many readings are longer and shorter than the map allows within ``turn`` radians of their bearings.
 
-    ``map_range`` returns the range that the map has at a sensor's pose in the direction of a bearing.
+    ``map_range`` returns the range that the map has at a sensor's pose in the direction of a bearing; readings may be
+    off from it by ``margin`` m.
     """
-    count = 0
+    longer = shorter = 0
     for z, bearing in zip(readings, bearings, strict=True):
-        longest = max(map_range(sensor_pose, bearing + side * turn) for side in (-1, 0, 1))
-        count += z > longest + margin
-    return count
+        ranges = [map_range(sensor_pose, bearing + side * turn) for side in (-1, 0, 1)]
+        longer += z > max(ranges) + margin
+        shorter += z < min(ranges) - margin
+    return longer, shorter
 
 
 def beam_density(

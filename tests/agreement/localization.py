@@ -16,7 +16,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.localization import LocalizationConfig, textbook
 from mapper.localization.estimate import find_clusters
 from mapper.localization.kernels.beam_model import weigh_by_beams
-from mapper.localization.kernels.contradiction import count_contradicted
+from mapper.localization.kernels.contradiction import count_unexplained
 from mapper.localization.kernels.motion import draw_normal, draw_uniform, move_particles
 from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.kernels.score_poses import score_poses
@@ -234,13 +234,13 @@ def beams_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
     return (np.array(out),)
 
 
-def contradicted_by_kernel(case: LocalizationCase) -> tuple[Any, ...]:
+def unexplained_by_kernel(case: LocalizationCase) -> tuple[Any, ...]:
     beams, sensor = np.column_stack([case.ranges, case.bearings]), np.array([0.1, -0.05])
     cells = OccupiedCells(occupied_cells(case.grid), case.grid.geometry.frame)
-    return (np.array([count_contradicted(cells, beams, sensor, one, 0.1, 0.3, RANGE_MAX) for one in case.particles]),)
+    return (np.array([count_unexplained(cells, beams, sensor, one, 0.1, 0.3, RANGE_MAX) for one in case.particles]),)
 
 
-def contradicted_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
+def unexplained_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
     occupied, geometry = occupied_cells(case.grid), case.grid.geometry
 
     def map_range(sensor_pose: np.ndarray, bearing: float) -> float:
@@ -249,7 +249,7 @@ def contradicted_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
     return (
         np.array(
             [
-                textbook.count_contradicted(
+                textbook.count_unexplained(
                     case.ranges.tolist(), case.bearings.tolist(), compose(one, (0.1, -0.05, 0.0)), map_range, 0.1, 0.3
                 )
                 for one in case.particles

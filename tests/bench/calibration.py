@@ -144,6 +144,10 @@ def report(runs: Iterable[Told]) -> None:
         print(_row(case, [run for run in runs if run.name.case == case]))
     for world in DRIVEN:
         print(_row(f"in {world}", [run for run in runs if run.name.world == world]))
+    for half, title in enumerate(("seeds with which the limits were chosen, even", "other seeds, odd")):
+        for is_changed in (False, True):
+            some = [run for run in runs if run.name.seed % 2 == half and (run.name.case == "changed") == is_changed]
+            print(_row(f"{title}: {'changed' if is_changed else 'all but the changed'}", some))
     print(_row("all", runs))
     _curve(runs)
     for run in runs:

@@ -1,6 +1,6 @@
-"""Readings that a map cannot explain at a pose: beams that go on behind a wall.
+"""Readings that a map does not explain at a pose: beams that go on behind a wall, and such as end before one.
 
-Numba twin of :func:`mapper.localization.textbook.count_contradicted`.
+Numba twin of :func:`mapper.localization.textbook.count_unexplained`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mapper.localization.kernels.types import OccupiedCells
 
 
 @jit
-def count_contradicted(
+def count_unexplained(
     cells: OccupiedCells,
     beams: Float64Array,
     sensor: Float64Array,
@@ -22,22 +22,29 @@ def count_contradicted(
     turn: float,
     margin: float,
     range_max: float,
-) -> int:
-    """Return how many readings are longer than the map allows at ``pose`` (3,) by more than ``margin`` metres.
+) -> tuple[int, int]:
+    """Return how many readings are longer, and how many shorter, than the map allows at ``pose`` (3,).
 
-    The map allows the longest of three expected ranges: of the beam, and of those turned by ``turn`` radians to either
-    side. ``beams`` (k, 2) are range, at most ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is where
-    they start in it.
+    The map allows the ranges from ``margin`` metres below the shortest to as much above the longest of three expected
+    ones: of the beam, and of those turned by ``turn`` radians to either side. ``beams`` (k, 2) are range, at most
+    ``range_max``, and bearing in the base's frame; ``sensor`` (2,) is where they start in it.
     """
     c, s = cos(pose[2]), sin(pose[2])
     x = pose[0] + c * sensor[0] - s * sensor[1]
     y = pose[1] + s * sensor[0] + c * sensor[1]
-    count = 0
+    longer, shorter = 0, 0
     for b in range(beams.shape[0]):
-        longest = 0.0
-        for side in range(-1, 2):
-            bearing = pose[2] + beams[b, 1] + side * turn
-            longest = max(longest, _expected_range(cells, x, y, bearing, range_max))
-        if beams[b, 0] > longest + margin:
-            count += 1
-    return count
+        z = beams[b, 0]
+        far = min(range_max, z + 2.0 * margin)  # a range beyond that is as good as this one
+        bearing = pose[2] + beams[b, 1]
+        shortest = longest = _expected_range(cells, x, y, bearing, far)
+        if longest + margin >= z >= shortest - margin:
+            continue
+        for side in range(-1, 2, 2):
+            expected = _expected_range(cells, x, y, bearing + side * turn, far)
+            shortest, longest = min(shortest, expected), max(longest, expected)
+        if z > longest + margin:
+            longer += 1
+        elif z < shortest - margin:
+            shorter += 1
+    return longer, shorter

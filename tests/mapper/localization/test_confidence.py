@@ -10,7 +10,7 @@ import pytest
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
-from mapper.localization.confidence import SOON, WANTED, Confidence, contradicted_share
+from mapper.localization.confidence import MOST_UNEXPLAINED, SOON, WANTED, Confidence, unexplained_shares
 from mapper.localization.localize import BEFORE_JUMP, confirmed
 from mapper.localization.scan_beams import scan_beams
 from mapper.sensors.scan import LaserScan
@@ -61,18 +61,19 @@ def test_a_start_that_the_scans_contradict_is_not_believed() -> None:
     assert not any(one.is_sure for one, m in zip(found, off, strict=True) if m > 1.0)
 
 
-def test_beams_that_go_on_behind_a_wall_contradict_a_place_and_short_ones_do_not() -> None:
+def test_beams_that_go_on_behind_a_wall_and_such_as_end_before_it_are_not_explained() -> None:
     model = model_of(two_rooms())
     pose = np.array([1.5, 1.0, 0.0])
     wall_at = 3.1 - 1.5
 
-    def share(reading: float) -> float:
+    def shares(reading: float) -> tuple[float, float]:
         scan = LaserScan(np.full(3, reading, dtype=np.float32), -0.05, 0.05, 0.1, 8.0)
-        return contradicted_share(model, scan_beams(scan, (0.0, 0.0, 0.0), LocalizationConfig()), pose)
+        return unexplained_shares(model, scan_beams(scan, (0.0, 0.0, 0.0), LocalizationConfig()), pose)
 
-    assert share(wall_at) == share(wall_at - 1.0) == share(wall_at + 0.2) == 0.0
-    assert share(wall_at + 0.5) == 1.0
-    assert share(math.nan) == 0.0
+    assert shares(wall_at) == shares(wall_at + 0.2) == shares(wall_at - 0.2) == (0.0, 0.0)
+    assert shares(wall_at + 0.5) == (1.0, 0.0)
+    assert shares(wall_at - 0.5) == (0.0, 1.0)
+    assert shares(math.nan) == (0.0, 0.0)
 
 
 def confirms(one: Confidence) -> bool:
@@ -94,15 +95,19 @@ def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
     assert not confirms(one)
     for _ in range(WANTED):
         one.rule_out(SOON)
-    one.look(1.0)
+    one.look(1.0, 0.0)
     assert not confirms(one)
     for _ in range(10):
-        one.look(0.0)
+        one.look(0.0, 0.0)
     assert confirms(one)  # people passed by
-    one.look(1.0)
-    one.look(1.0)
+    one.look(0.0, MOST_UNEXPLAINED + 0.01)
+    assert not confirms(one)  # the scan may be of elsewhere
+    one.look(0.0, MOST_UNEXPLAINED)
+    assert confirms(one)
+    one.look(1.0, 0.0)
+    one.look(1.0, 0.0)
     for _ in range(10):
-        one.look(0.0)
+        one.look(0.0, 0.0)
     assert not confirms(one)  # it has to be confirmed again
 
 
