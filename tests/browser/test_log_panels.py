@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, frame, open_group, until
+from tests.browser.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -126,3 +128,24 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     expect(page.locator(".note.chosen")).to_contain_text("a glass wall")
     notes.get_by_role("button", name="Delete this note").first.click()
     expect(page.locator(".timeline-mark")).to_have_count(1)
+
+    # An area that is measured, by keys: Enter is a corner at the cell of the cursor.
+    open_group(page, "Notes")
+    notes.get_by_role("switch", name="Around the area").click()
+    expect(notes).to_contain_text("click at least three corners")
+    page.get_by_role("button", name="Measure an area").click()
+    page.get_by_role("switch", name="Snap to walls").click()
+    for corner in ((1.0, 0.0), (3.0, 0.0), (3.0, 1.5), (1.0, 1.5)):
+        page.evaluate("(at) => { gridbloom.connection.store.pinned.value = at; }", corner)
+        page.locator(".picture").press("Enter")
+    notes.get_by_label("New note").fill("wet floor")
+    expect(notes.get_by_role("switch", name="Around the area of 3.00 m²")).to_be_checked()
+    notes.get_by_role("button", name="Add note").click()
+    expect(notes.get_by_role("button", name=re.compile("Go to this note: .*3.00 m²"))).to_be_visible()
+    expect(page.locator(".note-areas polygon")).to_have_count(1)
+    with page.expect_download() as saved:
+        notes.get_by_role("link", name="Download the notes as GeoJSON").click()
+    features = json.loads(saved.value.path().read_text())["features"]
+    ring = features[-1]["geometry"]["coordinates"][0]
+    assert ring == [[1.0, 0.0], [3.0, 0.0], [3.0, 1.5], [1.0, 1.5], [1.0, 0.0]]
+    assert violations(page, ".dock") == []

@@ -6,13 +6,17 @@ import time
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
 
+from server.downloads.names import disposition, file_name
+from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.maps import stem_of
 from server.http.services import Logs, Sessions, Visitor
-from server.http.session_access import session_of_log, writable_session
-from server.library.annotations.notes import NoteAnswer, Pin
+from server.http.session_access import SessionOfLog, session_of_log, writable_session
+from server.library.annotations.note_files import MapFrame, notes_as_csv, notes_as_geojson
+from server.library.annotations.notes import MAX_CORNERS, NoteAnswer, Pin
 from server.library.library import Library
 from server.library.logs.records import Record
 from server.sessions import SessionRegistry
@@ -34,9 +38,17 @@ class Written(BaseModel):
     x: Place | None = Field(None, description="Place on the map, metres.")
     y: Place | None = Field(None, description="Place on the map, metres.")
 
+    outline: list[tuple[Place, Place]] | None = Field(
+        None,
+        min_length=3,
+        max_length=MAX_CORNERS,
+        description="Corners of an area on the map, metres; its centroid is the place.",
+    )
+
     def pin(self) -> Pin:
         """Return where the note is."""
-        return Pin(self.at_s, self.scan, self.x, self.y)
+        outline = None if self.outline is None else tuple(self.outline)
+        return Pin(self.at_s, self.scan, self.x, self.y, outline)
 
 
 def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> Record:
@@ -67,6 +79,35 @@ async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
     found = await library.notes.of(of_log.log_id)
     is_guest = of_log.session.link is not None
     return NoteList([note.public("" if is_guest else visitor) for note in found])
+
+
+@router.get("/{session_id}/notes.geojson", **file_answer("application/geo+json"))
+@guests_may(GuestRight.LINKED_SESSION)
+async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> Response:
+    """Return the notes on the session's log as GeoJSON; coordinates are metres in the frame of the poses."""
+    of_log = session_of_log(sessions, session_id)
+    found = await library.notes.of(of_log.log_id)
+    text = notes_as_geojson(found, _frame_of(of_log), of_log.session.model.title)
+    return _as_file(of_log, text, "geojson", "application/geo+json")
+
+
+@router.get("/{session_id}/notes.csv", **file_answer("text/csv"))
+@guests_may(GuestRight.LINKED_SESSION)
+async def notes_csv(sessions: Sessions, library: Logs, session_id: str) -> Response:
+    """Return the notes on the session's log as a table; coordinates are metres in the frame of the poses."""
+    of_log = session_of_log(sessions, session_id)
+    text = notes_as_csv(await library.notes.of(of_log.log_id), _frame_of(of_log))
+    return _as_file(of_log, text, "csv", "text/csv")
+
+
+def _frame_of(of_log: SessionOfLog) -> MapFrame:
+    trajectory = of_log.recording.log.trajectories[of_log.recording.trajectory]
+    return MapFrame(trajectory.frame_id or "map", trajectory.offset)
+
+
+def _as_file(of_log: SessionOfLog, text: str, ending: str, media_type: str) -> Response:
+    name = file_name(f"{stem_of(of_log.session)}_notes", ending)
+    return Response(text, media_type=media_type, headers={"Content-Disposition": disposition(name)})
 
 
 @router.post("/{session_id}/notes", status_code=201)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import secrets
 import time
 from collections.abc import Sequence
@@ -11,11 +12,13 @@ from typing import Any
 from sqlalchemy import Connection, delete, func, insert, select, update
 
 from mapper.core.errors import LimitError, MapperError
+from server.library.annotations.areas import Corner, area_of, centroid
 from server.library.logs.records import Record
 from server.library.logs.rows import upsert_log
 from server.library.store.database import Database
 from server.library.store.tables import logs, notes
 
+MAX_CORNERS = 200
 MAX_NOTES_OF_LOG = 500
 MAX_NOTES_OF_AUTHOR = 100  #: on one log, so that one visitor leaves room for others
 
@@ -32,14 +35,22 @@ class NoteReadOnlyError(MapperError):
 class Pin:
     """Place of a note: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
     ``x``, ``y`` on the map, metres, or both. Raises :class:`MapperError` for neither.
+
+    ``outline`` are the corners of an area on the map, which is not closed; its place is the centroid.
     """
 
     at_s: float | None = None
     scan: int | None = None
     x: float | None = None
     y: float | None = None
+    outline: tuple[Corner, ...] | None = None
 
     def __post_init__(self) -> None:
+        if self.outline is not None:
+            if not 3 <= len(self.outline) <= MAX_CORNERS or area_of(self.outline) == 0.0:
+                raise MapperError("note.pin", f"An area has 3 to {MAX_CORNERS} corners that are not in one line.")
+            for name, value in zip(("x", "y"), centroid(self.outline), strict=True):
+                object.__setattr__(self, name, value)
         if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):
             raise MapperError("note.pin", "A note's place has an x and a y, and its time the seconds and the scan.")
         if self.at_s is None and self.x is None:
@@ -56,6 +67,7 @@ class NoteAnswer:
     scan: int | None
     x: float | None
     y: float | None
+    outline: list[Corner] | None
     created_s: float
     changed_s: float
     mine: bool
@@ -77,7 +89,16 @@ class Note:
         """Return what the HTTP interface shows to a visitor."""
         pin = self.pin
         return NoteAnswer(
-            self.id, self.text, pin.at_s, pin.scan, pin.x, pin.y, self.created_s, self.changed_s, self.author == visitor
+            id=self.id,
+            text=self.text,
+            at_s=pin.at_s,
+            scan=pin.scan,
+            x=pin.x,
+            y=pin.y,
+            outline=None if pin.outline is None else list(pin.outline),
+            created_s=self.created_s,
+            changed_s=self.changed_s,
+            mine=self.author == visitor,
         )
 
 
@@ -157,13 +178,17 @@ def _own(connection: Connection, author: str, log_id: str, note_id: str) -> Note
 
 
 def _note(row: dict[str, Any]) -> Note:
-    return Note(pin=Pin(**{name: row.pop(name) for name in ("at_s", "scan", "x", "y")}), **row)
+    pin = {name: row.pop(name) for name in ("at_s", "scan", "x", "y")}
+    corners = row.pop("outline")
+    outline = None if corners is None else tuple((x, y) for x, y in json.loads(corners))
+    return Note(pin=Pin(**pin, outline=outline), **row)
 
 
 def _row(note: Note) -> dict[str, Any]:
     values = asdict(note)
     pin: dict[str, Any] = values.pop("pin")
-    return values | pin
+    outline = pin.pop("outline")
+    return values | pin | {"outline": None if outline is None else json.dumps(outline)}
 
 
 def _plain(text: str) -> str:

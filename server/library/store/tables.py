@@ -93,6 +93,7 @@ notes = Table(
     Column("scan", Integer),
     Column("x", Double),
     Column("y", Double),
+    Column("outline", Text),  # JSON
     Index("notes_by_log_id", "log_id"),
 )
 

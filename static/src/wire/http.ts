@@ -599,6 +599,7 @@ export interface NoteAnswer {
   readonly scan: number | null;
   readonly x: number | null;
   readonly y: number | null;
+  readonly outline: readonly (readonly [number, number])[] | null;
   readonly created_s: number;
   readonly changed_s: number;
   readonly mine: boolean;

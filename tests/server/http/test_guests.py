@@ -52,6 +52,8 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents/field"),
     ("GET", "/api/sessions/{session_id}/contents/picture"),
     ("GET", "/api/sessions/{session_id}/notes"),
+    ("GET", "/api/sessions/{session_id}/notes.csv"),
+    ("GET", "/api/sessions/{session_id}/notes.geojson"),
     ("GET", "/api/sessions/{session_id}/trajectory-errors"),
     ("GET", "/api/sessions/{session_id}/scan-series"),
     ("GET", "/api/sessions/{session_id}/compare"),

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import csv
+import io
+import itertools
+import re
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -37,6 +41,47 @@ def opened(service: Service) -> tuple[str, str]:
     log_id = str(service.http.put("/api/logs", params={"name": "run.log"}, content=content).json()["id"])
     assert once_read(service.http, log_id)["state"] == "ready"
     return log_id, service.begin(kind="log", log=log_id, playing=False)
+
+
+def test_notes_on_areas_are_written_to_files_of_other_programs(service: Service) -> None:
+    _, session = opened(service)
+    address = f"/api/sessions/{session}/notes"
+    corners = [[1.0, 1.0], [1.0, 4.0], [3.0, 4.0], [3.0, 1.0]]  # clockwise, 6 m²
+    note = service.http.post(address, json={"text": '=1+1, "wet"\nfloor', "outline": corners, **TIME}).json()
+    assert (note["outline"], note["x"], note["y"]) == (corners, pytest.approx(2.0), pytest.approx(2.5))
+    service.http.post(address, json={"text": "glass", **PLACE})
+    service.http.post(address, json={"text": "a push", **TIME})
+    assert service.http.get(address).json()["notes"][0] == note
+
+    answer = service.http.get(f"{address}.geojson")
+    assert answer.headers["Content-Type"] == "application/geo+json"
+    assert 'filename="run_notes.geojson"' in answer.headers["Content-Disposition"]
+    found = answer.json()
+    assert (found["type"], found["unit"]) == ("FeatureCollection", "m")
+    assert "not longitude and latitude" in found["remark"]
+    area, place, moment = found["features"]
+    ring = area["geometry"]["coordinates"][0]
+    assert (area["geometry"]["type"], len(ring), ring[0]) == ("Polygon", 5, ring[-1])
+    assert sorted(ring[:-1]) == sorted(corners)
+    turned = sum((x1 - x0) * (y1 + y0) for (x0, y0), (x1, y1) in itertools.pairwise(ring))
+    assert turned / -2.0 == pytest.approx(6.0)  # counter-clockwise
+    assert area["properties"]["area_m2"] == 6.0
+    assert place["geometry"] == {"type": "Point", "coordinates": [1.5, -0.5]}
+    assert (moment["geometry"], moment["properties"]["seconds"]) == (None, 2.0)
+
+    table = service.http.get(f"{address}.csv")
+    rows = list(csv.DictReader(io.StringIO(table.text, newline="")))
+    assert [row["text"] for row in rows] == ['\'=1+1, "wet"\nfloor', "glass", "a push"]
+    corners_of_row = re.findall(r"[-0-9.]+ [-0-9.]+", rows[0]["outline"])
+    assert [[float(part) for part in corner.split()] for corner in corners_of_row] == ring
+    assert (rows[0]["area_m2"], rows[1]["x_m"], rows[2]["x_m"], rows[2]["seconds"]) == ("6.0", "1.5", "", "2.0")
+
+
+@pytest.mark.parametrize("corners", [[[0, 0], [1, 1]], [[0, 0], [1, 1], [2, 2]], [[0, 0]] * 201])
+def test_what_is_no_area_is_refused(service: Service, corners: list[list[float]]) -> None:
+    _, session = opened(service)
+    answer = service.http.post(f"/api/sessions/{session}/notes", json={"text": "flat", "outline": corners})
+    assert answer.status_code == 422
 
 
 def test_notes_are_written_changed_and_deleted(service: Service) -> None:

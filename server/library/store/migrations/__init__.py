@@ -1,3 +1,3 @@
 """Revisions of the tables of the records, run by alembic at start."""
 
-HEAD = "0001"  #: the newest revision
+HEAD = "0002"  #: the newest revision

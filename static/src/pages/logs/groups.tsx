@@ -204,7 +204,9 @@ const GROUPS: readonly Group[] = [
     title: "Notes",
     section: "Data",
     badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
-    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
+    content: ({ store, session, notes, isGuest }) => (
+      <Notes store={store} session={session} state={notes} isGuest={isGuest} />
+    ),
   },
   {
     id: "3d",

@@ -33,6 +33,18 @@ export function NotePins({ store, state, onOpen }: NotePinsProps) {
     view ? toScreen(view, size.value, note.x ?? 0, note.y ?? 0) : [-1, -1];
   return (
     <div class="note-pins" ref={layer}>
+      <svg class="note-areas" aria-hidden="true">
+        {view &&
+          placed.map(({ id, outline }) =>
+            outline ? (
+              <polygon
+                key={id}
+                class={state.chosen.value === id ? "chosen" : undefined}
+                points={outline.map(([x, y]) => toScreen(view, size.value, x, y).join(",")).join(" ")}
+              />
+            ) : null,
+          )}
+      </svg>
       {placed
         .map((note) => ({ note, at: place(note) }))
         .filter(({ at }) => isInside(at))

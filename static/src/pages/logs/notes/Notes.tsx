@@ -1,6 +1,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { measuringOf } from "../../../tools/measure/measuring";
+import { areaOf } from "../../../tools/measure/model";
 import { Button } from "../../../ui/Button";
 import { written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
@@ -10,14 +12,21 @@ import { type Pin, scanOf } from "./noteRecords";
 import "./notes.css";
 import type { NotesState } from "./useNotes";
 
+/** Files of the notes for other programs. */
+const FILES = [
+  ["geojson", "GeoJSON"],
+  ["csv", "CSV"],
+] as const;
+
 interface NotesProps {
   readonly store: Store;
+  readonly session: string;
   readonly state: NotesState;
   readonly isGuest: boolean;
 }
 
 /** The notes on the log: written, changed and deleted here, shown on the slider and on the map. */
-export function Notes({ store, state, isGuest }: NotesProps) {
+export function Notes({ store, session, state, isGuest }: NotesProps) {
   const edited = useSignal<string | null>(null);
   useEffect(() => void state.refresh(), [state.notes]);
   const notes = state.notes.value;
@@ -26,6 +35,22 @@ export function Notes({ store, state, isGuest }: NotesProps) {
       {!isGuest && <Editor key="new" store={store} state={state} />}
       {state.failure.value && <p role="alert">{state.failure.value}</p>}
       {notes?.length === 0 && <p class="quiet">There are no notes on this log yet.</p>}
+      {notes !== null && notes.length > 0 && (
+        <div class="actions">
+          {FILES.map(([ending, label]) => (
+            <Button
+              key={ending}
+              kind="quiet"
+              icon="download"
+              label={`Download the notes as ${label}, coordinates in metres`}
+              href={`/api/sessions/${encodeURIComponent(session)}/notes.${ending}`}
+              download
+            >
+              {label}
+            </Button>
+          ))}
+        </div>
+      )}
       <ul aria-label="Notes">
         {notes?.map((note) => (
           <li key={note.id}>
@@ -105,10 +130,11 @@ function Item({ note, store, state, onEdit }: ItemProps) {
   );
 }
 
-function pinLabel(store: Store, { at_s, scan, x, y }: Pin): string {
+function pinLabel(store: Store, { at_s, scan, x, y, outline }: Pin): string {
   const time = at_s === null ? [] : [at_s > 0 ? shownTime(store, at_s) : `scan ${scan}`];
   const place = x === null || y === null ? [] : [`${written(x, 2)}, ${written(y, 2)} m`];
-  return [...time, ...place].join(" · ");
+  const area = outline === null ? [] : [`${written(areaOf(outline), 2)} m²`];
+  return [...time, ...place, ...area].join(" · ");
 }
 
 interface EditorProps {
@@ -123,18 +149,26 @@ function Editor({ store, state, note, onDone }: EditorProps) {
   const id = useId();
   const text = useSignal(note?.text ?? "");
   const hasTime = useSignal(note ? note.at_s !== null : true);
-  const hasPlace = useSignal(note ? note.x !== null : false);
+  const hasPlace = useSignal(note ? note.x !== null && note.outline === null : false);
+  const hasArea = useSignal(note ? note.outline !== null : false);
   const busy = useSignal(false);
   const frame = store.frame.value;
   const pinned = store.pinned.value;
+  const measuring = measuringOf(store);
+  const measured = measuring.tool.value === "area" ? measuring.points.value : [];
+  const area = note?.outline ?? (measured.length >= 3 && areaOf(measured) > 0 ? measured : null);
   // What a note has keeps its pin; what is newly pinned takes the moment, or the cell that was clicked.
   const pin: Pin = {
     at_s: hasTime.value ? (note?.at_s ?? frame?.stamp ?? 0) : null,
     scan: hasTime.value ? (note?.scan ?? frame?.index ?? 0) : null,
     x: hasPlace.value ? (note?.x ?? pinned?.[0] ?? null) : null,
     y: hasPlace.value ? (note?.y ?? pinned?.[1] ?? null) : null,
+    outline: hasArea.value ? area : null,
   };
-  const isPinned = (pin.at_s !== null || pin.x !== null) && (!hasPlace.value || pin.x !== null);
+  const isPinned =
+    (pin.at_s !== null || pin.x !== null || pin.outline !== null) &&
+    (!hasPlace.value || pin.x !== null) &&
+    (!hasArea.value || pin.outline !== null);
   const save = async (): Promise<void> => {
     busy.value = true;
     if (await state.keep(text.value.trim(), pin, note?.id)) {
@@ -178,6 +212,13 @@ function Editor({ store, state, note, onDone }: EditorProps) {
         }
         signal={hasPlace}
       />
+      <ToggleOf
+        label={area ? `Around the area of ${written(areaOf(area), 2)} m²` : "Around the area that I measure on the map"}
+        signal={hasArea}
+      />
+      {hasArea.value && !area && (
+        <p class="quiet">Take the area tool above the map and click at least three corners.</p>
+      )}
       <div class="actions">
         <Button
           kind="primary"

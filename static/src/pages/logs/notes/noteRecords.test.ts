@@ -10,7 +10,7 @@ const trajectory = (every: number, stamps: readonly number[]): Trajectory => ({
   poses: [],
   stamps,
 });
-const at = (at_s: number, scan: number): Pin => ({ at_s, scan, x: null, y: null });
+const at = (at_s: number, scan: number): Pin => ({ at_s, scan, x: null, y: null, outline: null });
 
 describe("where a note is on the time slider", () => {
   it("is at its own scan while the log shows the same sensor", () => {
@@ -26,6 +26,6 @@ describe("where a note is on the time slider", () => {
   it("is at its scan in a log without times, and nowhere without a time", () => {
     expect(scanOf(at(0, 7), trajectory(1, [0, 0, 0]), 20)).toBe(7);
     expect(scanOf(at(0, 70), null, 20)).toBe(20);
-    expect(scanOf({ at_s: null, scan: null, x: 1, y: 2 }, null, 20)).toBeNull();
+    expect(scanOf({ at_s: null, scan: null, x: 1, y: 2, outline: null }, null, 20)).toBeNull();
   });
 });

@@ -2,7 +2,7 @@
 
 import { ask } from "../../../wire/ask";
 import type { NoteAnswer } from "../../../wire/http";
-import type { Trajectory } from "../../../wire/protocol";
+import type { Point, Trajectory } from "../../../wire/protocol";
 
 export interface Pin {
   /** Seconds after the log's first scan, and the number of scans in the map then. */
@@ -11,6 +11,8 @@ export interface Pin {
   /** A place on the map, metres. */
   readonly x: number | null;
   readonly y: number | null;
+  /** The corners of an area on the map, metres; its place is the centroid, which the server finds. */
+  readonly outline: readonly Point[] | null;
 }
 
 export async function fetchNotes(session: string): Promise<readonly NoteAnswer[]> {
@@ -19,7 +21,7 @@ export async function fetchNotes(session: string): Promise<readonly NoteAnswer[]
 
 /** Keep a note; `id` of one that is changed. */
 export function keepNote(session: string, text: string, pin: Pin, id?: string): Promise<NoteAnswer> {
-  const body = { text, ...pin };
+  const body = { text, ...pin, outline: pin.outline?.map(([x, y]) => [x, y] as [number, number]) ?? null };
   if (id === undefined) return ask("POST /api/sessions/{session_id}/notes", { session_id: session }, { body });
   return ask("PUT /api/sessions/{session_id}/notes/{note_id}", { session_id: session, note_id: id }, { body });
 }

@@ -1,0 +1,98 @@
+"""Notes on a log as files for other programs: GeoJSON (RFC 7946) and CSV.
+
+Coordinates are metres in the frame of the map, not degrees: RFC 7946, 4 allows that where all who use a file agree, and
+each file says so.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from server.library.annotations.areas import Corner, area_of
+from server.library.annotations.notes import Note
+
+COLUMNS = ("id", "text", "seconds", "scan", "frame", "x_m", "y_m", "area_m2", "outline", "created", "changed")
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  #: with which a spreadsheet begins a formula
+
+
+@dataclass(frozen=True, slots=True)
+class MapFrame:
+    """The frame of a map: its name, and what is added to a place on the map for its coordinates there, metres."""
+
+    name: str
+    offset: Corner = (0.0, 0.0)
+
+    def place(self, x: float, y: float) -> Corner:
+        """Return the coordinates of a place on the map."""
+        return x + self.offset[0], y + self.offset[1]
+
+
+def notes_as_geojson(notes: Sequence[Note], frame: MapFrame, title: str) -> str:
+    """Return notes as a FeatureCollection: a place is a Point, an area a Polygon, a time alone has no geometry."""
+    return json.dumps(
+        {
+            "type": "FeatureCollection",
+            "name": title,
+            "frame": frame.name,
+            "unit": "m",
+            "remark": f"Coordinates are metres in the frame {frame.name!r} of the poses, not longitude and latitude.",
+            "features": [_feature(note, frame) for note in notes],
+        },
+        ensure_ascii=False,
+        indent=1,
+    )
+
+
+def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
+    """Return notes as a table; an area is a polygon in WKT. A text that a spreadsheet would compute begins with '."""
+    file = io.StringIO()
+    table = csv.writer(file, lineterminator="\r\n")
+    table.writerow(COLUMNS)
+    for note in notes:
+        pin, own = note.pin, note.text.lstrip()
+        ring = "" if pin.outline is None else ", ".join(f"{x!r} {y!r}" for x, y in _ring(pin.outline, frame))
+        place = ("", "", "") if pin.x is None or pin.y is None else (frame.name, *frame.place(pin.x, pin.y))
+        table.writerow(
+            [
+                note.id,
+                f"'{note.text}" if own.startswith(_FORMULA) else note.text,
+                pin.at_s,
+                pin.scan,
+                *place,
+                "" if pin.outline is None else round(abs(area_of(pin.outline)), 4),
+                ring and f"POLYGON (({ring}))",
+                _utc(note.created_s),
+                _utc(note.changed_s),
+            ]
+        )
+    return file.getvalue()
+
+
+def _feature(note: Note, frame: MapFrame) -> dict[str, Any]:
+    pin = note.pin
+    geometry: dict[str, Any] | None = None
+    more: dict[str, Any] = {}
+    if pin.outline is not None:
+        geometry = {"type": "Polygon", "coordinates": [_ring(pin.outline, frame)]}
+        more = {"area_m2": round(abs(area_of(pin.outline)), 4)}
+    elif pin.x is not None and pin.y is not None:
+        geometry = {"type": "Point", "coordinates": frame.place(pin.x, pin.y)}
+    about = {"text": note.text, "seconds": pin.at_s, "scan": pin.scan}
+    times = {"created": _utc(note.created_s), "changed": _utc(note.changed_s)}
+    return {"type": "Feature", "id": note.id, "geometry": geometry, "properties": about | more | times}
+
+
+def _ring(outline: Sequence[Corner], frame: MapFrame) -> list[Corner]:
+    """Return the corners counter-clockwise and closed, as RFC 7946, 3.1.6 asks of an outer ring."""
+    corners = [frame.place(x, y) for x, y in (outline if area_of(outline) > 0.0 else outline[::-1])]
+    return [*corners, corners[0]]
+
+
+def _utc(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
