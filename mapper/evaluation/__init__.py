@@ -6,6 +6,7 @@ from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
 from mapper.evaluation.pose_error import absolute_errors, relative_errors
 from mapper.evaluation.published import PUBLISHED, PublishedResult, benchmark_named
 from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
+from mapper.evaluation.same_path import is_same_path, stated_before
 from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
 from mapper.evaluation.trajectory_error import Comparison, ComparisonOptions, compare_trajectories
 
@@ -27,6 +28,8 @@ __all__ = [
     "benchmark_named",
     "compare_trajectories",
     "evaluate_relations",
+    "is_same_path",
     "pairs_over",
     "relative_errors",
+    "stated_before",
 ]

@@ -11,6 +11,7 @@ from msgspec import Struct, to_builtins
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
+from mapper.evaluation.same_path import stated_before
 from mapper.grid import OccupancyGrid
 from mapper.io.logs.summary import start_s
 from mapper.mapping.parameters import MappingConfig
@@ -280,8 +281,11 @@ class LogModel(SessionModel):
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
 
     def _trajectories_message(self) -> Trajectories:
-        found = self.recording.log.trajectories.items()
-        return Trajectories([TrajectoryInfo(name, trajectory.description) for name, trajectory in found])
+        found = self.recording.log.trajectories
+        same = stated_before(found)
+        return Trajectories(
+            [TrajectoryInfo(name, one.description, one.from_scans, same.get(name)) for name, one in found.items()]
+        )
 
     def _trajectory_message(self) -> TrajectoryMessage:
         recording = self.recording

@@ -78,6 +78,8 @@ class TrajectoryInfo(Part):
 
     name: Annotated[str, Meta(description="name, as the command `trajectory` takes it")]
     description: Annotated[str, Meta(description="source of the poses")]
+    from_scans: Annotated[bool, Meta(description="whether they were found from the scans, as by SLAM")]
+    same_as: Annotated[str | None, Meta(description="trajectory before it with the same path; null for none")]
 
 
 class LogInfo(Part):

@@ -68,6 +68,10 @@ export interface TrajectoryInfo {
   readonly name: string;
   /** source of the poses */
   readonly description: string;
+  /** whether they were found from the scans, as by SLAM */
+  readonly from_scans: boolean;
+  /** trajectory before it with the same path; null for none */
+  readonly same_as: string | null;
 }
 
 /** The log of a log session. */
@@ -1618,6 +1622,8 @@ const isTable: Check = isObject({
 const isTrajectoryInfo: Check = isObject({
   name: isText,
   description: isText,
+  from_scans: isFlag,
+  same_as: oneOf(isText, isNull),
 });
 const isLogInfo: Check = isObject({
   id: isText,

@@ -6,10 +6,11 @@ import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { ask } from "../../../wire/ask";
 import type { TrajectoryErrors } from "../../../wire/http";
+import type { TrajectoryInfo } from "../../../wire/messages";
 import { Plot } from "../contents/LazyPlot";
 import { trajectoryLabel } from "../library/describeLog";
 import { AddTrajectory } from "./AddTrajectory";
-import { errorSeries, rowsOf, STATISTICS } from "./errors";
+import { errorSeries, firstPair, rowsOf, STATISTICS } from "./errors";
 import { TrajectoryChoice } from "./TrajectoryChoice";
 import "./trajectories.css";
 
@@ -31,16 +32,16 @@ interface TrajectoriesProps {
 /** The poses of the map, trajectories brought along, and the errors of one trajectory against another one. */
 export function Trajectories({ store, session, isGuest, errors }: TrajectoriesProps) {
   const log = store.hello.value?.log;
-  const names = (log?.trajectories ?? []).map((one) => one.name);
+  const trajectories = log?.trajectories ?? [];
   return (
     <>
       <TrajectoryChoice store={store} />
       {!isGuest && log && <AddTrajectory session={session} />}
       <Panel title="Errors of one against another">
-        {names.length < 2 ? (
+        {trajectories.length < 2 ? (
           <p class="quiet">The log has one trajectory: add another one to compare the two.</p>
         ) : (
-          <Errors store={store} session={session} names={names} errors={errors} />
+          <Errors store={store} session={session} trajectories={trajectories} errors={errors} />
         )}
       </Panel>
     </>
@@ -50,11 +51,14 @@ export function Trajectories({ store, session, isGuest, errors }: TrajectoriesPr
 function Errors({
   store,
   session,
-  names,
+  trajectories,
   errors,
-}: Pick<TrajectoriesProps, "store" | "session" | "errors"> & { readonly names: readonly string[] }) {
-  const reference = useSignal(names[0] ?? "");
-  const estimate = useSignal(names[1] ?? "");
+}: Pick<TrajectoriesProps, "store" | "session" | "errors"> & { readonly trajectories: readonly TrajectoryInfo[] }) {
+  const names = trajectories.map(({ name }) => name);
+  const first = firstPair(trajectories);
+  const reference = useSignal(first[0]);
+  const estimate = useSignal(first[1]);
+  const pathOf = (name: string): string => trajectories.find((one) => one.name === name)?.same_as ?? name;
   const align = useSignal("rigid");
   const failure = useSignal<string | null>(null);
   const delta = useSignal(1);
@@ -101,6 +105,9 @@ function Errors({
           delta.value = Number(value);
         }}
       />
+      {pathOf(reference.value) === pathOf(estimate.value) && (
+        <p class="quiet">These two are the same path, stated twice.</p>
+      )}
       {failure.value && <p role="alert">{failure.value}</p>}
       {!found && !failure.value && <p class="quiet">…</p>}
       {found && !failure.value && (

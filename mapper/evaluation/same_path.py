@@ -1,0 +1,36 @@
+"""Trajectories that are one and the same path, stated twice, as by tf and by the topic of the odometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array
+from mapper.core.se2 import compose, inverse
+from mapper.sensors.scan import Trajectory
+
+SAME_M = 0.001  #: two paths that are nowhere farther apart, each from its first pose, are one
+
+
+def is_same_path(one: Float64Array, two: Float64Array) -> bool:
+    """Return whether poses (n, 3) are those of another trajectory at the same times, but for where both begin."""
+    if one.shape != two.shape:
+        return False
+    if not len(one):
+        return True
+    from_first = [compose(inverse(poses[0]), poses) for poses in (one, two)]
+    return bool(np.hypot(*(from_first[0] - from_first[1])[:, :2].T).max() <= SAME_M)
+
+
+def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
+    """Return for each trajectory whose path another one before it has the name of that one."""
+    found: dict[str, str] = {}
+    for name, trajectory in trajectories.items():
+        for earlier in trajectories:
+            if earlier == name:
+                break
+            if earlier not in found and is_same_path(trajectories[earlier].poses, trajectory.poses):
+                found[name] = earlier
+                break
+    return found

@@ -1,0 +1,35 @@
+"""Trajectories that state one path twice."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mapper.evaluation.same_path import is_same_path, stated_before
+from mapper.sensors.scan import Trajectory
+
+
+def circle(n: int, radius: float = 2.0) -> np.ndarray:
+    angle = np.linspace(0.0, 2.0, n)
+    return np.column_stack([radius * np.sin(angle), radius * (1.0 - np.cos(angle)), angle])
+
+
+def seen_from(poses: np.ndarray, x: float, y: float, theta: float) -> np.ndarray:
+    c, s = math.cos(theta), math.sin(theta)
+    return np.column_stack([x + poses[:, :2] @ [c, -s], y + poses[:, :2] @ [s, c], poses[:, 2] + theta])
+
+
+def test_one_path_in_two_frames_is_the_same() -> None:
+    path = circle(50)
+    assert is_same_path(path, seen_from(path, 300.0, -20.0, 2.9))
+    assert not is_same_path(path, circle(50, 2.01))
+    assert not is_same_path(path, path[:-1])
+    assert is_same_path(path[:0], path[:0])
+
+
+def test_what_was_stated_before_is_named() -> None:
+    path, other = circle(20), circle(20, 3.0)
+    named = {"odom": path, "tf/odom": seen_from(path, 1.0, 2.0, 0.3), "SLAM": other, "again": path}
+    found = stated_before({name: Trajectory(poses) for name, poses in named.items()})
+    assert found == {"tf/odom": "odom", "again": "odom"}
