@@ -39,6 +39,7 @@ from server.stream.class_messages import (
     RaiseCommand,
     RevealCommand,
     ShowCommand,
+    StopCommand,
 )
 
 STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
@@ -156,12 +157,15 @@ class Classroom:
         """
         number = self._follower(visitor, address) if follows else self.number_of(visitor, address)
         member = Member(number, address)
-        answer = None if self.asked is None else self.asked.answers.get(number)
-        member.send(ClassWelcome("follower" if number else "lecturer", number, answer))
+        member.send(ClassWelcome("follower" if number else "lecturer", number, self.counted_answer(member)))
         member.unsent = {"class", "view", "explained"} if number else {"class"}
         self.members.add(member)
         self._changed()
         return member
+
+    def counted_answer(self, member: Member) -> float | None:
+        """Return what a follower has answered to the question that is asked; None for nothing."""
+        return None if self.asked is None else self.asked.answers.get(member.number)
 
     def leave(self, member: Member) -> None:
         """Remove a connection."""
@@ -231,9 +235,12 @@ class Classroom:
             case RevealCommand(right=right):
                 if self.asked is None:
                     raise ConfigError("class.question", "No question is asked.")
-                self.asked.set_right(right)
-                self.asked.is_revealed = True
+                self.asked.reveal(right)
                 self._asked_on.add(_page_of(self.view))
+            case StopCommand():
+                if self.asked is None:
+                    raise ConfigError("class.question", "No question is asked.")
+                self.asked.is_closed = True
             case CloseCommand():
                 self.asked = None
             case LockCommand(value=value):
@@ -254,8 +261,11 @@ class Classroom:
             self.stage_over = asyncio.Event()
             self._hand(None)
         self.view = view = _for_followers(view)
-        if self.asked is not None and self.asked.is_revealed and _page_of(view) not in self._asked_on:
-            self.asked = None  # its result would stand before what is shown next
+        if self.asked is not None and _page_of(view) not in self._asked_on:
+            if self.asked.is_revealed:
+                self.asked = None  # its result would stand before what is shown next
+            else:
+                self.asked.is_closed = True  # what is shown next may tell the answer
             self._changed()
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
 

@@ -32,6 +32,7 @@ class Question:
     axis: ClassAxis | None
     right: float | None = None
     is_revealed: bool = False
+    is_closed: bool = False  #: whether no more answers are taken
     answers: dict[int, float] = field(default_factory=dict)
     newest: int = 0
     joined_only: bool = False
@@ -63,13 +64,18 @@ class Question:
 
     def answer(self, follower: int, value: float) -> None:
         """Take an answer, which replaces an earlier one. Raises :class:`ConfigError` if it cannot be given."""
-        if self.is_revealed:
-            raise ConfigError("class.revealed", "The result has been shown: no more answers are accepted.")
+        if self.is_closed:
+            raise ConfigError("class.closed", "Voting is closed: your answer came too late.")
         if self.options is not None and value not in range(len(self.options)):
             raise ConfigError("class.answer", "That is not one of the options.")
         if self.axis is not None and not self.axis.low <= value <= self.axis.high:
             raise ConfigError("class.answer", f"A guess must be between {self.axis.low:g} and {self.axis.high:g}.")
         self.answers[follower] = value
+
+    def reveal(self, right: float | None) -> None:
+        """Show the result to all. Raises :class:`ConfigError` for an option that there is not."""
+        self.set_right(right)
+        self.is_revealed = self.is_closed = True
 
     @property
     def counted(self) -> list[float]:
@@ -98,6 +104,7 @@ class Question:
             self.options,
             self.axis,
             self.is_revealed,
+            self.is_closed,
             len(self.counted),
             self.counts if shown else None,
             self.right if shown else None,

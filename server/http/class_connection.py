@@ -66,7 +66,7 @@ async def _receive(websocket: WebSocket, room: Classroom, member: Member) -> Non
                 raise msgspec.ValidationError(f"A message is a text of at most {MAX_BYTES} characters")
             room.obey(member, _decoder.decode(text))
         except MapperError as error:
-            member.send(ClassError(error.code, error.message))
+            member.send(ClassError(error.code, error.message, room.counted_answer(member)))
             refused += 1
         except (msgspec.DecodeError, RecursionError) as error:
             member.send(ClassError("class.command", f"{error}."))

@@ -92,6 +92,7 @@ class ClassQuestion(Struct):
     options: Annotated[list[str] | None, Meta(description="the answers to choose from; null: a number is guessed")]
     axis: Annotated[ClassAxis | None, Meta(description="the axis of the guess; null: an option is chosen")]
     is_revealed: Annotated[bool, Meta(description="whether the result is shown to all")]
+    is_closed: Annotated[bool, Meta(description="whether no more answers are taken; always so once it is revealed")]
     answered: Annotated[int, Meta(description="how many answers are counted")]
     counts: Annotated[
         list[int] | None,
@@ -167,6 +168,9 @@ class ClassError(Struct, tag_field="type", tag="refused"):
 
     code: Annotated[str, Meta(description="stable name of the error")]
     message: Annotated[str, Meta(description="one sentence")]
+    answer: Annotated[
+        float | None, Meta(description="of an answer to the question that is asked: the one that is counted")
+    ] = None
 
 
 ClassMessage = ClassState | ClassWelcome | ClassViewMessage | ClassExplained | ClassError
@@ -198,6 +202,10 @@ class RevealCommand(Struct, tag_field="type", tag="reveal"):
     """Lecturer: show the result to all. No more answers are taken."""
 
     right: Annotated[Number | None, Meta(description="the right answer, if it was not known before")] = None
+
+
+class StopCommand(Struct, tag_field="type", tag="stop"):
+    """Lecturer: take no more answers to the question. Its result is not shown yet."""
 
 
 class CloseCommand(Struct, tag_field="type", tag="close"):
@@ -240,6 +248,7 @@ ClassCommand = (
     | ExplainCommand
     | AskCommand
     | RevealCommand
+    | StopCommand
     | CloseCommand
     | LockCommand
     | CountCommand
@@ -252,6 +261,7 @@ LECTURERS_COMMANDS = (
     ExplainCommand,
     AskCommand,
     RevealCommand,
+    StopCommand,
     CloseCommand,
     LockCommand,
     CountCommand,

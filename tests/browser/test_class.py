@@ -98,7 +98,7 @@ def test_followers_answer_and_two_of_them_follow_into_the_lab(
     page.get_by_role("button", name="Reveal").click()
     for phone in phones:
         expect(phone.get_by_role("list", name=result)).to_be_visible()
-    page.get_by_role("button", name="Close the question").click()
+    page.get_by_role("button", name="Remove the question").click()
 
     # two follow into the lab, one of them late
     for phone in phones[2:]:
@@ -306,7 +306,7 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
         expect(card.get_by_role("img", name="1 answered.")).to_be_visible()
         expect(card.get_by_role("status")).to_contain_text("1 answered. ")
         nothing_wrong(page, f"#{section} .prediction")
-        page.get_by_role("button", name="Close the question").click()
+        page.get_by_role("button", name="Remove the question").click()
         expect(card).to_have_count(0)
     ended(page)
 

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Request, WebSocket, expect
+from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Request, WebSocket, WebSocketRoute, expect
 
 from tests.browser.conftest import standing_world
 from tests.browser.lecturing import never_idle
@@ -162,6 +162,97 @@ def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
     expect(phone.get_by_text(ANSWER)).to_be_visible()
     assert received.found(secrets) == {"LATER-SLIDE", ANSWER}
     ended(page)
+
+
+def test_voting_closes_with_the_figure_and_the_speaker_alone_sees_counts_and_the_right_answer(
+    page: Page, visitor: BrowserContext, server: str
+) -> None:
+    never_idle(page)
+    never_idle(visitor)
+    code = opened_on_slides(page, server, "/lecture.html?present#cell/2")
+    with page.expect_popup() as opening:
+        page.get_by_role("button", name=re.compile("^Speaker")).click()
+    speaker = opening.value
+    question = speaker.get_by_role("region", name="Question")
+    expect(question.get_by_role("listitem")).to_have_count(3)
+    expect(question.locator(".is-right")).to_contain_text("✓ right")
+    expect(page.locator(".slide-question")).not_to_contain_text("right")
+    phone = visitor.new_page()
+    phone.goto(f"{server}/class/{code}")
+    expect(phone.get_by_text("Wait for the question.")).to_be_visible()
+
+    question.get_by_role("button", name="Ask the class").click()
+    phone.get_by_role("button", name=re.compile("^B")).click()
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is open")
+    expect(question.get_by_role("listitem").nth(1)).to_contain_text("1")
+    expect(page.locator(".slide-option-bar")).to_have_count(0)
+
+    speaker.get_by_role("button", name="Next", exact=True).click()  # the figure
+    expect(phone.get_by_text(re.compile("^Voting is closed. You chose B: "))).to_be_visible()
+    expect(phone.locator(".class-option, .slide-option")).to_have_count(0)
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is closed")
+    expect(phone.locator("main, .class-card").get_by_text("✓ right")).to_have_count(0)
+    question.get_by_role("button", name="Show the result").click()
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, the result is shown")
+    expect(phone.get_by_text("✓ right")).to_be_visible()
+    expect(phone.get_by_text("B was not right.")).to_be_visible()
+
+
+def test_an_answer_that_comes_too_late_is_refused_and_the_counted_one_shown(
+    page: Page, visitor: BrowserContext, server: str
+) -> None:
+    never_idle(page)
+    never_idle(visitor)
+    code = opened_on_slides(page, server, "/lecture.html?present#cell/2")
+    page.get_by_role("button", name="Ask the class").click()
+    phone = visitor.new_page()
+    states: list[str] = []
+
+    def late(route: WebSocketRoute) -> None:
+        """Deliver to the phone all messages but that voting is closed."""
+        server_side = route.connect_to_server()
+
+        def deliver(message: str | bytes) -> None:
+            if '"is_closed":true' in str(message) and not states:
+                states.append(str(message))
+            else:
+                route.send(message)
+
+        server_side.on_message(deliver)
+
+    phone.route_web_socket(re.compile(r"/api/classes/\w+/stream"), late)
+    phone.goto(f"{server}/class/{code}")
+    options = phone.locator(".slide-options")
+    options.get_by_role("button", name=re.compile("^B")).click()
+    expect(page.get_by_text("1 of 1 answered")).to_be_visible()
+    page.get_by_role("button", name="Close voting").click()
+    expect(page.get_by_text("1 of 1 answered · voting is closed")).to_be_visible()
+    options.get_by_role("button", name=re.compile("^A")).click()
+    expect(phone.get_by_text("Voting is closed: your answer came too late.")).to_be_visible()
+    expect(options.get_by_role("button", name=re.compile("^B"))).to_have_attribute("aria-pressed", "true")
+    expect(options.get_by_role("button", name=re.compile("^A"))).to_have_attribute("aria-pressed", "false")
+
+
+def test_the_short_deck_is_chosen_with_its_minutes_and_a_part_keeps_its_title(page: Page, server: str) -> None:
+    never_idle(page)
+    page.goto(f"{server}/lecture.html?present")
+    page.get_by_role("button", name="Arrange the slides").click()
+    page.get_by_role("button", name="45 minutes").click()
+    expect(page.get_by_text(re.compile(r"^18 of \d+ slides are shown"))).to_be_visible()
+    page.get_by_role("button", name="Close", exact=True).click()
+    with page.expect_popup() as opening:
+        page.get_by_role("button", name=re.compile("^Speaker")).click()
+    speaker = opening.value
+    expect(speaker.locator(".speaker-plan")).to_contain_text("this slide until 1 of 45 min")
+    page.keyboard.press("Shift+PageDown")
+    expect(speaker.locator(".speaker-plan")).to_contain_text("this slide until 3 of 45 min")
+    page.keyboard.press("End")
+    expect(speaker.locator(".speaker-plan")).to_contain_text("this slide until 45 of 45 min")
+    page.get_by_role("button", name="Arrange the slides").click()
+    page.get_by_role("button", name="Part 2 only").click()
+    page.get_by_role("button", name="Close", exact=True).click()
+    page.keyboard.press("Home")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Occupancy grid mapping: When it goes wrong")
 
 
 def test_a_slide_is_scaled_to_the_room_above_the_line_of_the_class(page: Page, server: str) -> None:

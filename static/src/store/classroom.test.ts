@@ -47,6 +47,7 @@ const QUESTION: ClassQuestion = {
   options: ["Yes", "No"],
   axis: null,
   is_revealed: false,
+  is_closed: false,
   answered: 0,
   counts: null,
   right: null,
@@ -91,12 +92,12 @@ test("an answer that did not arrive is sent again after a reconnect, and not onc
 test("after the reveal the answer is the one that the service has", () => {
   socket().join(null, QUESTION);
   room.give(0);
-  socket().state({ ...QUESTION, answered: 1, is_revealed: true, counts: [1, 0] });
+  socket().state({ ...QUESTION, answered: 1, is_revealed: true, is_closed: true, counts: [1, 0] });
   expect(room.answer.value).toEqual({ question: 1, value: 0 });
   socket().breakOff();
   room.give(1);
   vi.runOnlyPendingTimers();
-  socket().join(0, { ...QUESTION, answered: 1, is_revealed: true, counts: [1, 0] });
+  socket().join(0, { ...QUESTION, answered: 1, is_revealed: true, is_closed: true, counts: [1, 0] });
   expect(socket().sent).toEqual([]);
   expect(room.answer.value).toEqual({ question: 1, value: 0 });
 });
@@ -138,8 +139,8 @@ test("the lecturer's page has the answers before the reveal only if they are loo
   expect(room.question.value).toEqual({ ...asked, right: null });
   socket().state({ ...asked, id: 2 });
   expect(room.question.value?.counts).toBeNull();
-  socket().state({ ...asked, id: 2, is_revealed: true });
-  expect(room.question.value).toEqual({ ...asked, id: 2, is_revealed: true });
+  socket().state({ ...asked, id: 2, is_revealed: true, is_closed: true });
+  expect(room.question.value).toEqual({ ...asked, id: 2, is_revealed: true, is_closed: true });
 });
 
 test.each([

@@ -172,7 +172,14 @@ export class Classroom {
         return;
       case "refused":
         this.refused.value = message.message;
+        this.#takeCounted(message.answer ?? null);
     }
+  }
+
+  /** Show the answer that is counted, after one that came too late. */
+  #takeCounted(counted: number | null): void {
+    const question = this.answer.peek()?.question;
+    if (question !== undefined) this.answer.value = counted === null ? null : { question, value: counted };
   }
 
   /**
@@ -184,7 +191,7 @@ export class Classroom {
     if (!asked) return;
     const given = this.answer.peek();
     const isGiven = given?.question === asked.id;
-    if (isGiven && !asked.is_revealed) {
+    if (isGiven && !asked.is_closed) {
       if (known !== undefined && known !== given.value) this.give(given.value, asked.id);
     } else if (!isGiven || known !== undefined)
       this.answer.value = known === undefined || known === null ? null : { question: asked.id, value: known };

@@ -359,6 +359,8 @@ export interface ClassQuestion {
   readonly axis: ClassAxis | null;
   /** whether the result is shown to all */
   readonly is_revealed: boolean;
+  /** whether no more answers are taken; always so once it is revealed */
+  readonly is_closed: boolean;
   /** how many answers are counted */
   readonly answered: number;
   /** answers for each option, or in each part of the axis; followers: null before the reveal */
@@ -1430,6 +1432,8 @@ export interface ClassError {
   readonly code: string;
   /** one sentence */
   readonly message: string;
+  /** of an answer to the question that is asked: the one that is counted */
+  readonly answer?: number | null;
 }
 
 /** Lecturer: what the page shows now. */
@@ -1466,6 +1470,11 @@ export interface RevealCommand {
   readonly type: "reveal";
   /** the right answer, if it was not known before */
   readonly right?: number | null;
+}
+
+/** Lecturer: take no more answers to the question. Its result is not shown yet. */
+export interface StopCommand {
+  readonly type: "stop";
 }
 
 /** Lecturer: take the question away. Its result is kept until the class ends. */
@@ -1592,6 +1601,7 @@ export type ClassCommand =
   | ExplainCommand
   | AskCommand
   | RevealCommand
+  | StopCommand
   | CloseCommand
   | LockCommand
   | CountCommand
@@ -1763,6 +1773,7 @@ const isClassQuestion: Check = isObject({
   options: oneOf(isListOf(isText), isNull),
   axis: oneOf(isClassAxis, isNull),
   is_revealed: isFlag,
+  is_closed: isFlag,
   answered: isInteger,
   counts: oneOf(isListOf(isInteger), isNull),
   right: oneOf(isNumber, isNull),
@@ -2136,6 +2147,7 @@ export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record
   refused: {
     code: isText,
     message: isText,
+    answer: optional(oneOf(isNumber, isNull)),
   },
 };
 

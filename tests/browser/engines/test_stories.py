@@ -218,7 +218,7 @@ def test_a_class_that_is_led_in_chromium(tab: Tab, lecturer: Page, service: Serv
     lecturer.get_by_text("1 of 1 answered").wait_for()
     lecturer.get_by_role("button", name="Reveal").click()
     tab.says("main, aside, [role=complementary]", "1 answered")
-    lecturer.get_by_role("button", name="Close the question").click()
+    lecturer.get_by_role("button", name="Remove the question").click()
     # Into the lab, and there with a world of one's own.
     session = service.begin(kind="simulation", world="office", seed=SEED, playing=False, story={"steps": 225})
     lecturer.goto(f"{tab.server}/lab.html?session={session}")

@@ -95,6 +95,11 @@ def shows_place(place: str, message: dict[str, Any]) -> bool:
     return bool(message["view"]["hash"] == place)
 
 
+def voting_is(is_closed: bool, state: dict[str, Any]) -> bool:
+    """Whether a question is asked whose voting is closed, or not."""
+    return state["question"] is not None and state["question"]["is_closed"] is is_closed
+
+
 def lab_of(person: Person) -> str:
     wanted = {"kind": "simulation", "world": "room", "seed": 3}
     return str(person.http.post("/api/sessions", json=wanted).json()["id"])
@@ -160,12 +165,21 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
         await pupil.send("answer", question=asked["id"], value=1)
         state = await teacher.until("class", lambda state: state["question"] and state["question"]["answered"] == 1)
         assert state["question"]["counts"] == [0, 1]
+        # no more answers once voting is closed, and the answer that is counted is told
+        await teacher.send("stop")
+        closed = (await pupil.until("class", lambda state: state["question"]["is_closed"]))["question"]
+        assert (closed["is_revealed"], closed["counts"], closed["right"]) == (False, None, None)
+        await pupil.send("answer", question=asked["id"], value=0)
+        refused = await pupil.until("refused")
+        assert (refused["code"], refused["answer"]) == ("class.closed", 1.0)
         await teacher.send("reveal")
         shown = await pupil.until("class", lambda state: state["question"] and state["question"]["is_revealed"])
         assert shown["question"]["counts"] == [0, 1]
         assert shown["question"]["right"] == 1
+        assert shown["question"]["is_closed"]
+        pupil.newest.pop("refused")
         await pupil.send("answer", question=asked["id"], value=0)
-        assert (await pupil.until("refused"))["code"] == "class.revealed"
+        assert (await pupil.until("refused"))["code"] == "class.closed"
         rows = list(csv.DictReader(io.StringIO(lecturer.http.get(opened["results"]).text)))
         assert [(row["option"], row["answers"], row["right"]) for row in rows] == [("a", "0", "no"), ("b", "1", "yes")]
 
@@ -505,6 +519,24 @@ async def test_followers_are_told_that_the_lecturer_is_away(
         await pupil.until("class", lambda state: state["is_lecturer_away"])
         async with lecturer.stream(path):
             await pupil.until("class", lambda state: not state["is_lecturer_away"])
+
+
+async def test_voting_closes_when_the_lecturer_moves_on(lecturer: Person, guest: Person) -> None:
+    code = lecturer.http.post("/api/classes").json()["code"]
+    path = f"/api/classes/{code}/stream"
+    async with lecturer.stream(path) as front, guest.stream(path) as back:
+        teacher, pupil = Seat(front), Seat(back)
+        for at, is_closed in (("?present#cell/2", False), ("?present#cell/3", False), ("?present#rays", True)):
+            await teacher.send("show", view={"page": "lecture", "hash": at})
+            if at.endswith("/2"):
+                await teacher.send("ask", text="How many?", options=["7", "8"], right=0)
+            await pupil.until("view", partial(shows_place, at))
+            state = await pupil.until("class", partial(voting_is, is_closed))
+            assert state["question"]["right"] is None
+        await pupil.send("answer", question=1, value=0)
+        refused = await pupil.until("refused")
+        assert (refused["code"], refused["answer"]) == ("class.closed", None)
+        assert "too late" in refused["message"]
 
 
 async def test_answers_are_counted_of_each_number_or_only_of_who_had_joined(

@@ -55,7 +55,7 @@ test("a result that cannot be loaded is said so, and can be asked for again", as
 
 test("the class is told the result, also after its answers were revealed without it, and once", async () => {
   const asked = { id: 1, text: "How many?", options: null, axis: { low: 0, high: 10, unit: "" }, answered: 1 };
-  const question = signal({ ...asked, is_revealed: true, counts: [1], right: null as number | null });
+  const question = signal({ ...asked, is_revealed: true, is_closed: true, counts: [1], right: null as number | null });
   const send = vi.fn();
   classroom.value = { isFollowed: false, question, send } as unknown as Classroom;
   await pressed(() => 7);

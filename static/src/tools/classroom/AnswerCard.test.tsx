@@ -13,6 +13,7 @@ const GUESS: ClassQuestion = {
   options: null,
   axis: { low: 0, high: 1, unit: "" },
   is_revealed: false,
+  is_closed: false,
   answered: 0,
   counts: null,
   right: null,
@@ -39,7 +40,7 @@ test("a guess begins in the middle of its axis, also of a short one", () => {
 });
 
 test("the error of a guess has no rounding errors", () => {
-  const revealed = { ...GUESS, is_revealed: true, answered: 1, counts: [1], right: 0.3 };
+  const revealed = { ...GUESS, is_revealed: true, is_closed: true, answered: 1, counts: [1], right: 0.3 };
   expect(status(shown(revealed, 0.35))).toBe("1 answered. Yours was 0.05 too high.");
 });
 

@@ -21,10 +21,12 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
         </>
       ) : (
         <>
-          {question.options && <Options room={room} options={question.options} given={given} />}
-          {question.axis && <Guess key={question.id} room={room} axis={question.axis} given={given} />}
+          {!question.is_closed && question.options && <Options room={room} options={question.options} given={given} />}
+          {!question.is_closed && question.axis && (
+            <Guess key={question.id} room={room} axis={question.axis} given={given} />
+          )}
           <p role="status" class="quiet">
-            {answerHint(question, given !== null, room)}
+            {answerHint(question, given, room)}
           </p>
         </>
       )}

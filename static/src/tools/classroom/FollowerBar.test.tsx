@@ -18,6 +18,7 @@ function shown(drives: boolean, isLecturerAway = false): readonly HTMLElement[] 
     isConnected: signal(true),
     isOutdated: signal(false),
     isOver: signal(false),
+    refused: signal(null),
     asksForRobot: signal(false),
     drives: signal(drives),
   };

@@ -6,6 +6,7 @@ import { toast } from "../../ui/Toast";
 import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage } from "./OutdatedPage";
+import { useRefused } from "./useRefused";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {
@@ -24,6 +25,7 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
     document.addEventListener("click", touched);
     return () => document.removeEventListener("click", touched);
   }, []);
+  useRefused(room);
   const state = room.state.value;
   if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)

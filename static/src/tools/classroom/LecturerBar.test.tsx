@@ -11,7 +11,15 @@ afterEach(() => {
   questionInHeading.value = null;
 });
 
-const QUESTION = { id: 1, text: "Is it free?", options: ["Yes", "No"], axis: null, is_revealed: false, answered: 3 };
+const QUESTION = {
+  id: 1,
+  text: "Is it free?",
+  options: ["Yes", "No"],
+  axis: null,
+  is_revealed: false,
+  is_closed: false,
+  answered: 3,
+};
 
 /** The line of a lecturer whose class is asked a question, with a page that shows its answers or not. */
 function shown(): { readonly send: ReturnType<typeof vi.fn> } {

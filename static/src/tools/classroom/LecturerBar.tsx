@@ -1,4 +1,4 @@
-import { useSignal, useSignalEffect } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import { type Classroom, endClass, openClass, questionInHeading, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
@@ -9,17 +9,13 @@ import { OutdatedPage } from "./OutdatedPage";
 import { codeIsShown } from "./opening";
 import { PollForm } from "./PollForm";
 import { PuzzleBoard } from "./PuzzleBoard";
+import { useRefused } from "./useRefused";
 
 /** The lecturer's controls of the class, on every page. */
 export function LecturerBar({ room }: { readonly room: Classroom }) {
   const isPolling = useSignal(false);
   const isEnding = useSignal(false);
-  useSignalEffect(() => {
-    const refused = room.refused.value;
-    if (!refused) return;
-    toast(refused, "error");
-    room.refused.value = null;
-  });
+  useRefused(room);
   const state = room.state.value;
   const question = room.question.value;
   const end = async (): Promise<void> => {
@@ -166,6 +162,7 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
       <div class="class-line">
         <p role="status">
           {question.answered} of {Math.max(present, question.answered)} answered
+          {question.is_closed && !question.is_revealed && " · voting is closed"}
           {joinedOnly && <span class="quiet"> · only those who had joined before</span>}
         </p>
         <div class="actions">
@@ -176,6 +173,11 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
           >
             Joined before
           </Button>
+          {!question.is_closed && (
+            <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "stop" })}>
+              Close voting
+            </Button>
+          )}
           {!question.is_revealed && (
             <>
               <Button
@@ -192,7 +194,7 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
             </>
           )}
           <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "close" })}>
-            Close the question
+            Remove the question
           </Button>
         </div>
       </div>

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { barsOf, spoken } from "./histogram";
 
-const base = { id: 1, text: "?", is_revealed: true, answered: 4 } as const;
+const base = { id: 1, text: "?", is_revealed: true, is_closed: true, answered: 4 } as const;
 
 describe("barsOf", () => {
   it("gives each option its share of the most frequent one", () => {

@@ -5,8 +5,8 @@ import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
+import { askSlide } from "./poll";
 import { QUESTIONS } from "./questions";
-import { answerOf } from "./shownAnswers";
 import { predicted, presenting, questionOf, slide, stage } from "./state";
 
 /** In a class the question of a slide can be asked of everybody. */
@@ -14,17 +14,9 @@ function ClassQuestion() {
   const room = lecturersClass.value;
   const question = questionOf(slide.value);
   if (!room || !question?.options || stage.value !== "predict" || askedAs(question.question)) return null;
-  const { question: text, options } = question;
-  const right = answerOf(slide.value)?.right;
   return (
     <p class="slide-ask no-print">
-      <Button
-        kind="primary"
-        icon="people"
-        onClick={() =>
-          room.send({ type: "ask", text, options: [...options], ...(right === undefined ? {} : { right }) })
-        }
-      >
+      <Button kind="primary" icon="people" onClick={askSlide}>
         Ask the class
       </Button>
     </p>
@@ -81,11 +73,15 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
               type="button"
               class="slide-option"
               aria-pressed={chosen === i}
-              disabled={asked ? asked.is_revealed : isFollowed}
+              disabled={asked ? asked.is_closed : isFollowed}
               onClick={() => choose(i)}
             >
               {bars[i] && (
-                <span class="slide-option-bar" style={`width: ${100 * bars[i].length}%`} aria-hidden="true" />
+                <span
+                  class={`slide-option-bar ${bars[i].isRight ? "is-right" : ""}`}
+                  style={`width: ${100 * bars[i].length}%`}
+                  aria-hidden="true"
+                />
               )}
               <span class="slide-option-letter">{letterOf(i)}</span>
               {option}
@@ -108,7 +104,7 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
       </ol>
       {isFollowed && (
         <p class="slide-ask" role="status">
-          {asked ? answerHint(asked, given !== undefined, room) : "Wait for the question."}
+          {asked ? answerHint(asked, given ?? null, room) : "Wait for the question."}
         </p>
       )}
     </>

@@ -1,15 +1,17 @@
 import "./speaker.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { SlidePicture } from "./deck/SlidePicture";
-import { type Act, listenToKeys } from "./keys";
-import { followSlides, type Told } from "./sync";
+import { listenToKeys } from "./keys";
+import type { Poll, PollAct } from "./poll";
+import { followSlides, type Remote, type Told } from "./sync";
 
 const two = (value: number): string => String(value).padStart(2, "0");
 
-/** Time of day, and since the window was opened or the watch was reset. */
-function Watch() {
+/** Time of day, and since the window was opened or the watch was reset, with the plan. */
+function Watch({ plan }: { readonly plan: Told["plan"] }) {
   const now = useSignal(Date.now());
   const since = useSignal(Date.now());
   useEffect(() => {
@@ -26,7 +28,14 @@ function Watch() {
         <span class="speaker-time number" role="timer">
           {Math.floor(seconds / 60)}:{two(seconds % 60)}
         </span>{" "}
-        since the start · it is{" "}
+        since the start
+        {plan && (
+          <span class="speaker-plan">
+            {" "}
+            · this slide until <span class="number">{plan.until}</span> of <span class="number">{plan.total}</span> min
+          </span>
+        )}{" "}
+        · it is{" "}
         <span class="number">
           {two(clock.getHours())}:{two(clock.getMinutes())}
         </span>
@@ -43,10 +52,50 @@ function Watch() {
   );
 }
 
+const LABELS = { ask: "Ask the class", stop: "Close voting", reveal: "Show the result" } as const;
+
+/** The question with the right answer and how often each was given: only here, not on the screen of the class. */
+function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: PollAct) => void }) {
+  const most = Math.max(1, ...poll.options.map(({ count }) => count ?? 0));
+  return (
+    <section class="speaker-poll" aria-label="Question">
+      <h2>Question</h2>
+      <p class="speaker-question">{poll.text}</p>
+      <p role="status">{poll.status}</p>
+      <ol>
+        {poll.options.map(({ text, count, isRight }, i) => (
+          <li key={text} class={isRight ? "is-right" : ""}>
+            <b>{letterOf(i)}</b>
+            <span>
+              {text}
+              {isRight && <em> ✓ right</em>}
+            </span>
+            {count !== null && (
+              <>
+                <b class="number">{count}</b>
+                <i style={`width: ${(100 * count) / most}%`} aria-hidden="true" />
+              </>
+            )}
+          </li>
+        ))}
+      </ol>
+      {poll.acts.length > 0 && (
+        <div class="actions">
+          {poll.acts.map((one, i) => (
+            <Button key={one} {...(i === 0 ? { kind: "primary" } : {})} onClick={() => act(one)}>
+              {LABELS[one]}
+            </Button>
+          ))}
+        </div>
+      )}
+    </section>
+  );
+}
+
 /** The speaker's window: the present slide, what the next step shows, and the notes. It controls the slides. */
 export function SpeakerView({ channel }: { readonly channel: string }) {
   const told = useSignal<Told | null>(null);
-  const send = useRef<(act: Act) => void>(() => {});
+  const send = useRef<Remote | null>(null);
   useEffect(() => {
     document.title = "Speaker · Gridbloom";
     send.current = followSlides(channel, (next) => {
@@ -54,7 +103,7 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
     });
     return listenToKeys(
       window,
-      (act) => act !== "exit" && send.current(act),
+      (act) => act !== "exit" && send.current?.act(act),
       () => true,
     );
   }, [channel, told]);
@@ -74,7 +123,7 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
         <h1>
           {now.number} / {now.total} {now.title}
         </h1>
-        <Watch />
+        <Watch plan={now.plan} />
       </header>
       <section class="speaker-now" aria-label="On the screen">
         <h2>{now.blank ? "The screen is blank" : "On the screen"}</h2>
@@ -84,18 +133,21 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
         <h2>{now.next ? "Next" : "This is the end"}</h2>
         {now.next && <SlidePicture hash={now.next} title="What comes next" />}
       </section>
-      <section class="speaker-notes" aria-label="Notes">
-        <h2>Notes</h2>
-        <p class="speaker-text">{now.notes || "This slide has no notes."}</p>
-      </section>
+      <div class="speaker-side">
+        <section class="speaker-notes" aria-label="Notes">
+          <h2>Notes</h2>
+          <p class="speaker-text">{now.notes || "This slide has no notes."}</p>
+        </section>
+        {now.poll && <PollPanel poll={now.poll} act={(one) => send.current?.poll(one)} />}
+      </div>
       <footer class="actions">
-        <Button icon="back" onClick={() => send.current("back")}>
+        <Button icon="back" onClick={() => send.current?.act("back")}>
           Back
         </Button>
-        <Button icon="forward" kind="primary" onClick={() => send.current("next")}>
+        <Button icon="forward" kind="primary" onClick={() => send.current?.act("next")}>
           Next
         </Button>
-        <Button icon="blank" pressed={now.blank} onClick={() => send.current("blank")}>
+        <Button icon="blank" pressed={now.blank} onClick={() => send.current?.act("blank")}>
           Blank
         </Button>
       </footer>

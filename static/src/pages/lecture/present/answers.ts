@@ -238,3 +238,12 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Open the logs page with a log of the audience, or with one of its sample logs.",
   },
 };
+
+/** The notes of slides that are not of a section: of a derivation, or by their kind. */
+export const OTHER_NOTES: Readonly<Record<string, string>> = {
+  title: "The map fills in as the robot drives. Ask what a cell could store, and what the colours mean.",
+  "cell-derivation":
+    "Ask for the next line before it is shown, and which assumption it needs: Markov twice, then independence of map and poses. Dividing by the free cell removes what is hard to know. The last line is the sum of the slide before.",
+  lab: "Let the audience name a parameter and say what it will change, then change it. Take the window, the max range and the increments first.",
+  log: "Open a sample log. Ask where its map is wrong and why, click a wall and read Why: which scans made it.",
+};

@@ -70,11 +70,13 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
       on_slide: now ? pointerAt.value : null,
     });
   });
-  // The answer of a slide reveals what the class has answered.
+  // The figure of a slide tells its answer: voting is closed with it. The slide's answer reveals what was answered.
   const stopRevealing = effect(() => {
-    const text = stage.value === "answer" ? questionOf(slide.value)?.question : undefined;
+    const text = presenting.value ? questionOf(slide.value)?.question : undefined;
     const asked = text === undefined ? null : askedAs(text);
-    if (presenting.value && asked && !asked.is_revealed) room.send({ type: "reveal" });
+    if (!asked || asked.is_revealed) return;
+    if (stage.value === "answer") room.send({ type: "reveal" });
+    else if (stage.value === "figure" && !asked.is_closed) room.send({ type: "stop" });
   });
   return () => {
     removeEventListener("scroll", onScroll);

@@ -1,8 +1,9 @@
 // @vitest-environment happy-dom
 import { afterEach, describe, expect, it } from "vitest";
 import { LESSONS, type LessonId } from "../lessons";
-import { ANSWERS } from "./answers";
+import { ANSWERS, OTHER_NOTES } from "./answers";
 import { type Slide, WHOLE_LECTURE } from "./deck/deck";
+import { SHORT_LECTURE } from "./deck/shortDeck";
 import { type Act, actOf, type Focused } from "./keys";
 import { type Answer, QUESTIONS } from "./questions";
 import { deck, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";
@@ -110,6 +111,14 @@ describe("the address", () => {
 
 it("every section has a question", () => {
   expect(LESSONS.map(({ id }) => id).filter((id) => !QUESTIONS[id])).toEqual([]);
+});
+
+it("every slide of the lecture has notes, and so has the log of the short one", () => {
+  for (const slide of SHORT_LECTURE.slides) {
+    const name = slide.kind === "derivation" ? `${slide.section}-derivation` : slide.kind;
+    const notes = slide.kind === "section" ? ANSWERS[slide.section]?.notes : OTHER_NOTES[name];
+    expect(notes?.length, name).toBeGreaterThan(40);
+  }
 });
 
 it("every question has an answer, and every right option is one of the options", () => {

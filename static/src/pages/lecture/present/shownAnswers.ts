@@ -13,11 +13,19 @@ export const answers = signal<Partial<Record<LessonId, Answer>>>({});
 export const answerOf = (of: Slide | undefined): Answer | undefined =>
   of?.kind === "section" ? answers.value[of.section] : undefined;
 
+const notes = signal<Readonly<Record<string, string>>>({});
+
+/** The notes that a slide comes with which is not of a section. */
+export const otherNotes = (of: Slide | undefined): string | undefined =>
+  of && notes.value[of.kind === "derivation" ? `${of.section}-derivation` : of.kind];
+
 /** Fetch the answers, again and again while the server does not answer; not for a follower of a class. */
 export async function fetchAnswers(): Promise<void> {
   if (followedCode !== null) return;
   try {
-    answers.value = (await import("./answers")).ANSWERS;
+    const fetched = await import("./answers");
+    answers.value = fetched.ANSWERS;
+    notes.value = fetched.OTHER_NOTES;
   } catch {
     setTimeout(() => void fetchAnswers(), RETRY_MS);
   }

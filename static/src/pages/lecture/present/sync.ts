@@ -4,7 +4,8 @@ import { effect } from "@preact/signals";
 import { act } from "./acts";
 import { type Slide, titleOf } from "./deck/deck";
 import type { Act } from "./keys";
-import { answerOf } from "./shownAnswers";
+import { actOnPoll, type Poll, type PollAct, pollOf } from "./poll";
+import { answerOf, otherNotes } from "./shownAnswers";
 import { blank, deck, hashOf, type Place, place, slides, stepped } from "./state";
 
 /** What the speaker's window shows. */
@@ -17,13 +18,23 @@ export interface Told {
   readonly number: number;
   readonly total: number;
   readonly blank: boolean;
+  /** Minutes from the beginning to the end of this slide, and to that of the last, as planned; null without a plan. */
+  readonly plan: { readonly until: number; readonly total: number } | null;
+  readonly poll: Poll | null;
 }
 
-type Message = { readonly told: Told } | { readonly act: Act } | { readonly hello: true };
+type Message = { readonly told: Told } | { readonly act: Act } | { readonly poll: PollAct } | { readonly hello: true };
 
 const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-slides-${id}`);
 
-export const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? "";
+export const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
+
+function planOf(shown: readonly Slide[], index: number): Told["plan"] {
+  const sum = (of: readonly Slide[]): number => of.reduce((minutes, one) => minutes + (one.minutes ?? 0), 0);
+  const list = slides.peek();
+  const total = sum(shown);
+  return total > 0 ? { until: sum(list.slice(0, index + 1).filter((one) => shown.includes(one))), total } : null;
+}
 
 function told(at: Place): Told {
   const list = slides.peek();
@@ -38,6 +49,11 @@ function told(at: Place): Told {
     number: shown.slice(0, at.index + 1).filter(Boolean).length,
     total: shown.filter(Boolean).length,
     blank: blank.peek(),
+    plan: planOf(
+      list.filter((_, i) => shown[i]),
+      at.index,
+    ),
+    poll: pollOf(),
   };
 }
 
@@ -52,22 +68,32 @@ export function openSpeaker(): boolean {
     const tell = (): void => opened.postMessage({ told: told(place.peek()) } satisfies Message);
     opened.onmessage = ({ data }: MessageEvent<Message>) => {
       if ("act" in data) act(data.act);
+      else if ("poll" in data) actOnPoll(data.poll);
       else if ("hello" in data) tell();
     };
     effect(() => {
-      void [place.value, blank.value, deck.value];
+      void [place.value, blank.value, deck.value, pollOf()];
       tell();
     });
   }
-  return window.open(`/lecture.html?speaker=${id}`, `gridbloom-speaker-${id}`, "popup,width=1180,height=720") !== null;
+  return window.open(`/lecture.html?speaker=${id}`, `gridbloom-speaker-${id}`, "popup,width=1280,height=720") !== null;
 }
 
-/** In the speaker's window: follow the slides of `id`; the returned function sends what a key asks for. */
-export function followSlides(id: string, show: (told: Told) => void): (act: Act) => void {
+/** What the speaker's window can have done. */
+export interface Remote {
+  readonly act: (act: Act) => void;
+  readonly poll: (act: PollAct) => void;
+}
+
+/** In the speaker's window: follow the slides of `id`; the returned functions send what a key or a button asks for. */
+export function followSlides(id: string, show: (told: Told) => void): Remote {
   const opened = named(id);
   opened.onmessage = ({ data }: MessageEvent<Message>) => {
     if ("told" in data) show(data.told);
   };
   opened.postMessage({ hello: true } satisfies Message);
-  return (act) => opened.postMessage({ act } satisfies Message);
+  return {
+    act: (act) => opened.postMessage({ act } satisfies Message),
+    poll: (poll) => opened.postMessage({ poll } satisfies Message),
+  };
 }

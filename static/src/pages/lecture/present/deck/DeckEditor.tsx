@@ -5,13 +5,15 @@ import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../../ui/Button";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
-import { LECTURE_PARTS, type Part } from "../../lessons";
+import { LECTURE_PARTS } from "../../lessons";
 import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
 import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { numberOf, only, reordered, shown as shownSlide } from "./deckOrder";
+import { numberOf, only, reordered } from "./deckOrder";
+import { allShown, hasPart, onlyPart } from "./partsOfDeck";
 import { SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
+import { SHORT_LECTURE } from "./shortDeck";
 import { ThumbnailMaker } from "./Thumbnail";
 
 /** Change the slides; the present slide, at `index` of them, stays, where it still is there. */
@@ -22,10 +24,6 @@ async function change(
   const title = deck.peek() === WHOLE_LECTURE ? `${WHOLE_LECTURE.title}, my deck` : deck.peek().title;
   await takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
-
-/** Whether a slide is about a section of one part of the lecture: each part is about as much as one lesson. */
-const isIn = ({ lessons }: Part, slide: Slide): boolean =>
-  "section" in slide && lessons.some(({ id }) => id === slide.section);
 
 /** How long a row is at hand before its picture is shown, ms: the pointer passes over many. */
 const REST_MS = 150;
@@ -93,13 +91,13 @@ function Slides() {
           {LECTURE_PARTS.map((part, i) => (
             <Button
               key={part.title}
-              disabled={!slides.some((slide) => isIn(part, slide))}
-              onClick={() => void change(only(slides, (slide) => isIn(part, slide)))}
+              disabled={!hasPart(slides, part)}
+              onClick={() => void change(onlyPart(slides, part))}
             >
               Part {i + 1} only
             </Button>
           ))}
-          <Button disabled={count === slides.length} onClick={() => void change(slides.map(shownSlide), present)}>
+          <Button disabled={count === slides.length} onClick={() => void change(allShown(slides), present)}>
             Show all
           </Button>
           <Button
@@ -219,6 +217,9 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
         </Button>
         <Button icon="restart" disabled={deck.value === WHOLE_LECTURE} onClick={() => void takeDeck(WHOLE_LECTURE)}>
           Whole lecture
+        </Button>
+        <Button icon="slides" disabled={deck.value === SHORT_LECTURE} onClick={() => void takeDeck(SHORT_LECTURE)}>
+          45 minutes
         </Button>
         <input
           ref={file}

@@ -8,6 +8,8 @@ interface Common {
   readonly hidden?: boolean;
   /** Shown only in the speaker's window; for a section instead of the notes that it comes with. */
   readonly notes?: string;
+  /** How long it is planned to take; the speaker's window adds them up. */
+  readonly minutes?: number;
 }
 
 /** A section of the lecture: its question, its figure, its answer. */
@@ -98,6 +100,7 @@ const VERSION = 1;
 export const MOST_SLIDES = 200;
 export const LONGEST_TITLE = 120;
 export const LONGEST_TEXT = 4000;
+const MOST_MINUTES = 600;
 export const LONGEST_FILE = 1_000_000;
 const KINDS = ["title", "section", "derivation", "text", "lab", "log"] as const;
 
@@ -122,6 +125,12 @@ function textField(from: Fields, field: string, longest: number, where: string):
   if (value.trim() === "") throw new DeckError(`${where}: “${field}” is empty.`);
   if (value.length > longest)
     throw new DeckError(`${where}: “${field}” has ${value.length} characters; at most ${longest} are allowed.`);
+  return value;
+}
+
+function minutesField(value: unknown, where: string): number {
+  if (typeof value !== "number" || !(value > 0 && value <= MOST_MINUTES))
+    throw new DeckError(`${where}: “minutes” is not a number above 0 and up to ${MOST_MINUTES}.`);
   return value;
 }
 
@@ -158,6 +167,7 @@ function readSlide(value: unknown, index: number): Slide {
     throw new DeckError(`${where}: “hidden” is neither true nor false.`);
   const common: Common = {
     ...(value.hidden ? { hidden: true } : {}),
+    ...(value.minutes === undefined ? {} : { minutes: minutesField(value.minutes, where) }),
     ...(value.notes === undefined ? {} : { notes: textField(value, "notes", LONGEST_TEXT, where) }),
   };
   if (kind === "section" || kind === "derivation") {

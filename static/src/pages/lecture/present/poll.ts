@@ -1,0 +1,69 @@
+/** The question of the present slide, or the one that the class is asked: what the speaker's window shows of it. */
+
+import { classroom, lecturersClass } from "../../../store/classroom";
+import { answerOf } from "./shownAnswers";
+import { questionOf, slide, stage } from "./state";
+
+/** What can be done with it now. */
+export type PollAct = "ask" | "stop" | "reveal";
+
+export interface Poll {
+  readonly text: string;
+  /** The options with how many chose each; null while it is not asked. */
+  readonly options: readonly { readonly text: string; readonly count: number | null; readonly isRight: boolean }[];
+  /** "3 of 12 answered", or why nobody can answer. */
+  readonly status: string;
+  readonly acts: readonly PollAct[];
+}
+
+/** The question of the slide, before it is asked. */
+function ofSlide(): Poll | null {
+  const now = slide.value;
+  const question = questionOf(now);
+  if (!question?.options) return null;
+  const right = answerOf(now)?.right;
+  const room = lecturersClass.value;
+  const canAsk = room?.isConnected.value && (stage.value === "ask" || stage.value === "predict");
+  return {
+    text: question.question,
+    options: question.options.map((text, i) => ({ text, count: null, isRight: i === right })),
+    status: room ? "Not asked" : "No class is open",
+    acts: canAsk ? ["ask"] : [],
+  };
+}
+
+/** The question to show the speaker; null for none. Unlike the page with the slides it has counts and right answer. */
+export function pollOf(): Poll | null {
+  const state = lecturersClass.value?.state.value;
+  const asked = state?.question;
+  const own = ofSlide();
+  if (!state || !asked || (asked.is_closed && own && own.text !== asked.text)) return own;
+  const { right, counts } = asked;
+  const axis = asked.options ? [] : [right === null ? "" : `, right: ${right} ${asked.axis?.unit ?? ""}`.trimEnd()];
+  const voting = asked.is_revealed ? "the result is shown" : asked.is_closed ? "voting is closed" : "voting is open";
+  const all = Math.max(state.present, asked.answered);
+  return {
+    text: asked.text,
+    options: (asked.options ?? []).map((text, i) => ({ text, count: counts?.[i] ?? 0, isRight: i === right })),
+    status: `${asked.answered} of ${all} answered, ${voting}${axis.join("")}`,
+    acts: asked.is_revealed ? [] : asked.is_closed ? ["reveal"] : ["stop", "reveal"],
+  };
+}
+
+/** Do with the question what the speaker's window asks for. */
+export function actOnPoll(act: PollAct): void {
+  const room = lecturersClass.peek();
+  if (!room || classroom.peek()?.isFollowed) return;
+  if (act !== "ask") room.send({ type: act });
+  else askSlide();
+}
+
+/** Ask the class the question of the present slide. */
+export function askSlide(): void {
+  const now = slide.peek();
+  const question = questionOf(now);
+  if (!question?.options) return;
+  const right = answerOf(now)?.right;
+  const asked = { text: question.question, options: [...question.options] };
+  lecturersClass.peek()?.send({ type: "ask", ...asked, ...(right === undefined ? {} : { right }) });
+}
