@@ -300,8 +300,8 @@ async def test_a_follower_who_comes_back_is_the_same_and_a_locked_class_takes_no
         teacher = Seat(front)
         async with guest.stream(path) as socket:
             await Seat(socket).until("welcome")
-            await teacher.send("ask", text="How far?", axis={"low": 0, "high": 40, "unit": "m"})
             await teacher.send("show", view={"page": "lecture", "hash": "?present#cell/2"})
+            await teacher.send("ask", text="How far?", axis={"low": 0, "high": 40, "unit": "m"})
             pupil = Seat(socket)
             asked = (await pupil.until("class", lambda state: state["question"]))["question"]
             await pupil.send("answer", question=asked["id"], value=40.0)
