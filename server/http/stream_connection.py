@@ -16,11 +16,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from server.parts.wire import Command, decode_command
 from server.sessions import SessionBudgetError, SessionHost
-from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.commands import AckCommand, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
@@ -282,7 +282,7 @@ async def _receive(
         try:
             _take(session, client, _decode(message), following)
         except ProtocolError as error:
-            client.send(error_message(error.code, error.message))
+            client.send(ErrorMessage(error.code, error.message))
             malformed += error.code.startswith("command.")
             if malformed > MAX_MALFORMED:
                 await _close(websocket, POLICY, "too many malformed frames")

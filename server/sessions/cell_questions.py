@@ -12,11 +12,12 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.sessions.messages import cell_message
 from server.sessions.part import Part
-from server.sessions.tick import TickResult, error_message
-from server.sessions.why import Source, why_message
+from server.sessions.tick import TickResult
+from server.sessions.why import CellAsked, Source, why_message
 from server.stream.commands import InspectCommand, WhyCommand
 from server.stream.hub import Client
 from server.stream.layers import GridLayer
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 
 _log = structlog.get_logger(__name__)
@@ -51,7 +52,7 @@ class CellQuestions(Part):
             case InspectCommand():
                 asked = self._map_of(command)
                 row, col, epoch = _cell_of(command, asked)
-                result.answer(cell_message(asked.grid, row, col, epoch) | {"layer": asked.layer.name})
+                result.answer(cell_message(asked.grid, row, col, epoch, asked.layer.name))
             case WhyCommand():
                 client = result.client
                 result.questions[client] = lambda: self._explain(client, command, result)
@@ -66,14 +67,14 @@ class CellQuestions(Part):
         try:
             asked = self._map_of(command)
             row, col, epoch = _cell_of(command, asked)
-            about = {"row": row, "col": col, "epoch": epoch, "index": asked.index}
+            about = CellAsked(row, col, epoch, asked.index, asked.layer.name)
             answer = why_message(asked.grid, asked.sources(), asked.config, about, command.until)
-            result.answers.append((client, answer | {"layer": asked.layer.name}))
+            result.answers.append((client, answer))
         except (ProtocolError, MapperError) as error:
             result.refuse(client, error)
         except Exception:  # noqa: BLE001 - a defect in one answer must not end the session
             _log.exception("a command failed", command="why")
-            result.answers.append((client, error_message("internal", "The cell could not be explained.")))
+            result.answers.append((client, ErrorMessage("internal", "The cell could not be explained.")))
 
 
 def _cell_of(command: InspectCommand | WhyCommand, asked: ExplainedMap) -> tuple[int, int, int]:

@@ -11,9 +11,10 @@ import structlog
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from server.sessions.model import SessionModel
-from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.sessions.tick import QueuedCommand, TickResult
 from server.stream.commands import PauseCommand, PlayCommand, SpeedCommand
 from server.stream.hub import Hub
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, type_of
 
 COMMANDS_S = (
@@ -59,7 +60,7 @@ def compute_tick(
     except MapperError as error:
         model.playback.playing = False
         result.changed = True
-        result.notices.append(error_message(error.code, error.message))
+        result.notices.append(ErrorMessage(error.code, error.message))
     model.draw(result)
     for answer in result.questions.values():
         answer()
@@ -89,7 +90,7 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
     except Exception:  # noqa: BLE001 - a defect in one command must not end the session
         _log.exception("a command failed", command=type_of(command))
         message = "The command failed because of a defect in the service."
-        result.answers.append((queued.client, error_message("internal", message)))
+        result.answers.append((queued.client, ErrorMessage("internal", message)))
 
 
 class TickPace:

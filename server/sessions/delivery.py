@@ -10,6 +10,8 @@ import structlog
 from server.sessions.model import SessionModel
 from server.sessions.tick import TickResult
 from server.stream.hub import Hub
+from server.stream.message_parts import Table
+from server.stream.messages import ErrorMessage, Hello
 from server.stream.protocol import SUBPROTOCOL
 
 _log = structlog.get_logger(__name__)
@@ -23,7 +25,7 @@ def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
 
 
 def send_result(
-    result: TickResult, model: SessionModel, hub: Hub, hello: Callable[[], dict[str, Any]], *, watched: bool
+    result: TickResult, model: SessionModel, hub: Hub, hello: Callable[[], Hello], *, watched: bool
 ) -> None:
     """Send what a computation changed; ``hello`` returns the message that is sent where it has to be new."""
     hub.set_layers(model.layers)
@@ -41,8 +43,8 @@ def send_answers(result: TickResult, hub: Hub) -> None:
     for client, message in result.answers:
         if client is not None:
             client.send(message)
-        elif isinstance(message, dict) and message["type"] == "error":
-            _log.info("command refused", code=message.get("code"))
+        elif isinstance(message, ErrorMessage):
+            _log.info("command refused", code=message.code)
     for client, kind in result.resent:
         if client is not None:
             client.resend(kind)
@@ -59,21 +61,22 @@ def call_each(callbacks: Iterable[Callable[[], None]]) -> None:
             _log.exception("a listener failed")
 
 
-def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> dict[str, Any]:
+def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> Hello:
     """Return the ``hello`` message of a session."""
-    return {
-        "type": "hello",
-        "protocol": SUBPROTOCOL,
-        "session": session_id,
-        "kind": model.kind,
-        "title": model.title,
-        "epoch_id": epoch_id,
-        "speeds": list(model.playback.speeds),
-        "parameters": {"table": [], "values": {}},
-        "sensor": None,
-        "log": None,
-        "tables": model.tables(),
-    } | model.particulars()
+    hello = Hello(
+        protocol=SUBPROTOCOL,
+        session=session_id,
+        kind=model.kind,
+        title=model.title,
+        epoch_id=epoch_id,
+        speeds=model.playback.speeds,
+        parameters=Table([], {}),
+        sensor=None,
+        log=None,
+        tables=model.tables(),
+    )
+    model.complete(hello)
+    return hello
 
 
 def frame_fields_of(model: SessionModel) -> dict[str, Any]:

@@ -26,9 +26,10 @@ from server.sessions.computation import MAX_TICK_S, TICK_S, TickPace, compute_ti
 from server.sessions.delivery import call_each, hello_message, publish_frame, send_result
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
-from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.sessions.tick import QueuedCommand, TickResult
 from server.stream.commands import CancelCommand
 from server.stream.hub import Client, Hub
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
 from server.work.movable_timer import MovableTimer
@@ -372,7 +373,7 @@ class SessionHost:
         """Pause after a defect, and send an error message."""
         self.model.playback.playing = False
         self._tick_failed = True
-        self.hub.send_all(error_message("internal", "The session stopped because of a defect in the service."))
+        self.hub.send_all(ErrorMessage("internal", "The session stopped because of a defect in the service."))
         with contextlib.suppress(Exception):  # the defect may lie in what is shown
             publish_frame(self.model, self.hub, watched=self.watched)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,9 +12,8 @@ from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, proba
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from server.sessions.view import Pose, RobotState
-
-if TYPE_CHECKING:
-    from mapper.simulation import SensorConfig
+from server.stream.message_parts import CellState
+from server.stream.messages import CellMessage, WorkingMessage
 
 #: No reading: pages wait for a first scan.
 NO_READINGS: dict[str, Any] = {
@@ -23,19 +21,13 @@ NO_READINGS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:
-    """Return a ``parameters`` message."""
-    return {"type": "parameters", "values": asdict(config), "sensor": None if sensor is None else asdict(sensor)}
-
-
-def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> dict[str, Any]:
+def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> WorkingMessage:
     """Return a ``working`` message; without a time the computation has ended."""
-    return {
-        "type": "working",
-        "elapsed_s": None if elapsed_s is None else round(elapsed_s, 2),
-        "fraction": None if fraction is None else round(fraction, 3),
-        "what": what,
-    }
+    return WorkingMessage(
+        elapsed_s=None if elapsed_s is None else round(elapsed_s, 2),
+        fraction=None if fraction is None else round(fraction, 3),
+        what=what,
+    )
 
 
 def frame_fields(robot_state: RobotState) -> dict[str, Any]:
@@ -64,28 +56,28 @@ def scan_fields(robot_state: RobotState, config: MappingConfig) -> dict[str, Any
     return fields | {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
 
 
-def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int) -> dict[str, Any]:
-    """Return a ``cell`` message."""
+def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str) -> CellMessage:
+    """Return a ``cell`` message about the map of ``layer``."""
     x, y = grid.geometry.cell_to_world((row, col))
     value, observed = float(grid.log_odds[row, col]), bool(grid.observed[row, col])
     p_occ = float(probability(value))
-    state = "unknown"
+    state: CellState = "unknown"
     if observed and p_occ > OCCUPIED_THRESHOLD:
         state = "occupied"
     elif observed and p_occ < FREE_THRESHOLD:
         state = "free"
-    return {
-        "type": "cell",
-        "row": row,
-        "col": col,
-        "epoch": epoch,
-        "x": float(x),
-        "y": float(y),
-        "observed": observed,
-        "log_odds": value,
-        "p_occ": p_occ,
-        "state": state,
-    }
+    return CellMessage(
+        row=row,
+        col=col,
+        epoch=epoch,
+        x=float(x),
+        y=float(y),
+        observed=observed,
+        log_odds=value,
+        p_occ=p_occ,
+        state=state,
+        layer=layer,
+    )
 
 
 def _rounded(pose: Pose) -> list[float]:

@@ -24,6 +24,8 @@ from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
+from server.stream.message_parts import Parameter
+from server.stream.messages import Hello
 from server.stream.protocol import Message, ProtocolError, type_of
 
 if TYPE_CHECKING:
@@ -114,11 +116,10 @@ class SessionModel(ABC):
         """``(index, count)``: scans in the map, scans in total."""
         return (0, 0)
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the fields of ``hello`` that the kind adds or sets."""
-        return {}
+    def complete(self, hello: Hello) -> None:  # noqa: B027 - some kinds have none
+        """Set the fields of ``hello`` that the kind has: none by default."""
 
-    def tables(self) -> dict[str, list[dict[str, Any]]]:
+    def tables(self) -> dict[str, list[Parameter]]:
         """Return the rows of the parameters of the parts, by the type of the command that sets them."""
         return {command: rows for part in self.parts for command, rows in part.tables.items()}
 

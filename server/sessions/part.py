@@ -18,6 +18,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sessions.view import Pose
 from server.stream.layers import Layer
+from server.stream.message_parts import Parameter
 from server.stream.protocol import Message
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ class Part:
     commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
     recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
     subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
-    tables: Mapping[str, list[dict[str, Any]]] = {}  #: rows of its parameters, by the type of the command for them
+    tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command for them
 
     @property
     def layers(self) -> Sequence[Layer]:

@@ -14,6 +14,7 @@ from mapper.sensors.scan import ScanLog
 from server.library.packs.reference_map import MapAnswer
 from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
 from server.sessions.view import GraphChange, LogView, Pose, Wanted
+from server.stream.message_parts import Compared
 
 if TYPE_CHECKING:
     from msgspec import Struct
@@ -91,7 +92,7 @@ class Comparable(ABC):
         """Compare with another map; None ends the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
     @abstractmethod
-    async def compared(self) -> tuple[dict[str, Any], Comparison]:
+    async def compared(self) -> tuple[Compared, Comparison]:
         """Return the description of A and the comparison. Raises :class:`mapper.core.errors.MapperError`."""
 
     @abstractmethod
@@ -99,7 +100,7 @@ class Comparable(ABC):
         """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""
 
     @abstractmethod
-    def description(self) -> dict[str, Any] | None:
+    def description(self) -> Compared | None:
         """Return the description of A, None if there is no comparison."""
 
 

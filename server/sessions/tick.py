@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
 from mapper.core.errors import MapperError
 from mapper.grid import CellBox
 from server.stream.hub import Client
+from server.stream.messages import ErrorMessage, NoticeMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class TickResult:
     cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
     remade_ms: float | None = None  #: duration of recomputing the whole map
     slots: dict[str, Message] = field(default_factory=dict)  #: newest message of each type, to all clients
-    notices: list[dict[str, Any]] = field(default_factory=list)  #: each sent to all clients
+    notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each sent to all clients
     answers: list[tuple[Client | None, Message]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
@@ -67,7 +68,7 @@ class TickResult:
 
     def notice(self, code: str, message: str) -> None:
         """Send a notice to all clients."""
-        self.notices.append({"type": "notice", "code": code, "message": message})
+        self.notices.append(NoticeMessage(code, message))
 
     def answer(self, message: Message) -> None:
         """Send ``message`` to the sender of the present command."""
@@ -75,9 +76,4 @@ class TickResult:
 
     def refuse(self, client: Client | None, error: ProtocolError | MapperError) -> None:
         """Send ``client`` the reason why a command was refused."""
-        self.answers.append((client, error_message(error.code, error.message)))
-
-
-def error_message(code: str, message: str, detail: object = None) -> dict[str, Any]:
-    """Return an ``error`` message."""
-    return {"type": "error", "code": code, "message": message, "detail": detail}
+        self.answers.append((client, ErrorMessage(error.code, error.message)))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
@@ -16,6 +16,8 @@ from mapper.mapping.provenance import Provenance, provenance
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
+from server.stream.message_parts import Contribution
+from server.stream.messages import WhyMessage
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
 
@@ -33,21 +35,32 @@ class Source:
     stamps_s: NDArray[np.float64]  #: (n_scans,), as in the ``frame`` message
 
 
+@dataclass(frozen=True, slots=True)
+class CellAsked:
+    """The cell that is asked about, in the map of ``index`` scans that a layer shows."""
+
+    row: int
+    col: int
+    epoch: int  #: of the layer's geometry
+    index: int
+    layer: str
+
+
 def why_message(
     grid: OccupancyGrid,
     sources: Sequence[Source],
     config: MappingConfig,
-    about: dict[str, int],
+    about: CellAsked,
     until: int | None = None,
-) -> dict[str, Any]:
-    """Return a ``why`` message about the cell (row, col), epoch and index of ``about``.
+) -> WhyMessage:
+    """Return a ``why`` message about a cell.
 
     ``until`` is the last contribution to describe in detail, None for the newest. Raises :class:`ProtocolError` if it
     is below 1.
     """
     if until is not None and until < 1:
         raise ProtocolError("command.until", f"Contributions count from 1, not {until}.")
-    row, col = about["row"], about["col"]
+    row, col = about.row, about.col
     parts: list[Provenance] = []
     part: Provenance | None = None
     for source in sources:
@@ -60,7 +73,7 @@ def why_message(
     stop = total if until is None else min(until, total)
     low, high = (limit if np.isfinite(limit) else None for limit in map(float, config.clamp_limits))
     first_scans = np.cumsum([0, *(source.stop for source in sources)])
-    contributions: list[dict[str, Any]] = []
+    contributions: list[Contribution] = []
     first_scan = None
     n = 0
     for source, part, first in zip(sources, parts, first_scans[:-1].tolist(), strict=True):
@@ -69,25 +82,28 @@ def why_message(
         inside = slice(max(0, stop - MAX_CONTRIBUTIONS - n), max(0, stop - n))
         contributions += _contributions(source, part, config, inside, n, first)
         n += len(part.scans)
-    return {
-        "type": "why",
-        **about,
-        "log_odds": float(grid.log_odds[row, col]),
-        "prior": float(config.log_odds_prior),
-        "log_odds_min": low,
-        "log_odds_max": high,
-        "per_scan": config.update == "per_scan",
-        "total": total,
-        "hits": sum(int(np.count_nonzero(part.hits)) for part in parts),
-        "first_scan": first_scan,
-        "curve": thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in parts)])),
-        "contributions": contributions,
-    }
+    return WhyMessage(
+        row=row,
+        col=col,
+        epoch=about.epoch,
+        index=about.index,
+        log_odds=float(grid.log_odds[row, col]),
+        prior=float(config.log_odds_prior),
+        log_odds_min=low,
+        log_odds_max=high,
+        per_scan=config.update == "per_scan",
+        total=total,
+        hits=sum(int(np.count_nonzero(part.hits)) for part in parts),
+        first_scan=first_scan,
+        curve=thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in parts)])),
+        contributions=contributions,
+        layer=about.layer,
+    )
 
 
 def _contributions(
     source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
-) -> list[dict[str, Any]]:
+) -> list[Contribution]:
     """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)
     scans, beams = part.scans[inside], part.beams[inside]
@@ -110,25 +126,25 @@ def _contributions(
         strict=True,
     )
     return [
-        ({} if sensors is None else {"sensor": sensors[i]})
-        | {
-            "n": n + inside.start + i + 1,
-            "scan": first_scan + scan,
-            "stamp": stamp,
-            "beam": beam,
-            "pose": pose,
-            "bearing": bearing,
-            "range": reading if is_reading else None,
-            "hit": hit,
-            "increment": round(increment, 6),
-            "log_odds": round(log_odds, 6),
-        }
+        Contribution(
+            n=n + inside.start + i + 1,
+            scan=first_scan + scan,
+            stamp=stamp,
+            beam=beam,
+            pose=pose,
+            bearing=bearing,
+            range=reading if is_reading else None,
+            hit=hit,
+            increment=round(increment, 6),
+            log_odds=round(log_odds, 6),
+            sensor=UNSET if sensors is None else sensors[i],
+        )
         for i, (scan, stamp, beam, pose, bearing, reading, is_reading, hit, increment, log_odds) in enumerate(columns)
     ]
 
 
-def thinned(log_odds: NDArray[np.float32]) -> list[list[float]]:
-    """Return [n, log-odds] of at most 2 · :data:`STRETCHES` contributions, n from 1, including the last one.
+def thinned(log_odds: NDArray[np.float32]) -> list[tuple[int, float]]:
+    """Return (n, log-odds) of at most 2 · :data:`STRETCHES` contributions, n from 1, including the last one.
 
     Of each stretch the minimum and the maximum are kept, so that no peak is lost.
     """
@@ -139,4 +155,4 @@ def thinned(log_odds: NDArray[np.float32]) -> list[list[float]]:
         pairs = zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
         ends = [(a + int(log_odds[a:b].argmin()), a + int(log_odds[a:b].argmax())) for a, b in pairs]
         kept = np.unique([*(i for pair in ends for i in pair), len(log_odds) - 1])
-    return [[i + 1, round(value, 4)] for i, value in zip(kept.tolist(), log_odds[kept].tolist(), strict=True)]
+    return [(i + 1, round(value, 4)) for i, value in zip(kept.tolist(), log_odds[kept].tolist(), strict=True)]

@@ -18,6 +18,8 @@ from server.sessions.tick import TickResult
 from server.sessions.view import LogView
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import LogInfo, TrajectoryInfo
+from server.stream.messages import Hello
 from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
@@ -93,26 +95,24 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         """The number of the costmap that is shown, and how many there are."""
         return (self._index, len(self._times))
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the recording as a log without scans; its trajectories are the topics."""
-        return {
-            "log": {
-                "id": self.log_id,
-                "topic": self._topic,
-                "cut": None,
-                "trajectory": self._topic,
-                "trajectories": [
-                    {"name": topic, "description": f"{len(stream)} costmaps, frame {', '.join(stream.frames)}"}
-                    for topic, stream in self._streams.items()
-                ],
-                "n_beams": 0,
-                "n_scans": len(self._times),
-                "duration_s": float(self._times[-1]),
-                "format": "costmaps",
-                "notes": [],
-                "start_s": self._start_s,
-            }
-        }
+    def complete(self, hello: Hello) -> None:
+        """Set the recording as a log without scans; its trajectories are the topics."""
+        hello.log = LogInfo(
+            id=self.log_id,
+            topic=self._topic,
+            cut=None,
+            trajectory=self._topic,
+            trajectories=[
+                TrajectoryInfo(topic, f"{len(stream)} costmaps, frame {', '.join(stream.frames)}", False, None)
+                for topic, stream in self._streams.items()
+            ],
+            n_beams=0,
+            n_scans=len(self._times),
+            duration_s=float(self._times[-1]),
+            format="costmaps",
+            notes=[],
+            start_s=self._start_s,
+        )
 
     def messages(self) -> list[Message]:
         """Return when each costmap was recorded, with the middle of its window."""

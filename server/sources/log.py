@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, ClassVar
 
 import numpy as np
-from msgspec import Struct, to_builtins
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
@@ -25,7 +26,6 @@ from server.parts.mapping.part import MappingParameters
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
 from server.sessions.playback import Playback
@@ -51,8 +51,8 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.message_parts import TrajectoryInfo
-from server.stream.messages import Trajectories
+from server.stream.message_parts import LogInfo, TrajectoryInfo
+from server.stream.messages import Hello, ParametersMessage, Trajectories
 from server.stream.messages import Trajectory as TrajectoryMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
@@ -253,32 +253,30 @@ class LogModel(SessionModel):
 
     # -- messages -------------------------------------------------------------------------------------------------
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the parameters, the log and its trajectories."""
+    def complete(self, hello: Hello) -> None:
+        """Set the parameters, the log and its trajectories."""
         recording, log = self.recording, self.recording.log
-        return {
-            "parameters": self.parameters.table(recording.first_config()),
-            "log": {
-                "id": recording.log_id,
-                "topic": log.topic,
-                "cut": recording.cut_table(),
-                "trajectory": recording.trajectory,
-                "trajectories": to_builtins(self._trajectories_message().trajectories),
-                "n_beams": log.n_beams,
-                "n_scans": log.n_scans,
-                "duration_s": float(recording.recorded[-1]),
-                "format": log.format,
-                "notes": list(log.notes),
-                "start_s": start_s(log.stamps_ns),
-            },
-        }
+        hello.parameters = self.parameters.table(recording.first_config())
+        hello.log = LogInfo(
+            id=recording.log_id,
+            topic=log.topic,
+            cut=recording.cut_table(),
+            trajectory=recording.trajectory,
+            trajectories=self._trajectories_message().trajectories,
+            n_beams=log.n_beams,
+            n_scans=log.n_scans,
+            duration_s=float(recording.recorded[-1]),
+            format=log.format,
+            notes=list(log.notes),
+            start_s=start_s(log.stamps_ns),
+        )
 
     def messages(self) -> list[Message]:
         """Return the parameters, the trajectory, and those of the parts."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 
-    def _parameters_message(self) -> dict[str, Any]:
-        return parameters_message(self.config, None) | {"compare": self.comparison.description()}
+    def _parameters_message(self) -> ParametersMessage:
+        return ParametersMessage(asdict(self.config), None, compare=self.comparison.description())
 
     def _trajectories_message(self) -> Trajectories:
         found = self.recording.log.trajectories

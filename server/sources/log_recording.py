@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
 from server.sources.diagnosing import examination
+from server.stream.message_parts import Table, rows_of
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
@@ -110,13 +111,13 @@ class LogRecording(Recording, Viewed):
         replay = self.replay
         return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index, self._cut)
 
-    def cut_table(self) -> dict[str, Any] | None:
+    def cut_table(self) -> Table | None:
         """Return the parameters of how the scans are cut, and their values; None where they come from a lidar."""
         names = {part.topic for part in (self.log.parts if isinstance(self.log, JointLog) else (self.log,))}
         kinds = {topic.type for topic in self.log.topics if topic.name in names}
-        rows = [asdict(row) for row in CUT_PARAMETERS if any(applies(row, kind) for kind in kinds)]
+        rows = [row for row in CUT_PARAMETERS if any(applies(row, kind) for kind in kinds)]
         values = PlanarCut.of(self._cut or {}).values
-        return {"table": rows, "values": {row["name"]: values[row["name"]] for row in rows}} if rows else None
+        return Table(rows_of(rows), {row.name: values[row.name] for row in rows}) if rows else None
 
     def use(self, log: ScanLog, view: LogView) -> None:
         """Begin again with another sensor of the log, or with scans that are cut otherwise (worker thread).

@@ -22,9 +22,10 @@ from server.sessions.commands import (
 )
 from server.sessions.part import Part
 from server.sessions.playback import Playback
-from server.sessions.tick import TickResult, error_message
+from server.sessions.tick import TickResult
 from server.sessions.view import LogView
 from server.sources.log_recording import LogRecording
+from server.stream.messages import ErrorMessage
 
 
 class FollowedPoses:
@@ -111,7 +112,7 @@ class LogUpdates(Part):
                 try:
                     model.use_sensor(log, view, result)
                 except MapperError as error:
-                    result.notices.append(error_message(error.code, error.message))
+                    result.notices.append(ErrorMessage(error.code, error.message))
             case FollowPoses(name=name):
                 self._followed.begin(name)
             case PosesSoFar():

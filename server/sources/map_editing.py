@@ -29,6 +29,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
+from server.stream.messages import MapEditsMessage
 from server.stream.protocol import Message, fields_of
 from server.stream.tiles import TilePicture, picture_range
 
@@ -101,23 +102,18 @@ class MapModel(SessionModel, EditedFiles):
         """The map is complete."""
         return (1, 1)
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the title."""
-        return {"title": self.title}
-
     def messages(self) -> list[Message]:
         """Return the message ``map_edits``."""
         edited = self._edited
         return [
-            {
-                "type": "map_edits",
-                "n": len(edited.operations),
-                "undone": edited.n_undone,
-                "last": [one.phrase for one in edited.operations[-MOST_LISTED:]],
-                "keepout_cells": int(np.count_nonzero(edited.keepout)),
-                "speed_cells": int(np.count_nonzero(edited.speed)),
-                "notes": list(self._given.notes),
-            }
+            MapEditsMessage(
+                n=len(edited.operations),
+                undone=edited.n_undone,
+                last=[one.phrase for one in edited.operations[-MOST_LISTED:]],
+                keepout_cells=int(np.count_nonzero(edited.keepout)),
+                speed_cells=int(np.count_nonzero(edited.speed)),
+                notes=list(self._given.notes),
+            )
         ]
 
     def frame(self) -> dict[str, Any]:

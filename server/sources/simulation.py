@@ -25,7 +25,6 @@ from server.parts.wire import command_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -53,6 +52,8 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import Compared, Table, rows_of
+from server.stream.messages import Hello, ParametersMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
@@ -227,26 +228,25 @@ class SimulationModel(SessionModel):
 
     # -- messages -------------------------------------------------------------------------------------------------
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the parameters, the sensor and the world; initial parameters are those for a lidar."""
-        return {
-            "parameters": self.parameters.table(self._mapper.first_config(SensorConfig())),
-            "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
-            "world": self.world.name,
-            "seed": self._mapper.seed,
-        }
+    def complete(self, hello: Hello) -> None:
+        """Set the parameters, the sensor and the world; initial parameters are those for a lidar."""
+        hello.parameters = self.parameters.table(self._mapper.first_config(SensorConfig()))
+        hello.sensor = Table(rows_of(SENSOR_PARAMETERS), asdict(self.sensor))
+        hello.world, hello.seed = self.world.name, self._mapper.seed
 
     def messages(self) -> list[Message]:
         """Return the parameters, the world, and those of the parts."""
         return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 
-    def _parameters_message(self) -> dict[str, Any]:
+    def _parameters_message(self) -> ParametersMessage:
         """Return the parameters, the robot's faults and the parameters in which the second map differs."""
         second = self._mapper.second
-        return parameters_message(self.config, self.sensor) | {
-            "faults": asdict(self._mapper.faults),
-            "compare": None if second is None else {"values": second.values, "with_faults": second.with_faults},
-        }
+        return ParametersMessage(
+            values=asdict(self.config),
+            sensor=asdict(self.sensor),
+            faults=asdict(self._mapper.faults),
+            compare=None if second is None else Compared(second.values, second.with_faults),
+        )
 
     def frame(self) -> dict[str, Any]:
         """Return the robot's pose, and whether it explores by itself."""

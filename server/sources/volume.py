@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
 from msgspec import Struct
 
 from mapper.core.array_types import Float64Array
@@ -26,11 +27,12 @@ from server.parts.volume.cloud_points import CloudPoints
 from server.parts.volume.comparison import VolumeComparison
 from server.parts.volume.drawings import VolumeDrawings
 from server.parts.volume.look import LOOK_PARAMETERS
-from server.parts.volume.message_fields import log_fields, look_table, volume_message, voxel_message
+from server.parts.volume.message_fields import log_info, look_table, no_voxel
 from server.parts.volume.messages import (
     SurfaceCommand,
     VolumeKeepCommand,
     VolumeLookCommand,
+    VolumeMessage,
     VoxelCommand,
     VoxelRayCommand,
 )
@@ -47,6 +49,8 @@ from server.sessions.tick import TickResult
 from server.sources.scan_timeline import ScanTimeline
 from server.stream.commands import CancelCommand, ParametersCommand, RestartCommand, SeekCommand, StepCommand
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import Table, rows_of
+from server.stream.messages import Hello, ParametersMessage
 from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
@@ -172,13 +176,11 @@ class VolumeModel(SessionModel, Volumetric):
         """Scans in the map, scans in total."""
         return (self._shown.index, self._map.count)
 
-    def particulars(self) -> dict[str, Any]:
-        """Return the file as a log without planar scans, and the table of the map's parameters."""
-        rows = [asdict(row) for row in VOLUME_PARAMETERS] if isinstance(self._source, ScanSequence) else []
-        return {
-            "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
-            "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
-        }
+    def complete(self, hello: Hello) -> None:
+        """Set the file as a log without planar scans, and the table of the map's parameters."""
+        if isinstance(self._source, ScanSequence):
+            hello.parameters = Table(rows_of(VOLUME_PARAMETERS), asdict(self._config))
+        hello.log = log_info(self._source, self._log_id, self._topic, self._timeline.duration)
 
     def messages(self) -> list[Message]:
         """Return what the map has, its parameters, and that no voxel is chosen."""
@@ -187,12 +189,12 @@ class VolumeModel(SessionModel, Volumetric):
             self._parameters(),
             *super().messages(),
             self._surface.message(),
-            voxel_message(None, self._config.resolution),
+            no_voxel(self._config.resolution),
             self._surface.no_voxel(),
         ]
 
-    def _parameters(self) -> dict[str, Any]:
-        return {"type": "parameters", "values": asdict(self._config), "sensor": None}
+    def _parameters(self) -> ParametersMessage:
+        return ParametersMessage(asdict(self._config), None)
 
     def frame(self) -> dict[str, Any]:
         """Return the time of the newest scan."""
@@ -223,15 +225,32 @@ class VolumeModel(SessionModel, Volumetric):
     def _rule(self) -> FaceRule:
         return self._drawn.rule(self._map.volume, self._look, has_free=self._has_free)
 
-    def _message(self) -> dict[str, Any]:
-        more = {
-            "look": look_table(self._first_look, self._look, self._low, self._high),
-            "has_free": self._has_free,
-            "up": self._up,
-            "nodes": self._nodes,
-            "compared": self._comparison.fields(),
-        }
-        return volume_message(self._map, self._drawn, self._low, self._high, more)
+    def _message(self) -> VolumeMessage:
+        volume, source = self._map.volume, self._map.source
+        scans = source if isinstance(source, ScanSequence) else None
+        occupied, free = volume.count_states()
+        sides = np.maximum(np.ceil((self._high - self._low) / self._map.config.resolution), 1.0)
+        chunks = self._drawn.faces.chunks
+        return VolumeMessage(
+            look=look_table(self._first_look, self._look, self._low, self._high),
+            low=self._low.tolist(),
+            high=self._high.tolist(),
+            has_scans=scans is not None,
+            has_free=self._has_free,
+            up=self._up,
+            points=int(source.starts[self._map.index]) if isinstance(source, ScanSequence) else len(source.tree.masks),
+            left_out=self._map.inserted.left_out,
+            occupied=occupied,
+            free=free,
+            bytes=volume.n_bytes,
+            dense_bytes=4.0 * float(np.prod(sides)),
+            nodes=self._nodes,
+            chunks=len(chunks),
+            quads=sum(len(quads) for quads in chunks.values()),
+            pending=self._drawn.pending,
+            colours=[] if scans is None else ["own colour" if name == "rgb" else name for name in scans.fields],
+            compared=self._comparison.summary(),
+        )
 
     # -- commands -------------------------------------------------------------------------------------------------
 

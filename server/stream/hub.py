@@ -20,6 +20,7 @@ import msgspec
 from server.stream.codecs import TILES, join_frame
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
+from server.stream.messages import LayersMessage
 from server.stream.protocol import Message, ProtocolError, encode_text, type_of
 from server.stream.traffic import Traffic
 
@@ -111,7 +112,7 @@ class Hub:
         self.layers = (*layers,)
         ids = {layer: self._ids.get(layer) or self._new_id() for layer in layers}
         self._ids = ids
-        self.set_slot({"type": "layers", "layers": [layer.info(number) for layer, number in ids.items()]})
+        self.set_slot(LayersMessage([layer.info(number) for layer, number in ids.items()]))
         for client in self.clients:
             client.keep_only(layers)
         self.note_watched()

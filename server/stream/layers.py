@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.codecs import CHANGES, CODECS, TILES, TilePayload
+from server.stream.message_parts import LayerInfo
 from server.stream.tiles import TilePicture, picture_range
 
 MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
@@ -89,16 +90,9 @@ class Layer(ABC):
         self.is_watched = False  #: whether a client is sent the layer (set on the event loop)
         self.is_on_demand = False  #: whether it is written only while it is watched
 
-    def info(self, layer: int) -> dict[str, Any]:
+    def info(self, layer: int) -> LayerInfo:
         """Return the entry of the message ``layers`` for the layer, whose id is ``layer``."""
-        return {
-            "id": layer,
-            "name": self.name,
-            "kind": self.kind,
-            "title": self.title,
-            "style": self.style,
-            "columns": list(self.columns),
-        }
+        return LayerInfo(layer, self.name, self.kind, self.title, self.style, list(self.columns))
 
     @abstractmethod
     def publish(self) -> None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
+from dataclasses import asdict, replace
 from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
+
+from mapper.core.parameter import Parameter as TableRow
 
 Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
@@ -64,6 +68,13 @@ class Parameter(Part):
     step: Annotated[float, Meta(description="step of a number's slider")]
     choices: Annotated[tuple[str, ...], Meta(description="values of a choice")]
     only_for: Annotated[tuple[str, ...], Meta(description="sensor models to which it applies; empty: all")]
+
+
+def rows_of(table: Iterable[TableRow], first: object = None) -> list[Parameter]:
+    """Return the rows of a table of parameters; ``first`` has other initial values than those of the rows."""
+    return [
+        Parameter(**asdict(row if first is None else replace(row, initial=getattr(first, row.name)))) for row in table
+    ]
 
 
 class Table(Part):

@@ -1,33 +1,33 @@
-"""The numbers of a comparison of two maps, for JSON."""
+"""The numbers of a comparison of two maps."""
 
 from __future__ import annotations
 
-from typing import Any
-
 from mapper.grid.compare import Comparison
+from server.stream.message_parts import Numbers
+from server.stream.messages import ComparisonMessage
 
 
-def numbers(found: Comparison) -> dict[str, Any]:
-    """Return the numbers of a comparison as a dictionary for JSON."""
-    return {
-        "cells": found.cells,
-        "states": found.states.tolist(),
-        "same": found.same,
-        "only": list(found.only),
-        "both": found.both,
-        "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
-        "contrast": [round(contrast, 4) for contrast in found.contrast],
-        "mean_difference": round(found.mean_difference, 4),
-        "max_difference": round(found.max_difference, 4),
-        "max_at": None if found.max_at_xy is None else [round(v, 4) for v in found.max_at_xy],
-    }
+def numbers(comparison: Comparison) -> Numbers:
+    """Return the numbers of a comparison, rounded."""
+    entropy_a, entropy_b = comparison.entropy_bits
+    contrast_a, contrast_b = comparison.contrast
+    at = comparison.max_at_xy
+    return Numbers(
+        cells=comparison.cells,
+        states=comparison.states.tolist(),
+        same=comparison.same,
+        only=comparison.only,
+        both=comparison.both,
+        entropy_bits=(round(entropy_a, 1), round(entropy_b, 1)),
+        contrast=(round(contrast_a, 4), round(contrast_b, 4)),
+        mean_difference=round(comparison.mean_difference, 4),
+        max_difference=round(comparison.max_difference, 4),
+        max_at=None if at is None else (round(at[0], 4), round(at[1], 4)),
+    )
 
 
-def comparison_message(index: int, found: Comparison | None = None, refused: str | None = None) -> dict[str, Any]:
+def comparison_message(
+    index: int, comparison: Comparison | None = None, refused: str | None = None
+) -> ComparisonMessage:
     """Return a ``comparison`` message: the numbers, or the reason why the maps cannot be compared."""
-    return {
-        "type": "comparison",
-        "index": index,
-        "refused": refused,
-        "numbers": None if found is None else numbers(found),
-    }
+    return ComparisonMessage(index, refused, None if comparison is None else numbers(comparison))

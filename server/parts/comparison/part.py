@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
@@ -21,13 +20,15 @@ from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
 from server.stream.layers import GridLayer
+from server.stream.message_parts import Compared
+from server.stream.messages import ParametersMessage
 from server.work.scheduler import checkpoint
 
 
 class LogComparison(Part, Comparable):
     """The second map of a log session, if there is one. ``message`` returns the ``parameters`` message."""
 
-    def __init__(self, host: ModelHost, recording: Recording, message: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, host: ModelHost, recording: Recording, message: Callable[[], ParametersMessage]) -> None:
         self._host, self._recording, self._message = host, recording, message
         self._other: SecondMapView | None = None
         self._layer: GridLayer | None = None
@@ -53,7 +54,7 @@ class LogComparison(Part, Comparable):
             result = await self._host.on_thread(partial(self._replace, other))
         self._host.deliver(result)
 
-    async def compared(self) -> tuple[dict[str, Any], Comparison]:
+    async def compared(self) -> tuple[Compared, Comparison]:
         """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
         async with self._host.settled():
             other = self._compared_with()
@@ -66,7 +67,7 @@ class LogComparison(Part, Comparable):
         other.check_lattice(grid)
         return other.replay.grid, grid
 
-    def description(self) -> dict[str, Any] | None:
+    def description(self) -> Compared | None:
         """Return the description of A, None if there is no comparison."""
         return None if self._other is None else self._other.description()
 

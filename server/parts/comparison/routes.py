@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
+from msgspec import convert, to_builtins
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
@@ -21,6 +22,7 @@ from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.sessions import SessionRegistry
 from server.sessions.parts import Comparable
 from server.sessions.view import Wanted
+from server.stream.message_parts import Compared
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -128,11 +130,11 @@ async def _comparison(comparison: Comparable) -> ComparisonAnswer:
     from server.parts.comparison.numbers import numbers  # noqa: PLC0415 - imported with the comparison
 
     other, found = await comparison.compared()
-    return ComparisonAnswer(a=_second(other), refused=None, **numbers(found))
+    return convert({"a": to_builtins(other), "refused": None} | to_builtins(numbers(found)), ComparisonAnswer)
 
 
-def _second(described: dict[str, Any] | None) -> SecondMap | None:
-    return None if described is None else SecondMap(**described)
+def _second(described: Compared | None) -> SecondMap | None:
+    return None if described is None else SecondMap(**to_builtins(described))
 
 
 @router.get("/{session_id}/compare.png", **file_answer("image/png"))

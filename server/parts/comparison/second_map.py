@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
@@ -17,6 +16,7 @@ from mapper.sensors.scan import ScanLog
 from mapper.simulation.second_map import SecondMap
 from server.sessions.view import Wanted
 from server.sessions.why import Source
+from server.stream.message_parts import Compared
 
 
 class SecondMapView:
@@ -42,17 +42,17 @@ class SecondMapView:
         self.is_new = True  #: whether one of the two maps has changed since they were last compared
         self._recorded = recorded_seconds(log)
 
-    def description(self) -> dict[str, Any]:
+    def description(self) -> Compared:
         """The description of the map: ``compare`` of a ``parameters`` message."""
         wanted = self._wanted
-        return {
-            "values": wanted.values,
-            "with_faults": True,
-            "trajectory": self.replay.trajectory,
-            "log": None if self._follows else wanted.log_id,
-            "topic": wanted.topic,
-            "title": wanted.title,
-        }
+        return Compared(
+            values=wanted.values,
+            with_faults=True,
+            trajectory=self.replay.trajectory,
+            log=None if self._follows else wanted.log_id,
+            topic=wanted.topic,
+            title=wanted.title,
+        )
 
     def reconfigure(self, config: MappingConfig) -> None:
         """Recompute the map with the session's parameters, except its own. Raises as :meth:`Replay.reconfigure`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
@@ -27,6 +27,8 @@ from mapper.planning.nav2_parameters import Nav2Path
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 from mapper.simulation.robot import HEXAGON
 from server.sessions.parts import FootprintAnswer
+from server.stream.message_parts import Parameter as ParameterRow
+from server.stream.message_parts import rows_of
 
 
 def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter:  # noqa: ANN401
@@ -78,12 +80,12 @@ TABLE: tuple[Parameter, ...] = (
 )  # fmt: skip
 
 
-def rows_with(maps: Mapping[str, str], without: tuple[str, ...] = ()) -> list[dict[str, Any]]:
+def rows_with(maps: Mapping[str, str], without: tuple[str, ...] = ()) -> list[ParameterRow]:
     """Return the table for pages, without some rows, and with ``maps`` for the static layer: their titles by name."""
     *most, last = maps.values()
     sentence = f"Which map the static layer has: {', '.join(most)} or {last}." if most else f"The map: {last}."
     rows = [replace(row, choices=(*maps,), sentence=sentence) if row.name == "map" else row for row in TABLE]
-    return [asdict(row) for row in rows if row.name not in without]
+    return rows_of(row for row in rows if row.name not in without)
 
 
 _ROWS = {row.name: row for row in TABLE}

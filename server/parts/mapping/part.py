@@ -16,6 +16,8 @@ from server.sessions.scene_controls import ParameterTable
 from server.sessions.tick import TickResult
 from server.stream.commands import ParametersCommand
 from server.stream.hub import Client
+from server.stream.message_parts import Table, rows_of
+from server.stream.messages import ParametersMessage
 
 
 class MappingParameters(Part):
@@ -33,7 +35,7 @@ class MappingParameters(Part):
         host: ModelHost,
         config: MappingConfig,
         remake: Callable[[MappingConfig, TickResult], None],
-        message: Callable[[], dict[str, Any]],
+        message: Callable[[], ParametersMessage],
         rows: tuple[Parameter, ...] = PARAMETERS,
     ) -> None:
         self.config = config  #: of the present map
@@ -81,10 +83,9 @@ class MappingParameters(Part):
             self._wanted, self._asked_by = self.config, None
             result.slot(self._message())
 
-    def table(self, first: MappingConfig) -> dict[str, Any]:
+    def table(self, first: MappingConfig) -> Table:
         """Return the ``parameters`` of ``hello``: the table with initial values ``first``, and the values."""
-        rows = [asdict(row) | {"initial": getattr(first, row.name)} for row in self._rows]
-        return {"table": rows, "values": asdict(self.config)}
+        return Table(rows_of(self._rows, first), asdict(self.config))
 
     def controls(self) -> ParameterTable:
         """Return the table for the panel of the 3D view."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,7 @@ from server.parts.terrain.patch import first_asked, patch_at, patch_mark
 from server.sessions.part import Cloud, Offers, OtherMap, Part
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import rows_of
 from server.stream.protocol import ProtocolError, place_of
 
 if TYPE_CHECKING:
@@ -42,8 +43,7 @@ class TerrainPart(Part):
         self._host, self._source = offers.host, source
         self._asks_first = source.count > 0
         self._first = TerrainParameters.for_cloud(source.points()) if self._asks_first else TerrainParameters()
-        first = [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
-        self.tables = {"terrain": first}
+        self.tables = {"terrain": rows_of(replace(row, initial=self._first.values[row.name]) for row in TABLE)}
         offers.maps["terrain"] = OtherMap("the classes of the terrain, while there is one", lambda: self.grid)
         offers.costs["terrain_layer"] = lambda: None if self._found is None else self._found.terrain
         self._share: float | None = None  #: of the present assessment that is done

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.volume import OctreeFile, VolumeConfig, changes_between
 from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.replayed import ReplayedVolume
+from server.stream.message_parts import VolumeChanges
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -87,16 +88,16 @@ class VolumeComparison:
         other = self._map
         return other is not None and not isinstance(other.source, OctreeFile) and other.config != config
 
-    def fields(self) -> dict[str, Any] | None:
+    def summary(self) -> VolumeChanges | None:
         """Return the field ``compared`` of the message ``volume``."""
         changes = self.changes
         if changes is None:
             return None
-        return {
-            "title": self._title,
-            "appeared": len(changes.appeared),
-            "vanished": len(changes.vanished),
-            "same": changes.same,
-            "only_first": changes.only_first,
-            "only_second": changes.only_second,
-        }
+        return VolumeChanges(
+            title=self._title,
+            appeared=len(changes.appeared),
+            vanished=len(changes.vanished),
+            same=changes.same,
+            only_first=changes.only_first,
+            only_second=changes.only_second,
+        )

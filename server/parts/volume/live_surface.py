@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from mapper.core.errors import LimitError
@@ -16,6 +17,7 @@ from mapper.simulation.sensors_3d import Scan3D
 from mapper.volume.placed_scan import PlacedScan
 from server.parts.volume.live_volume import LabVolume, lab_limits
 from server.parts.volume.look import COLOURS, Look
+from server.parts.volume.messages import SurfaceMessage
 from server.parts.volume.parameters import HIGHEST, VolumeParameters
 from server.parts.volume.surface import VolumeSurface
 from server.sessions.drawings import Surface
@@ -105,7 +107,7 @@ class LabSurface:
         look = Look(colour=colour, band=HIGHEST / COLOURS, cut_low=low, cut_high=high)
         return self.surface.drawing(look, 0.0)
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> SurfaceMessage:
         """Return the message ``surface``."""
         found = self.surface.message()
-        return found if self._problem is None else found | {"problem": self._problem}
+        return found if self._problem is None else msgspec.structs.replace(found, problem=self._problem)

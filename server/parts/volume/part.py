@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any
-
 import numpy as np
 from msgspec import Struct
 
@@ -21,7 +18,7 @@ from server.parts.volume.chosen_voxel import ChosenVoxel
 from server.parts.volume.live_surface import LabSurface
 from server.parts.volume.live_volume import LabVolume, only_in_3d, points_of, true_ground
 from server.parts.volume.look import NORMAL_COLOURS
-from server.parts.volume.messages import Map3dCommand, VoxelCommand, VoxelRayCommand
+from server.parts.volume.messages import Map3dCommand, Map3dMessage, SurfaceMessage, VoxelCommand, VoxelRayCommand
 from server.parts.volume.parameters import HIGHEST, VolumeParameters
 from server.parts.volume.parameters import TABLE as MAP_3D
 from server.parts.volume.voxel_questions import VoxelQuestions
@@ -33,6 +30,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.commands import RestartCommand, WorldCommand
 from server.stream.layers import GridLayer, Layer
+from server.stream.message_parts import rows_of
 
 MOST_POINTS = 2000  #: of the newest scan that are drawn
 SCANS_OF_PROJECTION = 2  #: scans between two projections,
@@ -59,7 +57,7 @@ class VolumeView(Part, Volumetric):
     subject = "map_3d"
 
     def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
-        self.tables = {"map3d": [asdict(row) for row in MAP_3D]}
+        self.tables = {"map3d": rows_of(MAP_3D)}
         self._host, self._mapper, self._playback = host, mapper, playback
         self._map: LabVolume | None = None
         self._surface: LabSurface | None = None  #: while it is shown instead of the voxels
@@ -320,24 +318,23 @@ class VolumeView(Part, Volumetric):
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
-    def messages(self) -> list[dict[str, Any]]:
+    def messages(self) -> list[Map3dMessage | SurfaceMessage]:
         """Return the message ``map3d``, and ``surface`` while that is shown."""
         return [self.message(), *([] if self._surface is None else [self._surface.message()])]
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> Map3dMessage:
         """Return the message ``map3d``."""
         made = self._map
         nothing = {"known": 0, "nodes": 0, "leaves": 0, "octree_bytes": 0, "block_bytes": 0, "dense_bytes": 0}
-        return {
-            "type": "map3d",
-            "is_on": made is not None,
-            "values": dict((VolumeParameters() if made is None else made.parameters).values),
-            "scans": 0 if made is None else made.used,
-            "taken": 0 if made is None else len(made.scans),
-            "only_in_3d": self._missing,
-            "problem": None if made is None or made.problem is None else made.problem.message,
+        return Map3dMessage(
+            is_on=made is not None,
+            values=dict((VolumeParameters() if made is None else made.parameters).values),
+            scans=0 if made is None else made.used,
+            taken=0 if made is None else len(made.scans),
+            only_in_3d=self._missing,
+            problem=None if made is None or made.problem is None else made.problem.message,
             **(self._memory or nothing),
-        }
+        )
 
     def over(self, flat: list[Drawing]) -> list[Drawing]:
         """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""

@@ -25,10 +25,12 @@ from mapper.volume.surface.questions import first_surface, why_surface
 from mapper.volume.surface.replayed import SNAPSHOT_BYTES, MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE
 from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
-from server.parts.volume.message_fields import MOST_UPDATES
-from server.parts.volume.messages import VoxelCommand, VoxelRayCommand
+from server.parts.volume.message_fields import MOST_UPDATES, rounded_place
+from server.parts.volume.messages import SurfaceMessage, SurfaceVoxelMessage, VoxelCommand, VoxelRayCommand
 from server.sessions.drawings import Surface
 from server.sessions.tick import TickResult
+from server.stream.message_parts import SurfaceUpdate as SentUpdate
+from server.stream.message_parts import rows_of
 from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
@@ -184,31 +186,28 @@ class VolumeSurface:
                 chunks[key] = cut
         return chunks
 
-    def message(self) -> dict[str, Any]:
+    def message(self) -> SurfaceMessage:
         """Return the message ``surface``."""
-        rows = [asdict(row) | {"initial": getattr(self._first, row.name)} for row in TSDF_PARAMETERS]
         now = self._replayed
-        return {
-            "type": "surface",
-            "table": rows if self.is_possible else [],
-            "values": asdict(self.config),
-            "truncation": round(float(self.config.band), 6),
-            "index": 0 if now is None else now.index,
-            "blocks": 0 if now is None else now.volume.blocks.count,
-            "bytes": 0 if now is None else now.volume.n_bytes,
-            "triangles": self._chunks.n_triangles,
-            "chunks": len(self._chunks.chunks),
-            "pending": self._chunks.pending,
-            "snapshots": [] if now is None else list(now.snapshots),
-            "problem": self._problem,
-        }
+        return SurfaceMessage(
+            table=rows_of(TSDF_PARAMETERS, self._first) if self.is_possible else [],
+            values=asdict(self.config),
+            truncation=round(float(self.config.band), 6),
+            index=0 if now is None else now.index,
+            blocks=0 if now is None else now.volume.blocks.count,
+            bytes=0 if now is None else now.volume.n_bytes,
+            triangles=self._chunks.n_triangles,
+            chunks=len(self._chunks.chunks),
+            pending=self._chunks.pending,
+            snapshots=[] if now is None else list(now.snapshots),
+            problem=self._problem,
+        )
 
-    def no_voxel(self) -> dict[str, Any]:
+    def no_voxel(self) -> SurfaceVoxelMessage:
         """Return the message ``surface_voxel`` that no voxel is chosen."""
-        return {
-            "type": "surface_voxel", "centre": None, "size": self.config.resolution, "distance": None, "weight": 0.0,
-            "index": 0, "total": 0, "updates": [],
-        }  # fmt: skip
+        return SurfaceVoxelMessage(
+            centre=None, size=self.config.resolution, distance=None, weight=0.0, index=0, total=0, updates=[]
+        )
 
     # -- questions ------------------------------------------------------------------------------------------------
 
@@ -232,25 +231,25 @@ class VolumeSurface:
         # A measured distance within a voxel is that of a beam that ended there.
         chosen.choose(centre, size, [(abs(one.measured) <= size, one.origin, centre[None]) for one in updates])
         result.slot(
-            self.no_voxel()
-            | {
-                "centre": [round(float(v), 4) for v in centre],
-                "distance": updates[-1].after if updates else None,
-                "weight": updates[-1].weight if updates else 0.0,
-                "index": now.index,
-                "total": len(updates),
-                "updates": [
-                    {
-                        "scan": one.scan + 1,
-                        "measured": one.measured,
-                        "added": one.added,
-                        "before": one.before,
-                        "after": one.after,
-                        "weight": one.weight,
-                    }
-                    for one in updates[-MOST_UPDATES:]
+            SurfaceVoxelMessage(
+                centre=rounded_place(centre),
+                size=size,
+                distance=updates[-1].after if updates else None,
+                weight=updates[-1].weight if updates else 0.0,
+                index=now.index,
+                total=len(updates),
+                updates=[
+                    SentUpdate(
+                        scan=update.scan + 1,
+                        measured=update.measured,
+                        added=update.added,
+                        before=update.before,
+                        after=update.after,
+                        weight=update.weight,
+                    )
+                    for update in updates[-MOST_UPDATES:]
                 ],
-            }
+            )
         )
 
     def _key_of(self, command: VoxelCommand | VoxelRayCommand) -> Int64Array | None:

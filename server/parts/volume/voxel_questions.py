@@ -16,9 +16,10 @@ from mapper.volume.occupancy.provenance import why_voxel
 from mapper.volume.occupancy.volume import centres_of, keys_of
 from mapper.volume.placed_scan import PlacedScan
 from server.parts.volume.chosen_voxel import ChosenVoxel
-from server.parts.volume.message_fields import update_fields, voxel_message
-from server.parts.volume.messages import VoxelCommand, VoxelRayCommand
+from server.parts.volume.message_fields import no_voxel, rounded_place, sent_updates
+from server.parts.volume.messages import VoxelCommand, VoxelMessage, VoxelRayCommand
 from server.sessions.tick import TickResult
+from server.stream.message_parts import CellState
 from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class VoxelQuestions:
     def clear(self, resolution: float, result: TickResult) -> None:
         """Choose none."""
         self._chosen.choose(None, 0.0)
-        result.slot(voxel_message(None, resolution))
+        result.slot(no_voxel(resolution))
 
     def _ask(self, key: Int64Array | None, now: AskedMap, result: TickResult) -> None:
         """Answer why a voxel is as it is; None chooses none."""
@@ -89,11 +90,18 @@ class VoxelQuestions:
         self._chosen.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
         value = float(now.volume.log_odds_of(key[None])[0])
         known = not math.isnan(value)
-        state = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"
+        state: CellState = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"
         result.slot(
-            voxel_message(centre, config.resolution)
-            | {"log_odds": value if known else None, "state": state, "index": now.index}
-            | update_fields(updates)
+            VoxelMessage(
+                centre=rounded_place(centre),
+                size=config.resolution,
+                log_odds=value if known else None,
+                state=state,
+                index=now.index,
+                total=len(updates),
+                hits=sum(update.is_hit for update in updates),
+                updates=sent_updates(updates),
+            )
         )
 
 

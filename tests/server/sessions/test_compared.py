@@ -69,7 +69,7 @@ async def test_another_trajectory_follows_all_parameters(
         integrate_log(expected, office_log, session.model.config, wheel)
         np.testing.assert_array_equal(other.grid.log_odds, expected.log_odds)
     told, _ = await session.model.comparison.compared()
-    assert (told["trajectory"], told["values"], told["log"]) == (wheel, {}, None)
+    assert (told.trajectory, told.values, told.log) == (wheel, {}, None)
 
 
 async def test_maps_without_a_common_lattice_are_shown_with_the_reason(
@@ -98,13 +98,13 @@ async def test_a_bad_wish_changes_nothing_and_the_newest_wins(
         with pytest.raises(ConfigError):
             await session.model.comparison.compare(wanted)
         told, _ = await session.model.comparison.compared()
-        assert told["values"] == {"window": 0.2}
+        assert told.values == {"window": 0.2}
     done = await asyncio.gather(
         *(session.model.comparison.compare(Wanted({"window": w})) for w in (0.3, 0.4, 0.5)), return_exceptions=True
     )
     assert done[2] is None
     assert [getattr(one, "code", None) for one in done[:2]] == ["compare.superseded"] * 2
-    assert (await session.model.comparison.compared())[0]["values"] == {"window": 0.5}
+    assert (await session.model.comparison.compared())[0].values == {"window": 0.5}
     with pytest.raises(MapperError):
         await new_log(registry, "me", replace(office_log, name="x"), view=LogView(trajectory="no such"))
     await session.model.comparison.compare(None)

@@ -57,7 +57,7 @@ class Lab:
         self.model.handle(command_of(command), result)
         self.model.draw(result)
         self.answers = sent(answer for _, answer in result.answers)
-        self.notices = [notice["code"] for notice in result.notices]
+        self.notices = [notice.code for notice in result.notices]
         return self.path
 
     def pass_time(self, seconds: float) -> dict[str, Any]:

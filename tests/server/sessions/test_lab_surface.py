@@ -116,7 +116,7 @@ async def test_triangles_are_made_for_a_view_and_only_changed_chunks_again(lab: 
     lab.look_around()
     made = lab.view._surface
     assert made is not None
-    assert made.surface.message()["chunks"] == 0
+    assert made.surface.message().chunks == 0
     before = drawn(lab).chunks
     lab.do(type="map3d", values={"sensor": "depth_camera", "reach": 8.0})
     lab.pass_time(0.5)  # it sees a part of the room

@@ -213,8 +213,8 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     source = CloudPoints(scans, low, high)
     view = TerrainPart(offers(), source)
     row = view.tables["terrain"][1]
-    assert row["name"] == "patch"
-    assert row["initial"] == first_patch(points[:, :2]) == 1.5
+    assert row.name == "patch"
+    assert row.initial == first_patch(points[:, :2]) == 1.5
     result = TickResult()
     view.handle(TerrainCommand(values={"patch": 5.0}), result)
     view.changed(result)

@@ -61,7 +61,7 @@ class Lab:
 
     def _end(self, result: TickResult) -> TickResult:
         self.model.draw(result)
-        self.notices += [notice["message"] for notice in result.notices]
+        self.notices += [notice.message for notice in result.notices]
         return result
 
     def look_around(self) -> None:

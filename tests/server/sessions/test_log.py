@@ -28,9 +28,10 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
-from server.sessions.tick import error_message
-from server.sessions.why import why_message
+from server.sessions.delivery import hello_message
+from server.sessions.why import CellAsked, why_message
 from server.sources.log import MAX_GAP_S, play_times
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
 from tests.server.sent import sent
@@ -100,13 +101,13 @@ async def test_several_sensors_make_one_map_and_why_says_which(
     assert state.sensor_pose == pytest.approx(tuple(late.sensor_poses()[-1]))
     row, col = (int(n) for n in np.argwhere(expected.log_odds > 2.0)[0])
     source = session.model.recording.sources()
-    told = why_message(expected, source, session.model.config, {"row": row, "col": col, "epoch": 0, "index": 0})
-    assert {one["sensor"] for one in told["contributions"]} <= {"/front", "/rear"}
-    for one in told["contributions"]:
-        part = joint.parts[int(joint.part_of_scan[one["scan"]])]
-        assert one["sensor"] == part.topic
-        assert one["bearing"] == pytest.approx(part.angles[one["beam"]], abs=1e-4)
-        assert one["pose"] == pytest.approx(joint.sensor_poses()[one["scan"]], abs=1e-3)
+    told = why_message(expected, source, session.model.config, CellAsked(row, col, 0, 0, "belief"))
+    assert {one.sensor for one in told.contributions} <= {"/front", "/rear"}
+    for one in told.contributions:
+        part = joint.parts[int(joint.part_of_scan[one.scan])]
+        assert one.sensor == part.topic
+        assert one.bearing == pytest.approx(part.angles[one.beam], abs=1e-4)
+        assert one.pose == pytest.approx(joint.sensor_poses()[one.scan], abs=1e-3)
 
 
 async def test_parameters_remake_the_map_at_the_same_scan(
@@ -209,7 +210,7 @@ async def test_a_refused_command_changes_nothing(
     try:
         session.enqueue(command_of(command), client)
     except ProtocolError as error:  # as the socket refuses it
-        client.send(error_message(error.code, error.message))
+        client.send(ErrorMessage(error.code, error.message))
     await obey(session, type="pause")
     assert '"type":"error"' in "".join(str(message) for message in client.take())
     after = view_of(session)
@@ -352,7 +353,9 @@ async def test_times_are_the_recorded_ones_though_pauses_are_played_short(
     stamps[60:] += 100_000_000_000
     session = await new_log(registry, "me", replace(office_log, stamps_ns=stamps))
     duration = float(office_log.n_scans - 1 + 100)
-    assert session.model.particulars()["log"]["duration_s"] == pytest.approx(duration)
+    log = hello_message(session.model, "", "").log
+    assert log is not None
+    assert log.duration_s == pytest.approx(duration)
     heard = []
     for index in (1, 50, 51, 52, 60, 61, office_log.n_scans):
         await obey(session, type="seek", index=index)

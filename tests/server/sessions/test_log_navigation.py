@@ -49,7 +49,7 @@ class Log:
             self.model.advance(0.0, result)
         self.model.draw(result)
         self.answers = sent(answer for _, answer in result.answers)
-        self.notices = [notice["code"] for notice in result.notices]
+        self.notices = [notice.code for notice in result.notices]
         return sent(self.model.messages())[-1]
 
     @property

@@ -21,8 +21,8 @@ from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.tick import error_message
 from server.stream.commands import ParametersCommand, SeekCommand
+from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
@@ -301,7 +301,7 @@ async def test_a_refused_command_changes_nothing(
     try:
         session.enqueue(command_of(command), client)
     except ProtocolError as error:  # as the socket refuses it
-        client.send(error_message(error.code, error.message))
+        client.send(ErrorMessage(error.code, error.message))
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
