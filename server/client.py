@@ -10,11 +10,11 @@ import struct
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 from urllib.parse import parse_qs, urlsplit
 
 import httpx
@@ -36,7 +36,11 @@ __all__ = ["Client", "ClientError", "Log", "Session"]
 READ_EVERY_S = 0.2
 TIMEOUT_S = 30.0  #: of a request
 WORK_TIMEOUT_S = 600.0  #: of a request for which the service has to compute
+SHARED = "/shared/"  #: what the path of a link begins with
 _SEQ_AT = 8  #: bytes into a binary frame, docs/wire.md
+
+
+NoteFile = Literal["geojson", "csv"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,6 +230,26 @@ class Client:
         kind = "" if session.kind == "log" else f"&kind={session.kind}"
         return f"{self.base}/logs.html?session={session.id}{kind}"
 
+    @contextmanager
+    def at(self, address: str) -> Iterator[Log | Session]:
+        """Yield what the page at ``address`` shows: a log or a session, or a session of a link, which ends after it."""
+        parts = urlsplit(address)
+        query = parse_qs(parts.query)
+        if "session" in query:
+            yield self.session(query["session"][0])
+        elif "log" in query:
+            yield self.log(query["log"][0])
+        elif parts.path.startswith(SHARED):
+            token = parts.path.removeprefix(SHARED)
+            session = _session(self._asked("POST", f"/api/shared/{token}/sessions", timeout=WORK_TIMEOUT_S))
+            try:
+                yield session
+            finally:
+                with suppress(ClientError):  # without the token it is not ended, and ends when it was idle
+                    self.end(session)
+        else:
+            raise ClientError("client.address", "This is the address neither of a log's page nor of a link to one.")
+
     def link(self, session: Session) -> str:
         """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""
         return self.base + str(self._asked("POST", f"/api/sessions/{session.id}/links", json={})["address"])
@@ -274,6 +298,11 @@ class Client:
             )
             for one in answer["findings"]
         ]
+
+    def notes(self, of: Log | Session, ending: NoteFile = "geojson") -> bytes:
+        """Return the notes on a log as GeoJSON or CSV; coordinates are metres in the frame of the poses."""
+        with self._session_of(of, whole=False) as session:
+            return self._answer("GET", f"/api/sessions/{session.id}/notes.{ending}").content
 
     # -- requests --------------------------------------------------------------------------------------------------
 

@@ -1,15 +1,18 @@
 """The ``gridbloom`` command.
 
-``serve`` runs the service and ``upload`` sends a log to one; all other commands work on files. What is slow to import
-is imported where it is used, so that the command starts quickly. Bad input is one sentence on standard error and exit
-status 2; a log that does not keep the limits of ``check`` is exit status 1. With ``--json`` standard output is one JSON
-object and nothing else.
+``serve`` runs the service, ``upload`` sends a log to one, ``notes`` gets the notes on it; all other commands work on
+files. What is slow to import is imported where it is used, so that the command starts quickly. Bad input is one
+sentence on standard error and exit status 2; a log that does not keep the limits of ``check`` is exit status 1. With
+``--json`` standard output is one JSON object and nothing else.
 """
 
 from __future__ import annotations
 
 # Each adds its commands, which `--help` lists in this order.
 from server.cli import service  # noqa: F401
+
+# isort: split
+from server.cli import notes as noting  # noqa: F401
 
 # isort: split
 from server.cli import backup as copying  # noqa: F401
