@@ -77,6 +77,29 @@ def test_notes_on_areas_are_written_to_files_of_other_programs(service: Service)
     assert (rows[0]["area_m2"], rows[1]["x_m"], rows[2]["x_m"], rows[2]["seconds"]) == ("6.0", "1.5", "", "2.0")
 
 
+def test_files_of_a_log_in_projected_coordinates_have_them_again(service: Service) -> None:
+    east, north = 412_345.25, 5_654_321.5  # UTM; the map is drawn less whole hundreds of metres
+    lines = ["angle_min,-1.57", "angle_increment,1.57", "range_max,30", "stamp,x,y,theta,ranges"]
+    lines += [f"{n}.0,{east + 0.5 * n},{north},0.0,2.0,3.0,2.0" for n in range(8)]
+    content = ("\n".join(lines) + "\n").encode()
+    log = service.http.put("/api/logs", params={"name": "utm.csv"}, content=content).json()["id"]
+    assert once_read(service.http, log)["state"] == "ready"
+    address = f"/api/sessions/{service.begin(kind='log', log=log, playing=False)}/notes"
+    corners = [[45.0, 20.0], [48.0, 20.0], [48.0, 24.0]]
+    service.http.post(address, json={"text": "kerb", "outline": corners})
+    service.http.post(address, json={"text": "start", "x": 45.25, "y": 21.5})
+    area, place = service.http.get(f"{address}.geojson").json()["features"]
+    assert place["geometry"]["coordinates"] == [east, north]
+    ring = [[412_345.0, 5_654_320.0], [412_348.0, 5_654_320.0], [412_348.0, 5_654_324.0], [412_345.0, 5_654_320.0]]
+    assert area["geometry"]["coordinates"] == [ring]
+    assert area["properties"]["area_m2"] == 6.0
+    rows = list(csv.DictReader(io.StringIO(service.http.get(f"{address}.csv").text, newline="")))
+    assert (float(rows[1]["x_m"]), float(rows[1]["y_m"])) == (east, north)
+    assert [[float(part) for part in one.split()] for one in re.findall(r"[\d.]+ [\d.]+", rows[0]["outline"])] == ring
+    assert float(rows[0]["x_m"]) == pytest.approx(412_347.0)
+    assert float(rows[0]["y_m"]) == pytest.approx(5_654_321.3333333)
+
+
 @pytest.mark.parametrize("corners", [[[0, 0], [1, 1]], [[0, 0], [1, 1], [2, 2]], [[0, 0]] * 201])
 def test_what_is_no_area_is_refused(service: Service, corners: list[list[float]]) -> None:
     _, session = opened(service)
