@@ -40,11 +40,15 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class PlacedNote:
-    """A note on the log: at a time, seconds from the log's first scan, at a place on the map, metres, or at both."""
+    """A note on the log: at a time, seconds from the log's first scan, at a place on the map, metres, or at both.
+
+    ``outline`` has the corners of an area around that place, metres, where the note is on one.
+    """
 
     text: str
     seconds: float | None
     xy: tuple[float, float] | None
+    outline: tuple[tuple[float, float], ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

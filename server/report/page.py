@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from html import escape
 
 from mapper.diagnosis.events.event import clock_time
+from server.library.annotations.areas import area_of
 from server.report.content import PlacedNote, Report, ReportMap
 
 BARS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)  #: lengths of a scale bar
@@ -118,13 +119,21 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
     def place(x: float, y: float) -> tuple[float, float]:
         return (x - one.low_xy[0]) * scale, height - (y - one.low_xy[1]) * scale
 
+    def points(corners: Sequence[tuple[float, float]]) -> str:
+        return " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in corners))
+
+    areas = [
+        f'<polygon points="{points(note.outline)}" fill="#08705f" fill-opacity="0.2" stroke="#08705f" '
+        f'stroke-width="{0.5 * unit:.2f}"/>'
+        for note in notes
+        if note.outline is not None
+    ]
     marks = [_mark(str(n + 1), *place(x, y), unit, "#a63e08") for n, (x, y) in enumerate(one.events_xy)]
     placed = [note.xy for note in notes]
     marks += [
         _mark(chr(ord("A") + n), *place(*xy), unit, "#08705f") for n, xy in enumerate(placed[:26]) if xy is not None
     ]
-    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in one.path_xy))
-    path = f'<polyline points="{points}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
+    path = f'<polyline points="{points(one.path_xy)}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
     length = max((bar for bar in BARS_M if bar <= metres / 4.0), default=BARS_M[0])
     bar = (
         f'<path d="M{2 * unit:.1f} {height + 3 * unit:.1f}h{length * scale:.1f}" stroke="#1c1b19" '
@@ -134,7 +143,7 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
     return (
         f'<figure><svg viewBox="0 0 {width} {height + 6 * unit:.1f}" role="img" aria-label="{escape(title)}: the map '
         f'along {escape(one.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
-        f'href="data:image/png;base64,{b64encode(one.png).decode()}"/>{path}{"".join(marks)}{bar}</svg>'
+        f'href="data:image/png;base64,{b64encode(one.png).decode()}"/>{path}{"".join(areas)}{"".join(marks)}{bar}</svg>'
         f"<figcaption><b>{escape(title)}</b>, along {escape(one.trajectory)}</figcaption></figure>"
     )
 
@@ -185,6 +194,7 @@ def _notes(report: Report) -> str:
         where = [
             "" if note.seconds is None else f"at {clock_time(note.seconds)}",
             "" if note.xy is None else f"at x {note.xy[0]:.2f} m, y {note.xy[1]:.2f} m",
+            "" if note.outline is None else f"{abs(area_of(note.outline)):.2f} m²",
         ]
         letter = f"<b>{chr(ord('A') + n)}</b> " if note.xy is not None and n < 26 else ""
         rows.append(

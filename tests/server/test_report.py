@@ -78,9 +78,21 @@ def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> N
         until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
         note = {"text": "The door <b>sticks</b>", "x": 1.0, "y": 0.5, "at_s": 1.0, "scan": 10}
         assert service.http.post(f"/api/sessions/{session}/notes", json=note).status_code in (200, 201)
+        corners = [[0.5, -1.0], [1.5, -1.0], [1.5, 1.0]]
+        area = {"text": "wet floor", "outline": corners}
+        assert service.http.post(f"/api/sessions/{session}/notes", json=area).status_code == 201
         answer = service.http.get(f"/api/sessions/{session}/report")
         assert answer.headers["content-type"].startswith("text/html")
         assert "default-src 'none'" in answer.headers["content-security-policy"]
         text = check(answer.text)
         assert "The door <b>sticks</b> " in "".join(text)
         assert "at 0:01.000, at x 1.00 m, y 0.50 m" in text
+        assert "at x 1.17 m, y -0.33 m, 1.00 m²" in text  # of the triangle: the mean of its corners, and half 1 m × 2 m
+        drawn = re.findall(r'<polygon points="([^"]+)"', answer.text)
+        (outline,) = ([[float(part) for part in corner.split(",")] for corner in one.split()] for one in drawn)
+        marks = re.findall(r'<circle cx="([^"]+)" cy="([^"]+)"', answer.text)
+        at = [[float(x), float(y)] for x, y in marks[-2:]]  # of both notes, 0.05 m a pixel, y down
+        assert [outline[1][0] - outline[0][0], outline[2][1] - outline[1][1]] == [20.0, -40.0]
+        assert [round(20 * (corners[0][axis] - xy), 1) for axis, xy in enumerate((1.0, 0.5))] == [
+            round(outline[0][0] - at[0][0], 1), round(at[0][1] - outline[0][1], 1),
+        ]  # fmt: skip

@@ -45,7 +45,10 @@ async def report(
     picture = await while_connected(request, _picture(request, library, of_log, visitor, seconds))
     notes = [
         server.report.PlacedNote(
-            note.text, note.pin.at_s, None if note.pin.x is None or note.pin.y is None else (note.pin.x, note.pin.y)
+            note.text,
+            note.pin.at_s,
+            None if note.pin.x is None or note.pin.y is None else (note.pin.x, note.pin.y),
+            note.pin.outline,
         )
         for note in await library.notes.of(record.id)
     ]
