@@ -1,6 +1,6 @@
-"""Inverse sensor models: what a reading z says of a cell at distance r, at an angle θ from the beam's axis.
+"""Inverse sensor models: what a reading z says of a cell at distance r, at an angle φ from the beam's axis.
 
-Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(r, θ) − ℓ₀`` in log-odds, as
+Each model is a frozen dataclass; :meth:`increment` is its profile, ``inverse_sensor_model(r, φ) − ℓ₀`` in log-odds, as
 the pages draw it and as :mod:`mapper.mapping.textbook` puts it into a map. Metres and radians. Sources: Thrun, Burgard
 & Fox, Probabilistic Robotics, table 9.2 (``inverse_range_sensor_model``); Moravec & Elfes, High resolution maps from
 wide angle sonar, ICRA 1985; and where a model names another.
@@ -209,10 +209,10 @@ def _smoothstep(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True)
 class SonarCone:
-    """A cone of ``opening`` radians: ``log_odds_hit`` (+α) near the range, ``log_odds_miss`` (−β) closer, 0 elsewhere.
+    """A cone of ``opening`` radians: ``log_odds_hit`` near the range, ``log_odds_miss`` closer, 0 elsewhere.
 
     Near the range is |r − z| ≤ w/2 with w = ``window`` metres. ``profile`` "flat" gives every cell the same, which is
-    table 9.2 of Probabilistic Robotics with the opening angle β; "gaussian" weights the evidence by exp(−θ²/2σ²) with
+    table 9.2 of Probabilistic Robotics with the opening angle β; "gaussian" weights the evidence by exp(−φ²/2σ²) with
     σ = opening/4 in angle, and in range by 1 − (r/(z − w/2))² before the window and 1 − ((r − z)/(w/2))² in it: the
     profiles of Moravec & Elfes 1985 with the Gaussian of Elfes 1989 in angle.
     """
@@ -254,9 +254,9 @@ def _range_weight(r: ArrayLike, z: float, half: float) -> NDArray[np.float64]:
 class MoravecElfes:
     """The grids of 1985: a reading has a degree of certainty that a cell is empty, and one that it is occupied.
 
-    With ω = ``opening`` radians and ε = w/2 = half of ``window`` metres, for |θ| ≤ ω/2:
-    empty (r, θ) = (1 − (r/(z − ε))²) · (1 − (2θ/ω)²) for r < z − ε, and
-    occupied (r, θ) = (1 − ((r − z)/ε)²) · (1 − (2θ/ω)²) for |r − z| ≤ ε. They are combined by rules of their own, no
+    With β = ``opening`` radians and ε = w/2 = half of ``window`` metres, for |φ| ≤ β/2:
+    empty (r, φ) = (1 − (r/(z − ε))²) · (1 − (2φ/β)²) for r < z − ε, and
+    occupied (r, φ) = (1 − ((r − z)/ε)²) · (1 − (2φ/β)²) for |r − z| ≤ ε. They are combined by rules of their own, no
     Bayes filter: see :func:`mapper.mapping.textbook.update_moravec_elfes`. Source: Moravec & Elfes 1985, with R_min =
     0.
     """

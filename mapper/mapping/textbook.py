@@ -116,7 +116,7 @@ def evidence_in_cone(
 def cells_in_cone(
     grid: OccupancyGrid, sensor_pose: ArrayLike, bearing: float, opening: float
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and r and θ of each (n,)."""
+    """Return the cells (n, 2) whose centre is in a cone, the right edge included, and r and φ of each (n,)."""
     r, d_col, d_row = distances(grid, sensor_pose)
     heading = np.asarray(sensor_pose)[2] - grid.geometry.origin[2]
     right, left = (

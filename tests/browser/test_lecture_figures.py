@@ -118,7 +118,7 @@ def test_the_profile_feeds_the_cell(page: Page, server: str) -> None:
 def test_the_line_algorithm_needs_its_corrections_in_all_octants(page: Page, server: str) -> None:
     section = open_section(page, server, "rays")
     caption = section.locator("figcaption")
-    expect(caption).to_contain_text("Octant 1: a = 18, b = 7. Cell 10 of 19: ∇ = −22 < 0, so straight")
+    expect(caption).to_contain_text("Octant 1: dx = 18, dy = 7. Cell 10 of 19: ∇ = −22 < 0, so straight")
     section.get_by_role("button", name="Forward one cell").click()
     expect(caption).to_contain_text("Cell 11 of 19: ∇ = −8")
     end = section.get_by_role("slider", name="Last cell of the line")
@@ -127,7 +127,7 @@ def test_the_line_algorithm_needs_its_corrections_in_all_octants(page: Page, ser
     cell = stage["width"] / 27
     drag(page, end, -15 * cell, 3 * cell)
     expect(end).to_have_attribute("aria-valuetext", "column 7, row 7")
-    expect(caption).to_contain_text("Octant 2: a = 4, b = 3, axes swapped")
+    expect(caption).to_contain_text("Octant 2: dx = 4, dy = 3, axes swapped")
     section.get_by_role("switch", name="fix 2").press("Space")
     expect(caption).to_contain_text("a fix is missing")
     section.get_by_role("switch", name="fix 2").press("Space")

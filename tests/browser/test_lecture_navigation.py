@@ -31,12 +31,12 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     section.get_by_role("button", name="From the start").click()
     # KLD sampling counts the bins of these particles: fewer after the draw, and so are the particles that are wanted.
     number = section.get_by_role("figure", name="Number of particles by the number of occupied bins")
-    expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: n = 417 for ε = 0.05")
+    expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: M = 417 for ε = 0.05")
     section.get_by_role("button", name="Resample").click()
     expect(number.locator("figcaption")).not_to_contain_text("24 of 24 bins")
-    few = first_number(number.locator("figcaption"), "n =")
+    few = first_number(number.locator("figcaption"), "M =")
     drag(page, number.get_by_role("slider", name="ε"), 0, -60)
-    assert first_number(number.locator("figcaption"), "n =") > few
+    assert first_number(number.locator("figcaption"), "M =") > few
     number.get_by_role("slider", name="q", exact=True).press("ArrowUp")
     expect(number.locator("figcaption")).to_contain_text("q = 2.43")
     expect(figcaption).to_contain_text("all particles count the same")
@@ -48,13 +48,13 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     figcaption = section.locator("figcaption")
     expect(caption).to_contain_text("likelihood field")
     before = figcaption.inner_text()
-    hit = section.get_by_role("slider", name="z_hit")
+    hit = section.get_by_role("slider", name="hit", exact=True)
     drag(page, hit, 0, 40)
     assert float(hit.get_attribute("aria-valuenow") or 1) < 0.6
     assert figcaption.inner_text() != before
     shares = [
         float(section.get_by_role("slider", name=name, exact=True).get_attribute("aria-valuenow") or 0)
-        for name in ("z_hit", "z_short", "z_max", "z_rand")
+        for name in ("hit", "short", "max range", "random")
     ]
     assert abs(sum(shares) - 1) < 0.002
     supposed = stage.get_by_role("slider", name="Supposed pose of the scan")

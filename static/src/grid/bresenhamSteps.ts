@@ -21,8 +21,8 @@ interface LineStep {
 export interface Line {
   readonly steps: readonly LineStep[];
   /** The longer and the shorter difference, as the algorithm took them. */
-  readonly a: number;
-  readonly b: number;
+  readonly dx: number;
+  readonly dy: number;
   readonly steep: boolean;
 }
 
@@ -31,19 +31,19 @@ export function bresenhamSteps(start: Cell, end: Cell, fixes: Fixes): Line {
   const sign = (difference: number): number => (fixes.direction && difference < 0 ? -1 : 1);
   const [dRow, dCol] = [end.row - start.row, end.col - start.col];
   const steep = fixes.steep && size(dRow) > size(dCol);
-  const [a, b] = steep ? [size(dRow), size(dCol)] : [size(dCol), size(dRow)];
+  const [dx, dy] = steep ? [size(dRow), size(dCol)] : [size(dCol), size(dRow)];
   let { row, col } = start;
-  let nabla = 2 * b - a;
+  let nabla = 2 * dy - dx;
   const steps: LineStep[] = [];
-  for (let i = 0; i < a; i++) {
+  for (let i = 0; i < dx; i++) {
     steps.push({ cell: { row, col }, nabla });
     const diagonal = nabla >= 0;
     if (steep || diagonal) row += sign(dRow);
     if (!steep || diagonal) col += sign(dCol);
-    nabla += diagonal ? 2 * b - 2 * a : 2 * b;
+    nabla += diagonal ? 2 * dy - 2 * dx : 2 * dy;
   }
   steps.push({ cell: { row, col }, nabla: null });
-  return { steps, a, b, steep };
+  return { steps, dx, dy, steep };
 }
 
 /** The octant of a line's direction, 1 … 8 counter-clockwise from +x. */

@@ -14,7 +14,7 @@ const BOTTOM = HEIGHT - 30;
 
 const FORMS = [
   { form: "p", name: "probability p", label: "p" },
-  { form: "odds", name: "odds o", label: "o" },
+  { form: "odds", name: "odds", label: "odds" },
   { form: "logOdds", name: "log-odds ℓ", label: "ℓ" },
 ] as const;
 

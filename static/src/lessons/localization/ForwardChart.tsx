@@ -45,7 +45,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
   const grips: readonly Grip[] = [
     {
       name: "z_hit",
-      label: "z_hit",
+      label: "hit",
       tone: "tone-hit",
       sentence: "Share of readings from surfaces that are in the map.",
       at: z,
@@ -54,7 +54,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
     },
     {
       name: "z_short",
-      label: "z_short",
+      label: "short",
       tone: "tone-beam",
       sentence: "Share of readings from things before the expected surface: people, chairs.",
       at: SHORT_AT,
@@ -63,7 +63,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
     },
     {
       name: "z_rand",
-      label: "z_rand",
+      label: "random",
       tone: "tone-miss",
       sentence: "Share of readings of any range.",
       at: RAND_AT,
@@ -72,7 +72,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
     },
     {
       name: "z_max",
-      label: "z_max",
+      label: "max range",
       tone: "tone-robot",
       sentence: "Share of beams without a return: a probability at the greatest range, no density.",
       at: RANGE_MAX,
@@ -143,7 +143,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
               <rect class="handle-mark" x={x(z) - 5} y={bottom - 9} width={10} height={24} rx={5} />
             </Handle>
             <Handle
-              label="σ_hit"
+              label="σ"
               sentence="Standard deviation of readings from surfaces that are in the map."
               axis="x"
               tone="tone-hit"

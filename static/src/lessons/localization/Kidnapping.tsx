@@ -34,12 +34,8 @@ export function Kidnapping() {
     <div class="kidnapping" ref={root}>
       <Averages past={past} />
       <p class="legend">
-        <Key tone="slow">
-          w<sub>slow</sub>
-        </Key>
-        <Key tone="fast">
-          w<sub>fast</sub>
-        </Key>
+        <Key tone="slow">slow average</Key>
+        <Key tone="fast">fast average</Key>
         <Key tone="share">random particles</Key>
         <Key tone="near">belief at the robot</Key>
       </p>
@@ -66,7 +62,7 @@ export function Kidnapping() {
           }}
         />
         <Slider
-          label="α slow"
+          label="Slow rate"
           sentence="Rate of the slow average of the weights; 0: it keeps its first value."
           value={alphaSlow}
           initial={INITIAL.alphaSlow}
@@ -76,7 +72,7 @@ export function Kidnapping() {
           onInput={(value) => set({ alphaSlow: value })}
         />
         <Slider
-          label="α fast"
+          label="Fast rate"
           sentence="Rate of the fast average of the weights; with 0 in both there are no random particles."
           value={alphaFast}
           initial={INITIAL.alphaFast}
@@ -97,8 +93,8 @@ export function Kidnapping() {
         />
       </div>
       <p class="number" aria-live={playing.value ? "off" : "polite"}>
-        Scan {past.length}: w<sub>slow</sub> {written(last?.slow ?? 0, 3)}, w<sub>fast</sub>{" "}
-        {written(last?.fast ?? 0, 3)}, so {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
+        Scan {past.length}: slow average {written(last?.slow ?? 0, 3)}, fast average {written(last?.fast ?? 0, 3)}, so{" "}
+        {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
       </p>
     </div>
   );

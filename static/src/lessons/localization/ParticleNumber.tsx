@@ -53,10 +53,10 @@ export function ParticleNumber() {
                 </text>
               ))}
               <text x={x(BINS / 2)} y={BOTTOM + 36} text-anchor="middle">
-                occupied bins k of 0.5 m
+                occupied bins B of 0.5 m
               </text>
               <text x={LEFT + 6} y={TOP + 4}>
-                particles n
+                particles M
               </text>
               <path class="belief-line" d={curve.join("")} />
               <path class="number-now" d={`M${x(bins)} ${BOTTOM}V${y(wanted)}H${LEFT}`} />
@@ -90,7 +90,7 @@ export function ParticleNumber() {
         }}
       </Plot>
       <figcaption class="number" aria-live="polite">
-        The {count} particles of the corridor lie in {bins} of {BINS} bins: n = {wanted} for ε = {written(error, 3)} and
+        The {count} particles of the corridor lie in {bins} of {BINS} bins: M = {wanted} for ε = {written(error, 3)} and
         q = {written(quantile, 2)}.
       </figcaption>
     </figure>

@@ -239,7 +239,7 @@ function Words({ line, at, from, to, crossed }: WordsProps) {
   const { nabla } = step ?? { nabla: null };
   return (
     <>
-      Octant {octant(from, to)}: <i>a</i> = {written(line.a, 0)}, <i>b</i> = {written(line.b, 0)}
+      Octant {octant(from, to)}: dx = {written(line.dx, 0)}, dy = {written(line.dy, 0)}
       {line.steep && ", axes swapped"}.{" "}
       {nabla === null ? (
         arrived ? (
@@ -255,14 +255,14 @@ function Words({ line, at, from, to, crossed }: WordsProps) {
           Cell {at + 1} of {line.steps.length}: ∇ = <b>{written(nabla, 0)}</b>{" "}
           {nabla >= 0 ? (
             <>
-              ≥ 0, so <b class="noun-hit">diagonal</b>, then ∇ + 2<i>b</i> − 2<i>a</i> ={" "}
+              ≥ 0, so <b class="noun-hit">diagonal</b>, then ∇ + 2dy − 2dx ={" "}
             </>
           ) : (
             <>
-              &lt; 0, so <b class="noun-miss">straight</b>, then ∇ + 2<i>b</i> ={" "}
+              &lt; 0, so <b class="noun-miss">straight</b>, then ∇ + 2dy ={" "}
             </>
           )}
-          {written(nabla + (nabla >= 0 ? 2 * line.b - 2 * line.a : 2 * line.b), 0)}.
+          {written(nabla + (nabla >= 0 ? 2 * line.dy - 2 * line.dx : 2 * line.dy), 0)}.
         </>
       )}
       {crossed > 0 && ` The beam itself crosses ${crossed} cells; Bresenham’s line has ${line.steps.length}.`}

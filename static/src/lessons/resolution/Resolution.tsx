@@ -22,7 +22,7 @@ function makeNext(): boolean {
   return true;
 }
 
-/** The door and the pillar in cells of 1, 5 and 10 cm, with the memory of the floor and the time of the update. */
+/** The door and the pillar in cells of 1, 5 and 10 cm, with the memory of the floor and the number of updates. */
 export function Resolution() {
   const sigma = noise.value;
   useEffect(() => {
@@ -57,7 +57,7 @@ export function Resolution() {
         />
       </div>
       <figcaption>
-        {SCANS} scans of 240 beams. Memory: 4 bytes for each cell of the whole floor. Time: the updates in this browser.
+        {SCANS} scans of 240 beams. Memory: 4 bytes for each cell of the whole floor. Updates: cells of the part shown.
       </figcaption>
     </figure>
   );
@@ -72,8 +72,7 @@ function Panel({ side, made: now }: { readonly side: number; readonly made: Made
       <p class="number">
         {cells.toLocaleString("en")} cells, <b>{bytes(size)}</b>
         <br />
-        <b class="awaited-number">{now ? `${now.ms < 10 ? now.ms.toFixed(1) : Math.round(now.ms)} ms` : "…"}</b> for{" "}
-        {SCANS} scans
+        <b class="awaited-number">{now ? now.updates.toLocaleString("en") : "…"}</b> updates by {SCANS} scans
       </p>
     </div>
   );

@@ -13,7 +13,7 @@ import {
 } from "./model";
 
 const DEGREE = 180 / Math.PI;
-const NAMES = ["1", "x", "y", "z"];
+const NAMES = ["1", "x", "y", "h"];
 
 interface MatrixProps {
   readonly moments: Moments;
@@ -72,7 +72,7 @@ export function Result({ plane, limits, edges }: ResultProps) {
         <div>
           <dt>Plane</dt>
           <dd>
-            z = {written(a, 2)} {b < 0 ? "−" : "+"} {written(Math.abs(b), 2)} x {c < 0 ? "−" : "+"}{" "}
+            h = {written(a, 2)} {b < 0 ? "−" : "+"} {written(Math.abs(b), 2)} x {c < 0 ? "−" : "+"}{" "}
             {written(Math.abs(c), 2)} y
           </dd>
         </div>
@@ -127,7 +127,7 @@ function Class({ plane, limits, edges }: { readonly plane: Plane } & Omit<Result
   );
 }
 
-const SUMS = ["n", "Σx", "Σy", "Σz"];
+const SUMS = ["n", "Σx", "Σy", "Σh"];
 
 /** The first row of P of the four children of a patch in the quadtree, and their sum, its own. */
 export function Children({ moments }: { readonly moments: readonly Moments[] }) {

@@ -126,7 +126,7 @@ export function Profiles(props: ProfilesProps) {
             {crossing && <path class="tsdf-crossing" d={`M${x(crossing.at)} ${d(0) - 8}l7 8l-7 8l-7 -8Z`} />}
 
             <text class="tsdf-title" x={LEFT} y={WEIGHT.to - 6}>
-              weight W of each voxel
+              weight of each voxel
             </text>
             {voxels.map(({ weight }, k) => (
               <rect

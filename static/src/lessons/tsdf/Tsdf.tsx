@@ -170,7 +170,7 @@ function Answers({ wall, occupancy, voxels, crossing }: AnswersProps) {
     <table class="plain-table tsdf-answers">
       <thead>
         <tr>
-          <th scope="col">asked</th>
+          <th scope="col">question</th>
           <th scope="col">occupancy</th>
           <th scope="col">signed distance</th>
         </tr>

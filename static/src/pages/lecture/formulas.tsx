@@ -81,14 +81,14 @@ export function BayesRule() {
   );
 }
 
-/** 2 / (9 (k − 1)), a part of the number of particles. */
+/** 2 / (9 (B − 1)), a part of the number of particles. */
 const KLD_PART = (
   <mfrac>
     <mn>2</mn>
     <mrow>
       <mn>9</mn>
       <mo>(</mo>
-      <mi>k</mi>
+      <mi>B</mi>
       <mo>−</mo>
       <mn>1</mn>
       <mo>)</mo>
@@ -101,11 +101,11 @@ export function KldNumber() {
   return (
     <math display="block" class="lesson-formula">
       <mrow>
-        <mi>n</mi>
+        <mi>M</mi>
         <mo>=</mo>
         <mfrac>
           <mrow>
-            <mi>k</mi>
+            <mi>B</mi>
             <mo>−</mo>
             <mn>1</mn>
           </mrow>

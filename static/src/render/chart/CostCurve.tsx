@@ -130,11 +130,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
         </Handle>
       </svg>
       <p>
-        cost = 252 · e
-        <sup>
-          −{written(factor, 1)} (d − {written(inscribed, 2)})
-        </sup>{" "}
-        up to {written(radius, 2)} m
+        cost = 252 · exp(−{written(factor, 1)} (d − {written(inscribed, 2)})) up to {written(radius, 2)} m
       </p>
     </section>
   );

@@ -147,7 +147,7 @@ export function Cone({ view, controls }: { readonly view: ProfileView; readonly 
       >
         <circle class="handle-mark" cx={handleX} cy={handleY} r={8} />
         <text class="label-robot" x={handleX} y={handleY - 14} text-anchor="middle">
-          {`ω ${written(degrees, 0)}°`}
+          {`β ${written(degrees, 0)}°`}
         </text>
       </Handle>
       {!noReturn && (

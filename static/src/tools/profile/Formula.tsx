@@ -20,12 +20,12 @@ export function Formula({ view }: { view: ProfileView }) {
     return (
       <math class="formula" display="block">
         <mrow>
-          <mi>{certain ? "v" : "Δℓ"}</mi>
+          <mi>{certain ? "certainty" : "Δℓ"}</mi>
           <mo>=</mo>
           {values.no_return === "free" ? (
             <mrow>
               <mrow class="noun-miss">
-                <mtext>{certain ? "empty: (1 − (r/max range)²) · (1 − (2θ/ω)²)" : signed(model.miss)}</mtext>
+                <mtext>{certain ? "empty: (1 − (r/max range)²) · (1 − (2φ/β)²)" : signed(model.miss)}</mtext>
               </mrow>
               <mtext>&nbsp; for r ≤ max range = {written(values.range_max, 1)} m</mtext>
             </mrow>
@@ -41,10 +41,10 @@ export function Formula({ view }: { view: ProfileView }) {
   return (
     <math class={`formula${isLong ? " long" : ""}`} display="block">
       <mrow>
-        <mi>{certain ? "v" : "Δℓ"}</mi>
+        <mi>{certain ? "certainty" : "Δℓ"}</mi>
         <mrow>
           <mo>(</mo>
-          <mi>{isCone(values) ? "r, θ" : "r"}</mi>
+          <mi>{isCone(values) ? "r, φ" : "r"}</mi>
           <mo>)</mo>
         </mrow>
         <mo>=</mo>
@@ -87,7 +87,7 @@ function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
   const before = half > 0 ? `r < z − w/2 = ${written(z - half, 2)} m` : `r < z = ${written(z, 2)} m`;
   const within = half > 0 ? `|r − z| ≤ w/2 = ${written(half, 3)} m` : "the cell that holds z";
   const row = (noun: string, value: string, where: string): Row => ({ noun: `noun-${noun}`, value, where });
-  const beyond = row("prior", "0", isCone(values) ? "beyond, and outside ω" : "beyond");
+  const beyond = row("prior", "0", isCone(values) ? "beyond, and outside β" : "beyond");
   switch (values.model) {
     case "step_window":
       return [
@@ -105,20 +105,20 @@ function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
       return [
         row("miss", `ln n₀(1−p₀) − ln (1 + n₀(1−p₀)) = ${miss}`, `first visit: ${before}`),
         row("hit", `ln (1 + n₀p₀) − ln n₀p₀ = ${hit}`, `first visit: ${within}`),
-        row("prior", "p = (n + n₀p₀) / (n + m + n₀)", "after n hits, m misses"),
+        row("prior", "p = (hits + n₀p₀) / (hits + misses + n₀)", "after all visits"),
       ];
     case "sonar_cone": {
       const fades = values.cone_profile === "gaussian";
       return [
-        row("miss", fades ? `${miss} · (1 − (r/(z−w/2))²) · e^(−8(θ/ω)²)` : miss, before),
-        row("hit", fades ? `${hit} · (1 − ((r−z)/(w/2))²) · e^(−8(θ/ω)²)` : hit, within),
+        row("miss", fades ? `${miss} · (1 − (r/(z−w/2))²) · exp(−8(φ/β)²)` : miss, before),
+        row("hit", fades ? `${hit} · (1 − ((r−z)/(w/2))²) · exp(−8(φ/β)²)` : hit, within),
         beyond,
       ];
     }
     case "moravec_elfes":
       return [
-        row("miss", "empty: (1 − (r/(z−w/2))²) · (1 − (2θ/ω)²)", before),
-        row("hit", "occupied: (1 − ((r−z)/(w/2))²) · (1 − (2θ/ω)²)", within),
+        row("miss", "empty: (1 − (r/(z−w/2))²) · (1 − (2φ/β)²)", before),
+        row("hit", "occupied: (1 − ((r−z)/(w/2))²) · (1 − (2φ/β)²)", within),
         beyond,
       ];
     default:

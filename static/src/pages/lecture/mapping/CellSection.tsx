@@ -6,6 +6,7 @@ import { Cell, START } from "../../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../../lessons/common/parameters";
 import { DragNumber } from "../../../ui/DragNumber";
 import { signed, written } from "../../../ui/numbers";
+import { Sub } from "../formulas";
 import { presenting } from "../present/state";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
@@ -32,7 +33,10 @@ const Poses = ({ x }: { x: string }) => (
   </msub>
 );
 
-/** p(m | z₁…z_t, x₁…x_t), the belief; `m` may be the free cell instead. */
+/** The cell, occupied. */
+const CELL = <Sub of="m" at="i" />;
+
+/** p(m_i | z₁…z_t, x₁…x_t), the belief; the cell may be free instead. */
 function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?: string; free?: boolean }) {
   const tone = what === "belief" ? "noun-robot" : what === "one" ? "noun-beam" : "noun-prior";
   return (
@@ -40,7 +44,7 @@ function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?
       <mi>p</mi>
       <mo>(</mo>
       {free && <mo>¬</mo>}
-      <mi>m</mi>
+      {CELL}
       {z && (
         <>
           <mo>∣</mo>
@@ -65,14 +69,14 @@ function Line({ why, children }: { why: ComponentChildren; children: ComponentCh
   );
 }
 
-/** p(z_t | m, x_t). */
+/** p(z_t | m_i, x_t). */
 const Likelihood = () => (
   <mrow>
     <mi>p</mi>
     <mo>(</mo>
     <Readings z="t" />
     <mo>∣</mo>
-    <mi>m</mi>
+    {CELL}
     <mo>,</mo>
     <Poses x="t" />
     <mo>)</mo>
@@ -115,8 +119,8 @@ function Derivation() {
         why={
           <>
             Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
-            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here: p(m ∣
-            x<sub>t</sub>) = p(m), the <b class="noun-prior">prior</b>.
+            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here: p(m
+            <sub>i</sub> ∣ x<sub>t</sub>) = p(m<sub>i</sub>), the <b class="noun-prior">prior</b>.
           </>
         }
       >
@@ -138,8 +142,8 @@ function Derivation() {
       <Line
         why={
           <>
-            The same for the free cell ¬m; then divide. The factors that are hard to know cancel. What remains: the odds
-            from the new reading, times the odds before it, divided by the prior odds.
+            The same for the free cell ¬m<sub>i</sub>; then divide. The factors that are hard to know cancel. What
+            remains: the odds from the new reading, times the odds before it, divided by the prior odds.
           </>
         }
       >
@@ -190,7 +194,7 @@ function Derivation() {
             <mrow>
               <mi>p</mi>
               <mo>(</mo>
-              <mi>m</mi>
+              {CELL}
               <mo>∣</mo>
               <Readings z="t" />
               <mo>,</mo>
@@ -201,7 +205,7 @@ function Derivation() {
               <mi>p</mi>
               <mo>(</mo>
               <mo>¬</mo>
-              <mi>m</mi>
+              {CELL}
               <mo>∣</mo>
               <Readings z="t" />
               <mo>,</mo>
@@ -226,10 +230,9 @@ function Derivation() {
           <mrow>
             <mn>1</mn>
             <mo>+</mo>
-            <msup>
-              <mi>e</mi>
-              <mi class="noun-robot">ℓ</mi>
-            </msup>
+            <mi>exp</mi>
+            <mspace width="0.2em" />
+            <mi class="noun-robot">ℓ</mi>
           </mrow>
         </mfrac>
       </Line>
@@ -294,10 +297,11 @@ export function CellSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        The state of a cell is constant (assumption 2): either <i>m</i> (occupied) or ¬<i>m</i> (free). Its odds are
-        p/(1 − p), occupied to free. The map stores their natural logarithm, the log-odds <b class="noun-robot">ℓ</b> =
-        log(p/(1 − p)): 0.85 for p = 0.7; above 0 the cell is more likely occupied, below 0 more likely free; p = 1 is
-        +∞, p = 0 is −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+        The state of a cell is constant (assumption 2): either m<sub>i</sub> (occupied) or ¬m
+        <sub>i</sub> (free). Its odds are p/(1 − p), occupied to free. The map stores their natural logarithm, the
+        log-odds <b class="noun-robot">ℓ</b> = log(p/(1 − p)): 0.85 for p = 0.7; above 0 the cell is more likely
+        occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
+        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b>, a beam that ended in the cell, adds{" "}
@@ -330,7 +334,7 @@ export function CellSection({ id, number, title }: SectionHead) {
           {" "}
           Press the buttons, or <kbd>H</kbd> and <kbd>M</kbd> on one.{" "}
         </span>{" "}
-        After how many misses is a cell that was hit four times probably free?
+        After how many misses is a cell that was hit four times more likely free than occupied?
       </p>
     </Section>
   );

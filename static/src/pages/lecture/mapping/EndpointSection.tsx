@@ -17,8 +17,7 @@ export function EndpointSection({ id, number, title }: SectionHead) {
       after={
         <p>
           Always round down: <code>floor</code>. Converting to an integer is wrong below zero: −0.3 becomes 0, not −1,
-          and two columns become one.{" "}
-          <span class="no-print">Move the origin to the right of the end point and see.</span>
+          and two columns become one. <span class="no-print">Move the origin to the right of the end point.</span>
         </p>
       }
     >

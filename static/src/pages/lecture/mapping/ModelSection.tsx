@@ -70,7 +70,7 @@ export function ModelSection({ id, number, title }: SectionHead) {
         <b class="noun-miss">
           p<sub>free</sub>
         </b>{" "}
-        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w (α in table 9.2) ={" "}
+        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w ={" "}
         <DragNumber
           label="hit window w"
           sentence="Width of the zone around the reading that counts as hit."
@@ -102,9 +102,10 @@ export function ModelSection({ id, number, title }: SectionHead) {
         counts as no return.
       </p>
       <p>
-        As log-odds these are numbers to add, log p/(1 − p) − ℓ₀: {signed(logOdds(p_free))}, {signed(logOdds(p_occ))}{" "}
-        and 0. Many programs set the two increments directly (<em>fixed increments</em>). The curve belongs to one beam
-        of the stage. <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>
+        As numbers to add these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
+        {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (<em>fixed increments</em>). The
+        curve belongs to one beam of the stage.{" "}
+        <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>
       </p>
     </Section>
   );

@@ -14,9 +14,8 @@ export function RaysSection({ id, number, title }: SectionHead) {
         <>
           <h3>A worked example</h3>
           <p>
-            From (0, 0) to (4, 3), with <i>a</i> = dx and <i>b</i> = dy: each step to the right adds 2dy to the error,
-            at first 0. Where the sum is at least dx, the line also goes one cell up, and 2dx is subtracted. The
-            figure’s ∇ is that sum minus dx.
+            From (0, 0) to (4, 3): each step to the right adds 2dy to the error, at first 0. Where the sum is at least
+            dx, the line also goes one cell up, and 2dx is subtracted. The figure’s ∇ is that sum minus dx.
           </p>
           <Worked />
           <h3>All eight octants</h3>
@@ -38,10 +37,10 @@ export function RaysSection({ id, number, title }: SectionHead) {
     >
       <p>
         A reading gives evidence for the cells <em>along its beam</em>. Bresenham’s algorithm finds them with integer
-        additions only. The line goes <i>a</i> cells along its longer axis and <i>b</i> along the other. Each step goes
-        one cell along the longer axis. An error ∇, initially 2<i>b</i> − <i>a</i>, compares the true line with the
-        middle between the two next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b> and adds
-        2<i>b</i> to it, otherwise <b class="noun-hit">diagonal</b>, and adds 2<i>b</i> − 2<i>a</i>.
+        additions only. The line goes dx cells along its longer axis and dy along the other. Each step goes one cell
+        along the longer axis. An error ∇, initially 2dy − dx, compares the true line with the middle between the two
+        next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b> and adds 2dy to it, otherwise{" "}
+        <b class="noun-hit">diagonal</b>, and adds 2dy − 2dx.
       </p>
     </Section>
   );

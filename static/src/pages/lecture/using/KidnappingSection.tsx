@@ -26,9 +26,9 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            Each average follows the mean weight of a scan’s particles at its own rate, α<sub>slow</sub> or α
-            <sub>fast</sub>. The share of random particles is max(0, 1 − w<sub>fast</sub> / w<sub>slow</sub>). α
-            <sub>fast</sub> has to be much larger: with equal rates no particle is ever added.
+            Each average follows the mean weight of a scan’s particles at its own rate. The share of random particles is
+            max(0, 1 − fast average / slow average). The fast rate has to be much larger: with equal rates no particle
+            is ever added.
           </p>
           <p>
             In AMCL both rates are 0 by default, so it does not recover; its documentation suggests 0.001 and 0.1. A

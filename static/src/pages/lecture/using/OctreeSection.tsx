@@ -31,7 +31,7 @@ export function OctreeSection({ id, number, title }: SectionHead) {
     >
       <p>
         The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
-        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b> has both.{" "}
+        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b>, voxels, has both.{" "}
         <span class="no-print">Move the cut, then make the cells finer and compare the memory.</span>
       </p>
     </Section>

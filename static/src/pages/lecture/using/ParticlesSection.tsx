@@ -27,13 +27,13 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             How many particles does a belief need? The more places it covers, the more: <b>KLD sampling</b> counts the
-            bins with a particle in them. With n particles for k bins the Kullback-Leibler distance to the belief is
+            bins with a particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is
             below ε, with the probability that belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
           </p>
           <KldNumber />
           <p>
-            AMCL’s parameter pf_z is this quantile itself, so its default of 0.99 means 84 %.{" "}
-            <span class="no-print">Step on above and watch k; drag ε and q.</span>
+            In AMCL, Nav2’s localization, pf_z is this quantile itself, so its default of 0.99 means 84 %.{" "}
+            <span class="no-print">Step on above and watch B; drag ε and q.</span>
           </p>
           <LaterMore id="particles" />
         </>

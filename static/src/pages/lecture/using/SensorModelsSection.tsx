@@ -18,12 +18,13 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
             over all maps that agree with the reading.
           </p>
           <p>
-            Some texts add ln p(z | m) / (1 − p(z | m)), as the dashed curve does. Bayes’ rule gives ln p(z | m) / p(z |
-            ¬m): how likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor
-            with equal error rates both are the same; otherwise the heuristic works because its sign is right and the
-            clamp limits its size. The sum over all maps, exact here for one beam, is too costly on a plane: the model
-            of <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps the forward
-            model and searches for the most probable map, without independent cells.
+            Some texts add ln p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>)), as the dashed curve does. Bayes’ rule
+            gives ln p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>): how likely the reading is with the cell occupied,
+            over how likely with it free. For a yes-or-no sensor with equal error rates both are the same; otherwise the
+            heuristic works because its sign is right and the clamp limits its size. The sum over all maps, exact here
+            for one beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to have
+            its shape. Section 9.4 of the book keeps the forward model and searches for the most probable map, without
+            independent cells.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest

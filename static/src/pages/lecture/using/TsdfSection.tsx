@@ -13,14 +13,14 @@ export function TsdfSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            A reading z gives a voxel centred at c the distance d = z − c, and the voxel keeps the mean: D ← (W D + d) /
-            (W + 1), W ← W + 1. Noise averages out, and interpolation between two voxels gives the surface{" "}
-            <b>more finely than a voxel</b>. An occupancy map gives whole cells, and a reading that is too long leaves
-            an occupied cell behind the wall. The gradient of D is the normal of the surface.
+            A reading z gives a voxel at distance r along the beam the distance d = z − r, and the voxel keeps the mean:
+            D ← (weight · D + d) / (weight + 1); then its weight grows by 1. Noise averages out, and interpolation
+            between two voxels gives the surface <b>more finely than a voxel</b>. The gradient of D is the normal of the
+            surface.
           </p>
           <p>
             Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
-            same voxels. W stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
+            same voxels. The weight stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>

@@ -99,8 +99,7 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25). A scan adds{" "}
-        {signed(INITIAL_CONFIG.log_odds_hit)} or {signed(INITIAL_CONFIG.log_odds_miss)} to a cell.{" "}
+        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25).{" "}
         <span class="no-print">Guess, then remove the table.</span>
       </p>
     </Section>

@@ -17,7 +17,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
             The <b class="noun-beam">colour</b> is the score of every position at the present heading; segments join
             each point to the nearest one. <b>Point to point</b> makes them short; <b>point to line</b> only their part
             across the wall, so a scan slides along it. Both need a start in the <b class="noun-miss">blue</b> part of
-            the second picture. The <b>correlative</b> method tries every pose of its window, in steps.
+            the second picture. The <b>correlative</b> method tries every pose of its window.
           </p>
           <p>
             In the corridor any pose along the walls fits; in the symmetric room two fit equally. A moved table shifts
