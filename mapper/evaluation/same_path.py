@@ -7,20 +7,26 @@ from collections.abc import Mapping
 import numpy as np
 
 from mapper.core.array_types import Float64Array
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.sensors.scan import Trajectory
 
-SAME_M = 0.001  #: two paths that are nowhere farther apart, each from its first pose, are one
+SAME_M, SAME_RAD = 0.001, 0.001  #: within which all poses of one path are, each from its first pose
+FEW = 64  #: poses that tell most different paths apart
 
 
 def is_same_path(one: Float64Array, two: Float64Array) -> bool:
     """Return whether poses (n, 3) are those of another trajectory at the same times, but for where both begin."""
     if one.shape != two.shape:
         return False
+    return all(_are_close(one[::step], two[::step]) for step in (1 + len(one) // FEW, 1))
+
+
+def _are_close(one: Float64Array, two: Float64Array) -> bool:
     if not len(one):
         return True
     from_first = [compose(inverse(poses[0]), poses) for poses in (one, two)]
-    return bool(np.hypot(*(from_first[0] - from_first[1])[:, :2].T).max() <= SAME_M)
+    off = from_first[0] - from_first[1]
+    return bool(np.hypot(off[:, 0], off[:, 1]).max() <= SAME_M and np.abs(wrap_angle(off[:, 2])).max() <= SAME_RAD)
 
 
 def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:

@@ -264,9 +264,10 @@ class Classroom:
         if self.asked is not None and _page_of(view) not in self._asked_on:
             if self.asked.is_revealed:
                 self.asked = None  # its result would stand before what is shown next
-            else:
+                self._changed()
+            elif not self.asked.is_closed:
                 self.asked.is_closed = True  # what is shown next may tell the answer
-            self._changed()
+                self._changed()
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
 
     def _ask(self, asked: AskCommand) -> None:

@@ -12,7 +12,6 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
-from mapper.evaluation.same_path import stated_before
 from mapper.grid import OccupancyGrid
 from mapper.io.logs.summary import start_s
 from mapper.mapping.parameters import MappingConfig
@@ -280,7 +279,7 @@ class LogModel(SessionModel):
 
     def _trajectories_message(self) -> Trajectories:
         found = self.recording.log.trajectories
-        same = stated_before(found)
+        same = self.recording.same_paths()
         return Trajectories(
             [TrajectoryInfo(name, one.description, one.from_scans, same.get(name)) for name, one in found.items()]
         )

@@ -11,6 +11,7 @@ import numpy as np
 
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
+from mapper.evaluation.same_path import stated_before
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
@@ -91,6 +92,7 @@ class LogRecording(Recording, Viewed):
         self._host = host
         self._first = first
         self._examinations: dict[str, _Examination] = {}  #: by trajectory
+        self._same_paths = (replay.log.trajectories, stated_before(replay.log.trajectories))
 
     @property
     def log(self) -> ScanLog:
@@ -101,6 +103,13 @@ class LogRecording(Recording, Viewed):
     def trajectory(self) -> str:
         """The name of the trajectory in use."""
         return self.replay.trajectory
+
+    def same_paths(self) -> dict[str, str]:
+        """Return for each trajectory whose path another one before it has the name of that one."""
+        trajectories = self.log.trajectories
+        if self._same_paths[0] is not trajectories:  # of long logs it takes longer than a message may
+            self._same_paths = (trajectories, stated_before(trajectories))
+        return self._same_paths[1]
 
     def first_config(self) -> MappingConfig:
         """Return the initial parameters for the log."""

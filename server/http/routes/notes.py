@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from dataclasses import dataclass
 from typing import Annotated
@@ -47,8 +48,9 @@ class Written(BaseModel):
 
     def pin(self) -> Pin:
         """Return where the note is."""
-        outline = None if self.outline is None else tuple(self.outline)
-        return Pin(self.at_s, self.scan, self.x, self.y, outline)
+        if self.outline is not None:
+            return Pin(self.at_s, self.scan, outline=tuple(self.outline))
+        return Pin(self.at_s, self.scan, self.x, self.y)
 
 
 def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> Record:
@@ -87,7 +89,7 @@ async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> R
     """Return the notes on the session's log as GeoJSON; coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
     found = await library.notes.of(of_log.log_id)
-    text = notes_as_geojson(found, _frame_of(of_log), of_log.session.model.title)
+    text = await asyncio.to_thread(notes_as_geojson, found, _frame_of(of_log), of_log.session.model.title)
     return _as_file(of_log, text, "geojson", "application/geo+json")
 
 
@@ -96,7 +98,8 @@ async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> R
 async def notes_csv(sessions: Sessions, library: Logs, session_id: str) -> Response:
     """Return the notes on the session's log as a table; coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
-    text = notes_as_csv(await library.notes.of(of_log.log_id), _frame_of(of_log))
+    found = await library.notes.of(of_log.log_id)
+    text = await asyncio.to_thread(notes_as_csv, found, _frame_of(of_log))
     return _as_file(of_log, text, "csv", "text/csv")
 
 

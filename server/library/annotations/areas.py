@@ -3,28 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
+
+import numpy as np
 
 Corner = tuple[float, float]
+THIN = 1e-9  #: of the square of its extent: a polygon with less area has its corners in one line
 
 
 def area_of(corners: Sequence[Corner]) -> float:
     """Return the area of a polygon, positive where its corners are counter-clockwise: the shoelace formula."""
-    return 0.5 * sum(one[0] * two[1] - two[0] * one[1] for one, two in _sides(corners))
+    _, crosses = _sums(corners)
+    return 0.5 * float(crosses.sum())
 
 
 def centroid(corners: Sequence[Corner]) -> Corner:
-    """Return the centroid of a polygon whose area is not 0."""
-    origin_x, origin_y = corners[0]  # far from the map's origin the products would lose digits
-    near = [(x - origin_x, y - origin_y) for x, y in corners]
-    sum_x = sum_y = 0.0
-    for (x0, y0), (x1, y1) in _sides(near):
-        cross = x0 * y1 - x1 * y0
-        sum_x += (x0 + x1) * cross
-        sum_y += (y0 + y1) * cross
-    scale = 6.0 * area_of(near)
-    return origin_x + sum_x / scale, origin_y + sum_y / scale
+    """Return the centroid of a polygon that is not :func:`is_thin`."""
+    sums, crosses = _sums(corners)
+    x, y = np.asarray(corners[0]) + (sums * crosses[:, None]).sum(axis=0) / (3.0 * crosses.sum())
+    return float(x), float(y)
 
 
-def _sides(corners: Sequence[Corner]) -> list[tuple[Corner, Corner]]:
-    return list(pairwise([*corners, corners[0]]))
+def is_thin(corners: Sequence[Corner]) -> bool:
+    """Return whether the corners of a polygon are in one line, or its sides enclose as much on both sides of it."""
+    extent = float(np.ptp(np.asarray(corners), axis=0).max())
+    return abs(area_of(corners)) <= THIN * extent**2
+
+
+def crosses_itself(corners: Sequence[Corner]) -> bool:
+    """Return whether two sides of a polygon cross."""
+    begin = np.asarray(corners, dtype=np.float64)
+    end = np.roll(begin, -1, axis=0)
+    # Which side of side i the ends of side j are on. Two sides cross where each divides the ends of the other.
+    side = end - begin
+    to_begin, to_end = begin[None] - begin[:, None], end[None] - begin[:, None]
+    left = side[:, None, 0] * to_begin[..., 1] - side[:, None, 1] * to_begin[..., 0]
+    right = side[:, None, 0] * to_end[..., 1] - side[:, None, 1] * to_end[..., 0]
+    divides = ((left > 0.0) & (right < 0.0)) | ((left < 0.0) & (right > 0.0))
+    return bool((divides & divides.T).any())
+
+
+def _sums(corners: Sequence[Corner]) -> tuple[np.ndarray, np.ndarray]:
+    """Return for each side the sum of its ends (n, 2), and their cross product (n,), both from the first corner.
+
+    Far from the map's origin the products would lose digits.
+    """
+    begin = np.asarray(corners, dtype=np.float64) - np.asarray(corners[0])
+    end = np.roll(begin, -1, axis=0)
+    return begin + end, begin[:, 0] * end[:, 1] - end[:, 0] * begin[:, 1]

@@ -18,7 +18,7 @@ from server.library.annotations.areas import Corner, area_of
 from server.library.annotations.notes import Note
 
 COLUMNS = ("id", "text", "seconds", "scan", "frame", "x_m", "y_m", "area_m2", "outline", "created", "changed")
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")  #: with which a spreadsheet begins a formula
+_FORMULA = ("=", "+", "-", "@")  #: with which a spreadsheet begins a formula
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,6 @@ def notes_as_geojson(notes: Sequence[Note], frame: MapFrame, title: str) -> str:
             "features": [_feature(note, frame) for note in notes],
         },
         ensure_ascii=False,
-        indent=1,
     )
 
 
@@ -55,13 +54,13 @@ def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
     table = csv.writer(file, lineterminator="\r\n")
     table.writerow(COLUMNS)
     for note in notes:
-        pin, own = note.pin, note.text.lstrip()
+        pin = note.pin
         ring = "" if pin.outline is None else ", ".join(f"{x!r} {y!r}" for x, y in _ring(pin.outline, frame))
-        place = ("", "", "") if pin.x is None or pin.y is None else (frame.name, *frame.place(pin.x, pin.y))
+        place = ("", "", "") if pin.x is None or pin.y is None else (_as_text(frame.name), *frame.place(pin.x, pin.y))
         table.writerow(
             [
                 note.id,
-                f"'{note.text}" if own.startswith(_FORMULA) else note.text,
+                _as_text(note.text),
                 pin.at_s,
                 pin.scan,
                 *place,
@@ -72,6 +71,11 @@ def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
             ]
         )
     return file.getvalue()
+
+
+def _as_text(cell: str) -> str:
+    """Return a text that no spreadsheet takes for a formula."""
+    return f"'{cell}" if cell.lstrip().startswith(_FORMULA) else cell
 
 
 def _feature(note: Note, frame: MapFrame) -> dict[str, Any]:

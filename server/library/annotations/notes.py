@@ -12,7 +12,7 @@ from typing import Any
 from sqlalchemy import Connection, delete, func, insert, select, update
 
 from mapper.core.errors import LimitError, MapperError
-from server.library.annotations.areas import Corner, area_of, centroid
+from server.library.annotations.areas import Corner, centroid, crosses_itself, is_thin
 from server.library.logs.records import Record
 from server.library.logs.rows import upsert_log
 from server.library.store.database import Database
@@ -36,7 +36,7 @@ class Pin:
     """Place of a note: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
     ``x``, ``y`` on the map, metres, or both. Raises :class:`MapperError` for neither.
 
-    ``outline`` are the corners of an area on the map, which is not closed; its place is the centroid.
+    ``outline`` are the corners of an area on the map, which is not closed; without a place, that is its centroid.
     """
 
     at_s: float | None = None
@@ -46,9 +46,13 @@ class Pin:
     outline: tuple[Corner, ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.outline is not None:
-            if not 3 <= len(self.outline) <= MAX_CORNERS or area_of(self.outline) == 0.0:
-                raise MapperError("note.pin", f"An area has 3 to {MAX_CORNERS} corners that are not in one line.")
+        if self.outline is not None and self.x is None:
+            if not 3 <= len(self.outline) <= MAX_CORNERS:
+                raise MapperError("note.pin", f"An area has 3 to {MAX_CORNERS} corners.")
+            if crosses_itself(self.outline):
+                raise MapperError("note.pin", "The sides of the area cross: put its corners in their order around it.")
+            if is_thin(self.outline):
+                raise MapperError("note.pin", "The corners of an area are not in one line.")
             for name, value in zip(("x", "y"), centroid(self.outline), strict=True):
                 object.__setattr__(self, name, value)
         if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):

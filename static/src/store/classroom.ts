@@ -172,7 +172,7 @@ export class Classroom {
         return;
       case "refused":
         this.refused.value = message.message;
-        this.#takeCounted(message.answer ?? null);
+        if (message.code === "class.closed") this.#takeCounted(message.answer ?? null);
     }
   }
 

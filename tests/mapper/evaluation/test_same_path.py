@@ -28,6 +28,18 @@ def test_one_path_in_two_frames_is_the_same() -> None:
     assert is_same_path(path[:0], path[:0])
 
 
+def test_headings_and_a_single_pose_tell_paths_apart() -> None:
+    still = np.zeros((500, 3))
+    turning, less = still.copy(), still.copy()
+    turning[:, 2], less[:, 2] = np.linspace(0.0, 6.0, 500), np.linspace(0.0, 4.8, 500)
+    assert is_same_path(turning, turning + np.array([1.0, 2.0, 0.0]))
+    assert not is_same_path(turning, less)
+    for at in (1, 250, 499):
+        moved = turning.copy()
+        moved[at, 0] += 0.01
+        assert not is_same_path(turning, moved)
+
+
 def test_what_was_stated_before_is_named() -> None:
     path, other = circle(20), circle(20, 3.0)
     named = {"odom": path, "tf/odom": seen_from(path, 1.0, 2.0, 0.3), "SLAM": other, "again": path}

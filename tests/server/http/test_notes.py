@@ -14,6 +14,8 @@ from pathlib import Path
 import httpx
 import pytest
 
+from server.library.annotations.note_files import MapFrame, notes_as_csv
+from server.library.annotations.notes import Note, Pin
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
 
@@ -100,11 +102,31 @@ def test_files_of_a_log_in_projected_coordinates_have_them_again(service: Servic
     assert float(rows[0]["y_m"]) == pytest.approx(5_654_321.3333333)
 
 
-@pytest.mark.parametrize("corners", [[[0, 0], [1, 1]], [[0, 0], [1, 1], [2, 2]], [[0, 0]] * 201])
-def test_what_is_no_area_is_refused(service: Service, corners: list[list[float]]) -> None:
+CROSSED = [[0, 0], [2, 2.001], [2, 0], [0, 2]]
+IN_LINE = [[-40.61, -47.17], [-39.61, -46.17], [-38.61, -45.17]]  # their products have digits that are lost
+
+
+@pytest.mark.parametrize(
+    ("corners", "words"),
+    [
+        ([[0, 0], [1, 1]], ""),
+        ([[0, 0]] * 201, ""),
+        ([[0, 0], [1, 1], [2, 2]], "not in one line"),
+        (IN_LINE, "not in one line"),
+        (CROSSED, "sides of the area cross"),
+    ],
+)
+def test_what_is_no_area_is_refused(service: Service, corners: list[list[float]], words: str) -> None:
     _, session = opened(service)
     answer = service.http.post(f"/api/sessions/{session}/notes", json={"text": "flat", "outline": corners})
     assert answer.status_code == 422
+    assert words in answer.text
+
+
+def test_no_cell_of_the_table_is_a_formula() -> None:
+    note = Note("n", "ann", "a", 1.0, 2.0, " \t=1+1", Pin(x=1.0, y=2.0))
+    (row,) = csv.DictReader(io.StringIO(notes_as_csv([note], MapFrame("=HYPERLINK(1)"))))
+    assert (row["text"], row["frame"]) == ("' \t=1+1", "'=HYPERLINK(1)")
 
 
 def test_notes_are_written_changed_and_deleted(service: Service) -> None:

@@ -1,7 +1,7 @@
 /** Showing only the slides of one part of the lecture: each is about as much as one lesson. */
 
 import { LECTURE_PARTS, type Part } from "../../lessons";
-import type { Slide } from "./deck";
+import { type Slide, WHOLE_LECTURE } from "./deck";
 import { shown } from "./deckOrder";
 
 /** Whether a slide is about a section of one part of the lecture. */
@@ -10,14 +10,14 @@ const isAbout = ({ lessons }: Part, slide: Slide): boolean =>
 
 export const hasPart = (slides: readonly Slide[], part: Part): boolean => slides.some((one) => isAbout(part, one));
 
-const BETWEEN = ": ";
+const [LECTURE_TITLE] = WHOLE_LECTURE.slides.filter(({ kind }) => kind === "title");
 
-/** A title slide with the name of a part after its title, or without one. */
+/** The title slide of the lecture with the name of a part, or without one; a lecturer's own title stays as it is. */
 function named(slide: Slide, part: Part | null): Slide {
-  if (slide.kind !== "title") return slide;
-  const old = LECTURE_PARTS.find((one) => slide.title.endsWith(BETWEEN + one.title));
-  const title = old ? slide.title.slice(0, -(BETWEEN + old.title).length) : slide.title;
-  return { ...slide, title: part ? title + BETWEEN + part.title : title };
+  if (slide.kind !== "title" || LECTURE_TITLE?.kind !== "title") return slide;
+  const titled = (one: Part) => `${LECTURE_TITLE.title}: ${one.title}`;
+  const isOwn = slide.title !== LECTURE_TITLE.title && !LECTURE_PARTS.some((one) => slide.title === titled(one));
+  return isOwn ? slide : { ...slide, title: part ? titled(part) : LECTURE_TITLE.title };
 }
 
 /** The slides with all but those of one part hidden; its title slide has the part's name. */
