@@ -7,12 +7,15 @@ The file is opened read-only and as hostile as sqlite.org/security.html advises:
 ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
 
 Data that nothing is made of is not read: SQLite keeps large values in pages of their own.
+
+What a recorder that was killed left in a write-ahead log beside the database is read from a copy of both.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator
@@ -80,17 +83,21 @@ ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
 def _opened(
     path: Source, limits: Limits, progress: Progress | None
 ) -> tuple[sqlite3.Connection, list[str] | None, bool]:
-    """Return the database, what is missing of it, and whether it keeps a write-ahead log.
+    """Return the database, what is noted of it, and whether it keeps a write-ahead log that was not read.
 
-    A file that SQLite cannot open as it is, as it is packed, cut or in an archive, is opened as a copy; of one that
-    needs none, None instead of what is missing.
+    A file that SQLite cannot open as it is, as it is packed, cut or in an archive, is opened as a copy, and so is one
+    with a write-ahead log beside it; of one that needs none, None instead of notes.
     """
     with opened(path) as file:
         head = file.read(100)
         size = file.seek(0, os.SEEK_END)
     notes: list[str] | None = None
+    merged = _merged(path) if isinstance(path, Path) and head.startswith(MAGIC) and 2 in head[18:20] else None
     try:
-        if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
+        if merged is not None:
+            connection, head = merged, b""
+            notes = ["What the recorder had not yet moved into the SQLite file is read from the file beside it (-wal)."]
+        elif isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
             connection = _connected(path)
         else:
             with _copied(path, limits, progress and partial(_first_half, progress)) as (copy, head, notes):
@@ -113,6 +120,26 @@ def _connected(path: Path) -> sqlite3.Connection:
     connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
     connection.execute("PRAGMA schema_version")  # only then is the file open
     return connection
+
+
+def _merged(path: Path) -> sqlite3.Connection | None:
+    """Return a copy of a database with what is in the write-ahead log beside it.
+
+    None where there is no such log, no room for the copy, or SQLite refuses it.
+    """
+    journal = path.with_name(f"{path.name}-wal")
+    with contextlib.suppress(OSError, sqlite3.Error), tempfile.TemporaryDirectory(prefix="gridbloom-") as folder:
+        if not journal.is_file() or journal.stat().st_size == 0:
+            return None
+        copy = Path(folder, "copy.db3")
+        shutil.copyfile(path, copy)
+        shutil.copyfile(journal, copy.with_name(f"{copy.name}-wal"))
+        with contextlib.closing(sqlite3.connect(copy)) as writer:
+            # Exclusive: its index of the log is then in memory, and no file beside the copy.
+            for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "locking_mode=EXCLUSIVE", "journal_mode=DELETE"):
+                writer.execute(f"PRAGMA {pragma}").fetchall()
+        return _connected(copy)  # which goes on when the copy has lost its name
+    return None
 
 
 @contextmanager
