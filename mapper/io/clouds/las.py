@@ -24,7 +24,7 @@ from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
 PART = 1 << 20  #: points that are unpacked at a time
-SMALL_PART = 1 << 12  #: and of a file that ends early, of which the last part is lost
+SMALL_PART, PARTS = 1 << 12, 256  #: at most, and parts at least, of a file that ends early: its last part is lost
 HEADER_BYTES = 227  #: of the shortest version
 RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
 LEAST_POINT_BYTES = 20  #: of a point of any format
@@ -174,12 +174,18 @@ def _parts(
     points: list[NDArray[np.float64]] = [np.zeros((0, 3))]
     columns: dict[str, list[NDArray[Any]]] = {name: [] for name in names}
     read = 0
+    size = max(1, min(SMALL_PART, n // PARTS)) if is_cut else PART
     while read < n:
         try:
-            part = reader.read_points(min(SMALL_PART if is_cut else PART, n - read))
-        except Exception:
-            if not is_cut or read == 0:
+            part = reader.read_points(min(size, n - read))
+        except Exception as error:
+            if not is_cut:
                 raise
+            if read == 0:
+                raise ReadError(
+                    "cloud.truncated",
+                    "The compressed points end early, or are damaged, within their first chunk, so none can be read.",
+                ) from error
             break
         if len(part) == 0:
             break
