@@ -290,7 +290,13 @@ class _Mcap:
             except ReadError:
                 if not cut:
                     self._note(damaged)
-                return
+                    return
+                data = b""
+            if cut and not data:
+                self._note(
+                    f"The file ends within the chunk at byte {head.at}, whose {head.compression} data cannot be "
+                    "unpacked without its end: its messages are lost."
+                )
             self.expanded += len(data)
             if self.expanded > self.most_expanded:
                 raise LimitError(
