@@ -14,6 +14,7 @@ from mapper.core.limits import Limits
 from mapper.io.clouds.fields import standard_fields
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.ros.cloud_messages import times_of
+from mapper.io.logs.text.lines import with_line_feeds
 from mapper.sensors.point_cloud import PointCloud
 
 COARSE_STEP_M = 0.001  #: a cloud whose coordinates are rounded to more than this has a note about it
@@ -43,12 +44,15 @@ def content(path: Path, limits: Limits, progress: Progress | None = None) -> byt
 
 
 def plain_text(data: bytes) -> bytes:
-    """Return a text without its byte-order mark, in UTF-8 where that says that it is UTF-16; other data as it is."""
+    """Return a text without its byte-order mark, in UTF-8 where that says that it is UTF-16; other data as it is.
+
+    Lines that end in carriage returns alone end in line feeds then.
+    """
     if b"\0\0\0" in data[:64]:
         return data
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return data.decode("utf-16", "replace").encode()
-    return data.removeprefix(b"\xef\xbb\xbf")
+        data = data.decode("utf-16", "replace").encode()
+    return with_line_feeds(data.removeprefix(b"\xef\xbb\xbf"))
 
 
 def check_count(n: int, limits: Limits) -> None:

@@ -22,7 +22,7 @@ from mapper.io.logs.foreign import READ_HERE, not_a_log
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.text import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, sonar
-from mapper.io.logs.text.lines import BOM
+from mapper.io.logs.text.lines import BOM, with_line_feeds
 from mapper.io.logs.understanding import understood
 from mapper.sensors.joint_log import with_notes
 from mapper.sensors.robot_log import RobotLog
@@ -296,7 +296,7 @@ def _head_of(stream: BinaryIO) -> tuple[bytes, str | None]:
         head += piece
         if len(head) >= HEAD:
             break
-    return head[:HEAD].removeprefix(BOM), unpacked.broken
+    return with_line_feeds(head[:HEAD].removeprefix(BOM)), unpacked.broken
 
 
 def _first_words(head: bytes) -> set[str]:

@@ -12,6 +12,16 @@ from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8 text
 
 
+def ends_in_returns(begin: bytes) -> bool:
+    """Return whether the lines of a text that begins so end in carriage returns alone, as old Macintosh programs do."""
+    return b"\r" in begin and b"\n" not in begin and b"\0" not in begin
+
+
+def with_line_feeds(data: bytes) -> bytes:
+    """Return a text whose lines end in carriage returns alone with line feeds; other data as it is."""
+    return data.replace(b"\r", b"\n") if ends_in_returns(data) else data
+
+
 class TextLines:
     """The lines of one file; iterate once, over ``(line number from 1, line without its end)``.
 
@@ -64,9 +74,14 @@ class TextLines:
     def _whole_lines(self) -> Generator[tuple[int, bytes], None, bytes]:
         """Yield the lines that end; return what follows the last of them."""
         rest: bytes | None = None
+        end = b"\n"
         for piece in self._pieces:
-            begun = piece.removeprefix(BOM) if rest is None else rest + piece
-            lines = begun.split(b"\n")
+            if rest is None:
+                begun = piece.removeprefix(BOM)
+                end = b"\r" if ends_in_returns(begun) else b"\n"
+            else:
+                begun = rest + piece
+            lines = begun.split(end)
             rest = lines.pop()
             if self.number + len(lines) > self.limits.max_lines:
                 raise LimitError(
