@@ -62,6 +62,8 @@ TEXTS: dict[str, bytes] = {
     "a byte-order mark": b"\xef\xbb\xbf" + lines("{:.3f},{:.3f},{:.3f}", head="x,y,z\n"),
     "UTF-16": b"\xff\xfe" + lines("{:.3f} {:.3f} {:.3f}").decode().encode("utf-16-le"),
     "carriage returns": lines("{:.3f},{:.3f},{:.3f}").replace(b"\n", b"\r\n"),
+    "carriage returns alone": lines("{:.3f} {:.3f} {:.3f}").replace(b"\n", b"\r"),
+    "carriage returns alone, below names": lines("{:.3f},{:.3f},{:.3f}", head="x,y,z\n").replace(b"\n", b"\r"),
     "CloudCompare's names": lines("{:.3f} {:.3f} {:.3f}", head="//X Y Z\n30\n"),
     "ParaView's names": lines("{:.3f},{:.3f},{:.3f}", head='"Points:0","Points:1","Points:2"\n'),
     "VeloView's names": lines(
@@ -346,6 +348,28 @@ def test_of_a_cut_laz_file_the_whole_chunks_are_read(tmp_path: Path) -> None:
     assert 40_000 < len(points) < 90_000
     np.testing.assert_allclose(points, many[: len(points)], atol=1e-6)
     assert "120000 points claimed" in notes[0]
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_of_a_laz_file_that_is_cut_within_its_first_chunk_the_points_before_the_cut_are_read(
+    tmp_path: Path, share: float
+) -> None:
+    many = np.round(RNG.uniform(-9.0, 9.0, (1000, 3)), 3)
+    data = las(tmp_path / "a.laz", many, {}).read_bytes()
+    points, notes = read(tmp_path, data[: int(share * len(data))], "b.laz")
+    assert share - 0.15 < len(points) / len(many) <= share + 0.02
+    np.testing.assert_allclose(points, many[: len(points)], atol=1e-6)
+    assert notes == (f"The file ends early: 1000 points claimed, {len(points)} there; these are read.",)
+
+
+def test_a_laz_file_whose_first_chunk_is_in_layers_says_why_none_of_its_points_can_be_read(tmp_path: Path) -> None:
+    """Point formats from 6 on store each chunk dimension by dimension."""
+    cloud = laspy.LasData(laspy.LasHeader(point_format=6, version="1.4"))
+    cloud.x, cloud.y, cloud.z = RNG.uniform(-9.0, 9.0, (3, 1000))
+    cloud.write(str(tmp_path / "a.laz"))
+    data = (tmp_path / "a.laz").read_bytes()
+    with pytest.raises(ReadError, match="end early, or are damaged, within their first chunk"):
+        read(tmp_path, data[: int(0.9 * len(data))], "b.laz")
 
 
 def test_a_las_file_whose_header_was_not_written_to_the_end(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
 from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
@@ -16,6 +17,7 @@ from mapper.io.contents import fields
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.fields import field_series, fields_of, numbers_in
 from mapper.io.contents.raw_message import raw_message
+from mapper.io.contents.seeking import stated_in
 from mapper.io.contents.units import unit_of
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
 from tests.mapper.io.logs import recorded
@@ -42,6 +44,30 @@ def test_every_number_of_a_topic_over_time(tmp_path: Path, kind: str) -> None:
     assert "no messages on '/none'" in names["/none"].why
     with pytest.raises(ReadError):
         field_series(file, "/none", "x/Y")
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_definitions_whose_lines_end_in_carriage_return_and_line_feed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ros: int
+) -> None:
+    said = list(robot(2))
+    plain, file = tmp_path / "a.mcap", tmp_path / "b.mcap"
+    plain.write_bytes(recorded.mcap_bytes(said, ros=ros))
+    register = Writer.register_schema
+
+    def with_crlf(writer: Writer, name: str, encoding: str, data: bytes) -> int:
+        return int(register(writer, name, encoding, data.replace(b"\n", b"\r\n")))
+
+    monkeypatch.setattr(Writer, "register_schema", with_crlf)
+    file.write_bytes(recorded.mcap_bytes(said, ros=ros))
+    assert stated_in(file)["/imu"].definition.count("\r\n") > 10
+    topics = sorted({(one.topic, one.kind) for one in said})
+    names = fields_of(file, topics)
+    assert names == fields_of(plain, topics)
+    assert sum(not one.why for one in names) > 3
+    assert repr(raw_message(file, "/imu", T0).tree) == repr(raw_message(plain, "/imu", T0).tree)
+    values, expected = (field_series(one, "/odom", "nav_msgs/Odometry").values for one in (file, plain))
+    np.testing.assert_array_equal(values, expected)
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap", "db3"])

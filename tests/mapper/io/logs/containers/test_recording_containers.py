@@ -6,6 +6,7 @@ import gzip
 import shutil
 import sqlite3
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import zstandard
 from rosbags.rosbag2 import StoragePlugin
 
 from mapper.core.errors import ReadError
+from mapper.io.contents.raw_message import raw_message
 from mapper.io.logs import is_log, open_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.driven_robot import run
@@ -90,6 +92,63 @@ def test_a_db3_that_was_not_closed_notes_what_may_be_missing(tmp_path):
             log = open_log(single_threaded)
             assert log.n_scans == 10
             assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
+
+
+def copied_with_its_journal(path: Path, folder: Path) -> Path:
+    """Copy a database and the write-ahead log beside it, as a recorder that is killed leaves both."""
+    folder.mkdir()
+    for name in (path.name, f"{path.name}-wal"):
+        (folder / name).write_bytes(path.with_name(name).read_bytes())
+    return folder / path.name
+
+
+def test_of_a_db3_that_was_not_closed_the_journal_beside_it_is_read_and_left_as_it_is(tmp_path):
+    path = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(path)) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("PRAGMA wal_autocheckpoint=0")
+        recorder.execute("DELETE FROM messages WHERE id > (SELECT max(id) / 2 FROM messages)")
+        recorder.commit()
+        left = copied_with_its_journal(path, tmp_path / "left")
+    before = {file.name: file.read_bytes() for file in left.parent.iterdir()}
+    alone = tmp_path / "alone.db3"
+    alone.write_bytes(left.read_bytes())
+    assert open_log(alone).n_scans == 10
+    for opened in (left, left.parent):
+        log = open_log(opened)
+        assert 0 < log.n_scans < 10
+        assert [note for note in log.notes if "read from the file beside it (-wal)" in note] == list(log.notes)
+    assert {file.name: file.read_bytes() for file in left.parent.iterdir()} == before
+
+
+def test_a_db3_whose_messages_are_all_in_the_journal_beside_it_is_read(tmp_path):
+    source = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(source)) as whole, closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("PRAGMA wal_autocheckpoint=0")
+        recorder.executescript("\n".join(whole.iterdump()))
+        left = copied_with_its_journal(tmp_path / "run.db3", tmp_path / "left")
+    np.testing.assert_array_equal(open_log(left).ranges, open_log(source).ranges)
+    assert raw_message(left, "/scan", 0).tree == raw_message(source, "/scan", 0).tree
+
+
+@pytest.mark.parametrize("journal", [b"no journal at all" * 100, b""])
+def test_a_journal_beside_a_db3_that_is_none_takes_nothing_away(tmp_path, journal):
+    path = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(path)) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+    path.with_name(f"{path.name}-wal").write_bytes(journal)
+    assert open_log(path).n_scans == 10
+
+
+@pytest.mark.parametrize("kept", [4, 500])
+def test_an_mcap_file_that_ends_within_its_one_chunk_says_so(tmp_path, kept):
+    """One block of Zstandard, which gives nothing before its end."""
+    data = recorded.mcap_bytes(run(), "zstd", chunk_size=1 << 24)
+    path = tmp_path / "a.mcap"
+    path.write_bytes(data[: data.index(b"\x28\xb5\x2f\xfd") + kept])
+    with pytest.raises(ReadError, match=r"ends within the chunk at byte \d+, whose zstd data cannot be unpacked"):
+        open_log(path)
 
 
 def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):

@@ -219,7 +219,7 @@ def test_largest_readings_that_pile_up_are_noted(tmp_path):
     assert np.isfinite(log.ranges).all()
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("packed", [False, True])
 @pytest.mark.parametrize("name", ["a.log", "a.gz", "picture.png"])
 def test_the_kind_is_read_from_the_bytes_not_from_the_name(tmp_path, end, packed, name):
