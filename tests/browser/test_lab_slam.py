@@ -23,6 +23,7 @@ def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> Non
     open_group(page, "SLAM")
     page.get_by_role("switch", name="Drifting wheels").check()
     page.evaluate("gridbloom.connection.store.send({ type: 'speed', value: 8 })")
+    page.get_by_role("button", name="Play", exact=True).click()
     until("the wheels to drift", lambda: (page.evaluate(ERROR) or 0) > 0.3)
     off = page.locator(".slam-off")
     expect(off).to_have_text(re.compile(r"\d"))
