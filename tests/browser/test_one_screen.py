@@ -56,7 +56,9 @@ def turns_at(looks: Looks, every: int = 5) -> Turns:
 def prepare(page: Page) -> None:
     """Have the page be without a canvas in 3D, and stay where it is when its map is to be edited."""
     without_canvas_in_3d(page)  # test_scene.py looks at it
-    page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
+    page.route("**/kept-map", lambda route: route.fulfill(status=201, json={"id": "kept"}))
+    # A browser that is answered "no content" stays on its page.
+    page.route("**/logs.html?log=kept", lambda route: route.fulfill(status=204))
 
 
 def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
