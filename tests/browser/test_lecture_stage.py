@@ -20,7 +20,7 @@ POINTS = {
     "cell": r"marked cell has ℓ = \+3\.50, which is p = 0\.97",
     "log-odds": r"Each scan only adds to ℓ",
     "model": r"−0\.41 for the cells before the window, \+0\.85 in it",
-    "window": r"The wall is thin and whole: 3\.\d cells of 5 cm",
+    "window": r"The wall is thin: 3\.\d cells of 5 cm thick, \d % of it with holes or jumps",
     "endpoint": r"counted from the origin, in cells of 0\.50 m",
     "rays": r"every cell but the last is free",
     "algorithm": r"163 of 600 lie in the perceptual field .* ℓ 0\.00 becomes −0\.40",
