@@ -54,7 +54,7 @@ def records(path: Path) -> Iterator[dict[str, Any]]:
         return
     found = json.loads(path.read_text("utf-8"))
     found = found.get("vulns", [found]) if isinstance(found, dict) else found
-    if not isinstance(found, list) or not all(isinstance(one, dict) and "affected" in one for one in found):
+    if not isinstance(found, list) or not all(isinstance(one, dict) and "id" in one for one in found):
         raise ValueError("these are no records of OSV")
     yield from found
 
@@ -83,18 +83,20 @@ def _is_within(ecosystem: str, version: str, events: Iterable[Mapping[str, str]]
     return affected
 
 
-def applies(package: Package, version: str, affected: Mapping[str, Any]) -> bool:
-    """Return whether an entry ``affected`` of a record applies to a version; one that cannot be ordered is affected."""
-    named = affected.get("package", {})
-    name = str(named.get("name", ""))
-    name = canonicalize_name(name) if package[0] == "PyPI" else name
-    if (named.get("ecosystem"), name) != package:
-        return False
+def package_of(affected: Mapping[str, Any]) -> Package:
+    """Return the package that an entry ``affected`` of a record is on."""
+    named = affected.get("package") or {}
+    ecosystem, name = str(named.get("ecosystem", "")), str(named.get("name", ""))
+    return ecosystem, canonicalize_name(name) if ecosystem == "PyPI" else name
+
+
+def applies(ecosystem: str, version: str, affected: Mapping[str, Any]) -> bool:
+    """Return whether an entry on a package applies to a version of it; one that cannot be ordered is affected."""
     if version in affected.get("versions", ()):
         return True
     try:
         return any(
-            _is_within(package[0], version, one["events"])
+            _is_within(ecosystem, version, one["events"])
             for one in affected.get("ranges", ())
             if one.get("type") in ("ECOSYSTEM", "SEMVER")
         )
@@ -111,13 +113,13 @@ def against_files(files: Sequence[Path], root: Path = ROOT) -> int:
                 count += 1
                 if record.get("withdrawn"):
                     continue
-                found |= {
-                    f"{name} {version} ({ecosystem}): {record.get('id')} {record.get('summary', '')}".rstrip()
-                    for affected in record["affected"]
-                    for (ecosystem, name), versions in packages.items()
-                    for version in versions
-                    if applies((ecosystem, name), version, affected)
-                }
+                for affected in record.get("affected") or ():
+                    ecosystem, name = package = package_of(affected)
+                    found |= {
+                        f"{name} {version} ({ecosystem}): {record.get('id')} {record.get('summary', '')}".rstrip()
+                        for version in packages.get(package, ())
+                        if applies(ecosystem, version, affected)
+                    }
         except (OSError, ValueError, KeyError) as error:
             print(f"{file}: no advisories: {error}")
             return UNKNOWN
