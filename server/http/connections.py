@@ -39,10 +39,10 @@ class _Open:
 
 
 class Elsewhere(Protocol):
-    """The connections of the other workers of a service."""
+    """The connections of the other workers of a service that do not wait: only its own worker can end one that does."""
 
     def others(self, network: str) -> tuple[int, int]:
-        """Return how many they have open: in all, and of a network."""
+        """Return how many they have: in all, and of a network."""
 
     def add(self, network: str, number: int) -> None:
         """Count so many more of a network in this worker."""
@@ -51,8 +51,8 @@ class Elsewhere(Protocol):
 class Connections:
     """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
 
-    Those ``elsewhere`` count too. An IPv6 address counts as its /64 network. The limit on file descriptors bounds how
-    many are open here.
+    Those ``elsewhere`` that do not wait count too. An IPv6 address counts as its /64 network. The limit on file
+    descriptors bounds how many are open here.
     """
 
     def __init__(self, most: int, most_of_address: int, elsewhere: Elsewhere | None = None) -> None:
@@ -105,15 +105,19 @@ class Connections:
         if one is None:
             return
         one.end = end
+        if self._elsewhere is not None and descriptor not in self._all_waiting:
+            self._elsewhere.add(one.network, -1)
         self._all_waiting[descriptor] = None
         self._waiting[one.network][descriptor] = None
 
     def work(self, descriptor: int) -> None:
         """Note that a connection serves a request, or is a WebSocket."""
         one = self._open.get(descriptor)
-        if one is not None:
-            self._all_waiting.pop(descriptor, None)
-            self._waiting[one.network].pop(descriptor, None)
+        if one is not None and descriptor in self._all_waiting:
+            del self._all_waiting[descriptor]
+            del self._waiting[one.network][descriptor]
+            if self._elsewhere is not None:
+                self._elsewhere.add(one.network, 1)
 
     def closed(self, descriptor: int) -> None:
         """Forget a connection."""

@@ -1,4 +1,4 @@
-"""How many connections the workers of a service have open, in all and of each network, in memory that they share.
+"""How many connections that do not wait each worker of a service has, in all and of each network, in shared memory.
 
 A network is counted in one of many places, by a keyed hash: two that share a place count as one.
 """
@@ -27,7 +27,7 @@ class SharedConnections:
         return WorkersConnections(self._rows, self._secret, worker)
 
     def clear(self, worker: int) -> None:
-        """Forget what a worker had open, which has ended."""
+        """Forget the connections of a worker that has ended."""
         self._rows[worker] = 0
 
 
@@ -38,7 +38,7 @@ class WorkersConnections:
         self._rows, self._secret, self._own = rows, secret, own
 
     def others(self, network: str) -> tuple[int, int]:
-        """Return how many connections the other workers have open: in all, and of a network."""
+        """Return how many connections the other workers have: in all, and of a network."""
         columns = self._rows[:, [PLACES, self._place(network)]]
         in_all, of_network = columns.sum(axis=0) - columns[self._own]
         return int(in_all), int(of_network)

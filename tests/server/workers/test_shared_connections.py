@@ -14,8 +14,13 @@ def test_connections_of_another_process_count() -> None:
     shared = SharedConnections(2)
     child = os.fork()
     if not child:
-        there = Connections(10, 3, shared.of(1))
-        os._exit(0 if there.admit(5, HERE) and there.admit(6, HERE) and there.admit(7, THERE) else 1)
+        status = 1
+        try:
+            there = Connections(10, 3, shared.of(1))
+            if there.admit(5, HERE) and there.admit(6, HERE) and there.admit(7, THERE):
+                status = 0
+        finally:
+            os._exit(status)
     assert os.waitpid(child, 0)[1] == 0
     here = Connections(10, 3, shared.of(0))
     assert shared.of(0).others(HERE) == (3, 2)
@@ -39,3 +44,22 @@ def test_the_limit_of_the_service_is_that_of_all_workers() -> None:
     second.wait(1, lambda: ended.append(1))  # one that waits makes room
     assert second.admit(2, "192.0.2.10")
     assert ended == [1]
+
+
+def test_idle_connections_of_a_worker_do_not_close_another() -> None:
+    shared = SharedConnections(2)
+    first, second = (Connections(3, 2, shared.of(worker)) for worker in (0, 1))
+    for n, address in enumerate((HERE, HERE, THERE)):
+        assert first.admit(n, address)
+        first.wait(n, lambda: None)
+        first.wait(n, lambda: None)  # after a request that was refused it waits still
+    assert shared.of(1).others(HERE) == (0, 0)
+    assert second.admit(1, HERE)
+    first.work(0)  # a request of the same address
+    first.work(0)
+    assert shared.of(1).others(HERE) == (1, 1)
+    assert not second.admit(2, HERE)
+    first.closed(0)
+    first.closed(1)
+    assert shared.of(1).others(HERE) == (0, 0)
+    assert second.admit(2, HERE)

@@ -12,8 +12,10 @@ def test_a_count_of_one_process_is_seen_by_another() -> None:
     assert counts.get("192.0.2.1") == (0.0, 0.0)
     child = os.fork()
     if not child:
-        counts.set("192.0.2.1", 3.5, 100.0)
-        os._exit(0)
+        try:
+            counts.set("192.0.2.1", 3.5, 100.0)
+        finally:
+            os._exit(0)
     os.waitpid(child, 0)
     assert counts.get("192.0.2.1") == (3.5, 100.0)
     counts.set("192.0.2.1", 4.5, 101.0)
