@@ -41,7 +41,7 @@ def backup(file: BackupFile, data_dir: DataDir = None) -> None:
         try:
             size = back_up(folder, file)
         except OSError as error:
-            fail(f"{file}: {error.strerror or error}.")
+            fail(f"{error.filename or file}: {error.strerror or error}.")
     typer.echo(f"{file}: {size / 1e6:.1f} MB of {folder}")
 
 
@@ -55,5 +55,5 @@ def restore(file: BackupFile, data_dir: DataDir = None) -> None:
         try:
             put_back(file, folder)
         except OSError as error:
-            fail(f"{file}: {error.strerror or error}.")
-    typer.echo(f"{folder} has what {file} has. Start the service with --data-dir {folder}")
+            fail(f"{error.filename or folder}: {error.strerror or error}.")
+    typer.echo(f"Restored {file} into {folder}.")

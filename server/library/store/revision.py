@@ -34,9 +34,10 @@ def refuse_unknown(version: str | None) -> None:
 
 
 def refuse_newer_file(file: Path) -> None:
-    """Raise :class:`StorageError` for a file of SQLite with unknown tables; nothing is written, not even beside it.
+    """Raise :class:`StorageError` for a file of SQLite with unknown tables, which is not changed, nor its journal.
 
-    One that cannot be read is left to those who open it.
+    A journal (``-wal``) without its index (``-shm``) gets one, which stays: another program may be using it by then.
+    A file that cannot be read is left to those who open it.
     """
     journal = file.with_name(f"{file.name}-wal")
     # Without a journal the file is whole; with one SQLite needs its index, which it makes beside it if it is not there.
