@@ -63,7 +63,7 @@ def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress
                 "file next to it that ends in -wal, which is not read, and is missing here."
             )
         _take_all(connection, Transcoding(recording), limits, progress)
-        if is_journaled and recording.taken == before:
+        if is_journaled and connection.execute("SELECT 1 FROM messages LIMIT 1").fetchone() is None:
             raise ReadError("log.no_scans", "The SQLite file holds no messages.")
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if recording.taken == before:

@@ -14,6 +14,7 @@ import zstandard
 from rosbags.rosbag2 import StoragePlugin
 
 from mapper.core.errors import ReadError
+from mapper.io.clouds import open_clouds
 from mapper.io.contents.raw_message import raw_message
 from mapper.io.logs import is_log, open_log
 from tests.mapper.io.logs import recorded
@@ -149,6 +150,21 @@ def test_an_mcap_file_that_ends_within_its_one_chunk_says_so(tmp_path, kept):
     path.write_bytes(data[: data.index(b"\x28\xb5\x2f\xfd") + kept])
     with pytest.raises(ReadError, match=r"ends within the chunk at byte \d+, whose zstd data cannot be unpacked"):
         open_log(path)
+
+
+@pytest.mark.parametrize("has_clouds", [True, False])
+def test_a_db3_with_a_journal_is_read_for_what_it_holds_beside_scans(tmp_path, has_clouds):
+    """rosbag2's resilient preset writes all files so; a reader of clouds takes no scan."""
+    points = recorded.cloud(run()[0].stamp_ns, np.array([[1.0, 0.0, 0.5]]))
+    path = written(tmp_path, [*run(), points] if has_clouds else run(), "db3")
+    with closing(sqlite3.connect(path)) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+    if not has_clouds:
+        with pytest.raises(ReadError, match="holds no point clouds") as caught:
+            open_clouds(path)
+        assert "-wal" not in caught.value.message
+    else:
+        assert len(list(open_clouds(path)["/points"])) == 1
 
 
 def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
