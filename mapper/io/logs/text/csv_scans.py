@@ -44,7 +44,6 @@ from mapper.sensors.scan import ScanLog, georeferenced, is_angle_step
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
 SEPARATORS = ",;\t"
-_SWAPPED = str.maketrans(",.", ".,")
 INITIAL = {
     "range_min": 0.0,
     "range_max": math.inf,
@@ -58,9 +57,14 @@ INITIAL = {
 def is_csv_scans(head: bytes) -> bool:
     """Return whether the first line that is no remark names one of the sensor's values."""
     lines = (line.strip() for line in head.split(b"\n"))
-    first = next((line for line in lines if line and not line.startswith(b"#")), b"").decode("latin-1")
+    first = next((line for line in lines if line and not _is_remark(line)), b"").decode("latin-1")
     separator = _separator(first)
     return separator is not None and _fields(first, separator)[0] in {*NEEDED, *INITIAL}
+
+
+def _is_remark(line: bytes) -> bool:
+    """Return whether the first field of a line begins with ``#``, in quotation marks or not."""
+    return line.lstrip(b'" ').startswith(b"#")
 
 
 def _separator(line: str) -> str | None:
@@ -89,7 +93,7 @@ class _Reader:
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
         said = text.decode("latin-1").strip(" \r\n")
-        if not said or said.startswith("#"):
+        if not said or _is_remark(text):
             return
         self._separator = self._separator or _separator(said) or ","
         tokens = _fields(said, self._separator)
@@ -102,7 +106,7 @@ class _Reader:
         elif tokens[0] in NEEDED or tokens[0] in INITIAL:
             if len(tokens) < 2 or any(tokens[2:]):
                 raise ReadError("log.header", f"Line {line}: {tokens[0]} needs one value, as in {tokens[0]},0.5.")
-            (self.values[tokens[0]],) = fields.numbers(self._with_points(tokens[1:2]), line, tokens[0])
+            (self.values[tokens[0]],) = fields.numbers(self._with_points(tokens[1:2], line, tokens[0]), line, tokens[0])
         else:
             raise ReadError(
                 "log.header",
@@ -110,11 +114,23 @@ class _Reader:
                 "'stamp,x,y,theta,ranges' that the scans follow.",
             )
 
-    def _with_points(self, tokens: list[str]) -> list[str]:
-        """Return numbers with decimal points; a file has either points or commas, and the other sign stays wrong."""
+    def _with_points(self, tokens: list[str], line: int, word: str) -> list[str]:
+        """Return numbers with decimal points; a file has either points or commas.
+
+        Raises :class:`ReadError`, which quotes what the file has, for a point among commas.
+        """
         if not self._decimal:
             self._decimal = next((sign for token in tokens for sign in token if sign in ",."), "")
-        return [token.translate(_SWAPPED) for token in tokens] if self._decimal == "," else tokens
+        if self._decimal != ",":
+            return tokens
+        found = [token.replace(",", ".") for token in tokens]
+        for token, number in zip(tokens, found, strict=True):
+            if "." in token or (token and not fields.is_number(number)):
+                raise ReadError(
+                    "log.not_a_number",
+                    f"Line {line}: {token!r:.40} in this {word} line is not a number; this file has decimal commas.",
+                )
+        return found
 
     def _begin_rows(self, line: int) -> None:
         missing = [name for name in NEEDED if name not in self.values]
@@ -131,7 +147,7 @@ class _Reader:
         self._in_rows = True
 
     def _take_scan(self, tokens: list[str], line: int) -> None:
-        tokens = self._with_points(tokens)
+        tokens = self._with_points(tokens, line, "CSV")
         n = len(tokens) - len(COLUMNS)
         if n < 1:
             raise ReadError("log.truncated_line", f"Line {line} ends early: it has {len(tokens)} fields and no ranges.")

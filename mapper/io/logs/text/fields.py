@@ -23,8 +23,8 @@ def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
     except ValueError:
         values = []
     if not values and tokens:
-        bad = next(token for token in tokens if not _is_number(token))
-        comma = " with a decimal point" if _is_number(bad.replace(",", ".", 1)) else ""
+        bad = next(token for token in tokens if not is_number(token))
+        comma = " with a decimal point" if is_number(bad.replace(",", ".", 1)) else ""
         raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number{comma}.")
     # Of finite numbers the sum is finite, unless they are huge; and it is found fast.
     if not math.isfinite(sum(values)) and (math.inf in values or -math.inf in values):
@@ -48,7 +48,8 @@ def listed(text: bytes) -> list[float] | None:
         return None
 
 
-def _is_number(token: str) -> bool:
+def is_number(token: str) -> bool:
+    """Return whether ``token`` is a number, ``nan`` and ``inf`` included."""
     try:
         float(token)
     except ValueError:
@@ -114,7 +115,7 @@ def require_fields(tokens: Sequence[str], between: tuple[int, int], line: int, w
     and has the most tokens, so another number of them means that the stated count is wrong.
     """
     (needed, most), n = between, len(tokens)
-    whole = n > 3 and not _is_number(tokens[-2]) and _is_number(tokens[-1])
+    whole = n > 3 and not is_number(tokens[-2]) and is_number(tokens[-1])
     if n == most or (needed <= n < most and not whole):
         return
     if whole or n > most:

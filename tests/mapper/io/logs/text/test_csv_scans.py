@@ -62,12 +62,25 @@ def test_quoted_fields(tmp_path):
     assert log.trajectory().poses.tolist() == [[1.25, 0.0, 0.0]]
 
 
-@pytest.mark.parametrize("number", ["1.5", "1.234,5"])
-def test_points_among_decimal_commas_are_refused(tmp_path, number):
-    """What they mean, nobody knows: thousands, or a program that mixes both."""
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_quoted_remarks(tmp_path, separator):
+    path = tmp_path / "a.csv"
+    text = HEAD + COLUMNS + '"# a door, opened; 1"\n' + "0,1.25,0,0,2.5,3\n"
+    text = text.replace("range_min", '"# office, 2nd; east"\nrange_min').replace("angle_min", '"# office"\nangle_min')
+    if separator == ";":
+        text = re.sub('^[^"].*$', lambda line: line[0].replace(",", ";"), text, flags=re.MULTILINE)
+    path.write_text(text)
+    assert is_log(path)
+    log = open_log(path)
+    assert (log.angle_min, log.range_min, log.ranges.tolist()) == (-1.0, 0.05, [[2.5, 3.0]])
+
+
+@pytest.mark.parametrize("number", ["1.5", "1.234,5", "1,5m"])
+def test_what_is_no_number_with_a_decimal_comma_is_quoted_as_it_stands(tmp_path, number):
+    """A point among commas may part thousands, or be of a program that mixes both."""
     path = tmp_path / "a.csv"
     path.write_text("angle_min;-1,5\nangle_increment;0,5\n" + COLUMNS.replace(",", ";") + f"0;0;0;0;{number}\n")
-    with pytest.raises(MapperError, match="Line 4"):
+    with pytest.raises(MapperError, match=rf"Line 4: '{re.escape(number)}' .* this file has decimal commas"):
         open_log(path)
 
 
