@@ -39,7 +39,7 @@ def definition_of(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> st
 
     Raises :class:`ReadError` where it has none, or one of another kind than ROS's own.
     """
-    return text_of(topic, stated_in(path, limits).get(topic))
+    return text_of(topic, stated_in(path, (topic,), limits).get(topic))
 
 
 def text_of(topic: str, stated: Stated | None) -> str:

@@ -154,10 +154,10 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
         for file in reversed(files):
             found = _found_in(file, kind, topic, at_ns, limits)
             if found is not None and found.stamp_ns <= at_ns:
-                return _unpacked(found, limits)
+                return unpacked(found, limits)
             first = found or first
         if first is not None:
-            return _unpacked(first, limits)
+            return unpacked(first, limits)
     raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
 
 
@@ -166,6 +166,7 @@ def first_messages(
 ) -> dict[str, FoundMessage]:
     """Return the first message of each of ``topics`` that has one, in one pass, which ends when all are found.
 
+    The messages are as they were recorded: see :func:`unpacked`.
     Raises as reading the recording does.
     """
     files, kind = parts_of(path, limits)
@@ -176,12 +177,13 @@ def first_messages(
         for done, file in enumerate(files):
             kind.take(file, firsts, limits, part_of(progress, done, len(files)))
             firsts.next_file()
-    return {topic: _unpacked(found, limits) for topic, found in firsts.found.items()}
+    return firsts.found
 
 
-def stated_in(path: Path, limits: Limits = DEFAULT_LIMITS) -> dict[str, Stated]:
-    """Return how the recording at ``path`` says that messages are to be read, for each topic of which it does.
+def stated_in(path: Path, topics: Collection[str], limits: Limits = DEFAULT_LIMITS) -> dict[str, Stated]:
+    """Return how the recording at ``path`` says that messages are to be read, for each of ``topics`` of which it does.
 
+    Of a recording in parts, those up to the one where the last of them is found are read.
     Raises :class:`ReadError` as reading it does.
     """
     files, kind = parts_of(path, limits)
@@ -189,7 +191,11 @@ def stated_in(path: Path, limits: Limits = DEFAULT_LIMITS) -> dict[str, Stated]:
         return {}
     found: dict[str, Stated] = {}
     for file in files:
-        found = _stated_in_file(file, kind, limits) | found
+        missing = set(topics) - set(found)
+        if not missing:
+            break
+        stated = _stated_in_file(file, kind, limits)
+        found |= {topic: stated[topic] for topic in missing & set(stated)}
     return found
 
 
@@ -258,7 +264,8 @@ def _by_index_of_mcap(file: Source, topic: str, at_ns: int, limits: Limits) -> F
     return None
 
 
-def _unpacked(found: FoundMessage, limits: Limits) -> FoundMessage:
+def unpacked(found: FoundMessage, limits: Limits) -> FoundMessage:
+    """Return a message as it was before it was compressed, if it was. Raises :class:`ReadError` for damaged data."""
     if found.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message by itself
         return found
     data, _ = inflate("zstd", found.data, limits.max_chunk_bytes, "a message")

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import math
+import re
 import tarfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import Writer
 from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
-from mapper.io.contents import fields
+from mapper.io.contents import fields, seeking
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.fields import field_series, fields_of, numbers_in
 from mapper.io.contents.raw_message import raw_message
 from mapper.io.contents.seeking import stated_in
 from mapper.io.contents.units import unit_of
+from mapper.io.logs.opening import parts_of
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND
@@ -60,7 +63,7 @@ def test_definitions_whose_lines_end_in_carriage_return_and_line_feed(
 
     monkeypatch.setattr(Writer, "register_schema", with_crlf)
     file.write_bytes(recorded.mcap_bytes(said, ros=ros))
-    assert stated_in(file)["/imu"].definition.count("\r\n") > 10
+    assert stated_in(file, ["/imu"])["/imu"].definition.count("\r\n") > 10
     topics = sorted({(one.topic, one.kind) for one in said})
     names = fields_of(file, topics)
     assert names == fields_of(plain, topics)
@@ -98,6 +101,60 @@ def test_the_fields_of_all_topics_of_a_packed_recording_in_one_pass(
     numbers = {one.topic: one.fields for one in found}
     if kind != "db3":  # of which the writer states no definitions
         assert numbers["/odom"] == tuple(numbers_in(raw_message(plain, "/odom", 0).tree))
+
+
+def test_a_damaged_first_message_of_one_topic_leaves_the_fields_of_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """rosbag2 can compress each message by itself."""
+    said = list(robot(2))
+    topics = sorted({(one.topic, one.kind) for one in said})
+    plain, packed = tmp_path / "plain.mcap", tmp_path / "packed.mcap"
+    plain.write_bytes(recorded.mcap_bytes(said))
+    add = Writer.add_message
+
+    def compressed(writer: Writer, channel_id: int, log_time: int, data: bytes, *more: Any, **named: Any) -> None:
+        data = zstandard.compress(data)
+        if channel_id == damaged:
+            data = data[:4] + b"\xff" * 20
+        add(writer, channel_id, log_time, data, *more, **named)
+
+    monkeypatch.setattr(Writer, "add_message", compressed)
+    expected = fields_of(plain, topics)
+    damaged = 0
+    packed.write_bytes(recorded.mcap_bytes(said))
+    assert fields_of(packed, topics) == expected
+    damaged = 1  # the channel of the first message
+    packed.write_bytes(recorded.mcap_bytes(said))
+    for one, whole in zip(fields_of(packed, topics), expected, strict=True):
+        if one.topic == said[0].topic:
+            assert one.fields == ()
+            assert re.search("damaged|zstd", one.why), one.why
+        else:
+            assert one == whole
+
+
+def test_definitions_are_looked_for_up_to_the_part_that_has_the_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = list(robot(2))
+    of_imu, of_odom = ([one for one in said if one.topic == topic] for topic in ("/imu", "/odom"))
+    for number, part in enumerate((of_imu, of_imu + of_odom, said)):
+        (tmp_path / f"run_{number}.mcap").write_bytes(recorded.mcap_bytes(part))
+    assert len(parts_of(tmp_path)[0]) == 3
+    looked_at: list[str] = []
+    one_file = seeking._stated_in_file
+
+    def counted(file: Path, *more: Any) -> dict[str, seeking.Stated]:
+        looked_at.append(file.name)
+        return one_file(file, *more)
+
+    monkeypatch.setattr(seeking, "_stated_in_file", counted)
+    assert set(stated_in(tmp_path, ["/imu"])) == {"/imu"}
+    assert looked_at == ["run_0.mcap"]
+    looked_at.clear()
+    assert set(stated_in(tmp_path, ["/odom", "/imu"])) == {"/imu", "/odom"}
+    assert looked_at == ["run_0.mcap", "run_1.mcap"]
 
 
 def test_a_message_as_numbers() -> None:
