@@ -249,6 +249,16 @@ def test_increments_whose_sign_contradicts_the_angles_are_named(tmp_path):
     assert any("if the map is mirrored, its sign is wrong in the driver" in note for note in wrong.notes)
 
 
+@pytest.mark.parametrize(
+    ("first", "step", "last"), [(90.0, 1.0, -90.0), (90.0, 0.5, -90.0), (270.0, 1.0, 90.0), (90.0, -1.0, -90.0)]
+)
+def test_half_a_turn_through_180_degrees_contradicts_nothing(tmp_path, first, step, last):
+    """It ends at the same angle either way round, so that angle_max cannot tell the sign."""
+    angles = (math.radians(first), math.radians(step))
+    said = drive(lambda i: measured(i, angles, round(180.0 / abs(step)) + 1, angle_max=math.radians(last)))
+    assert not any("contradict" in note for note in open_log(written(tmp_path, said, "mcap")).notes)
+
+
 @pytest.mark.parametrize("stated", [30_000.0, 30.0])
 def test_readings_in_millimetres_are_named(tmp_path, stated):
     said = [

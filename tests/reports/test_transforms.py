@@ -151,8 +151,8 @@ def inverted(at: int, pose: Pose) -> list[Said]:
     return [transform(at, "base_link", "odom_lidar", *back(pose))]
 
 
-def inverted_of_loam(at: int, pose: Pose) -> list[Said]:
-    return [transform(at, "base_link", "camera_init", *back(pose))]
+def inverted_under(fixed: str) -> Callable[[int, Pose], list[Said]]:
+    return lambda at, pose: [transform(at, "base_link", fixed, *back(pose))]
 
 
 def camera_as_root(at: int, pose: Pose) -> list[Said]:
@@ -321,9 +321,12 @@ CASES: dict[str, Case] = {
     "odometry published upside down": Case(
         "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted)], sensor_at()
     ),
-    "odometry published upside down, of LOAM's frame": Case(
-        "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted_of_loam)], sensor_at()
-    ),
+    **{
+        f"odometry published upside down, of {frame}": Case(
+            "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted_under(frame))], sensor_at()
+        )
+        for frame in ("camera_init", "lidar_init", "utm", "robot/enu", "local_origin_ned")
+    },
     "poses alone": Case(
         "evo#660", [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, *pose)])], sensor_at(), trajectory="pose"
     ),
@@ -379,6 +382,15 @@ def test_every_scan_has_its_true_place(tmp_path: Path, name: str) -> None:
     said = " ".join(log.notes)
     assert re.search(case.note, said), said
     assert "no poses" not in said
+
+
+@pytest.mark.parametrize("frame", ["tool_origin", "gripper_init", "gimbal_enu", "utm_antenna"])
+def test_a_frame_that_moves_on_the_robot_is_no_fixed_frame(tmp_path: Path, frame: str) -> None:
+    """A word of its name is one of utm, enu, camera_init and the like, which name fixed frames as a whole."""
+    said = drive(lambda at, pose: [*by_tf()(at, pose), transform(at, "base_link", frame, *back(pose))])
+    log = open_log(written(tmp_path, [LASER, *said], "mcap"))
+    assert not any(frame in name for name in log.trajectories), list(log.trajectories)
+    assert_places(log, sensor_at())
 
 
 def test_each_invalid_transform_is_named(tmp_path: Path) -> None:

@@ -151,10 +151,14 @@ def _near(beams: Beams) -> float:
 
 
 def _is_other_way(beams: Beams) -> bool:
-    """Return whether ``angle_max`` is where the last beam would be if the increments had the other sign."""
+    """Return whether ``angle_max`` is where the last beam would be if the increments had the other sign.
+
+    After half a turn it is at the same angle either way.
+    """
     swept = beams.angle_increment * (len(beams.ranges) - 1)
     return bool(
-        abs(beams.angle_min - swept - beams.angle_max) <= _near(beams)
+        abs(abs(swept) - np.pi) > _near(beams)
+        and abs(beams.angle_min - swept - beams.angle_max) <= _near(beams)
         and abs(beams.angle_min + swept - beams.angle_max) > _near(beams)
     )
 

@@ -50,8 +50,11 @@ MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
 _WORLD_WORDS = frozenset(
-    ("map", "odom", "odometry", "vision", "world", "earth", "init", "origin", "utm", "enu", "ned")
+    ("map", "odom", "odometry", "vision", "world", "earth")
 )  #: one of the words of a fixed frame's name
+_WORLD_NAMES = frozenset(
+    ("camera_init", "lidar_init", "imu_init", "init", "origin", "local_origin", "local_origin_ned", "utm", "enu", "ned")
+)  #: names of fixed frames that are one as a whole: a gripper's are tool_origin and gripper_init
 
 Path = tuple[str, ...]  #: frames, each the parent or a child of the next
 
@@ -575,8 +578,9 @@ def why_ignored(parent: str, child: str, pose: Pose7) -> str:
 
 
 def _is_fixed_name(frame: str) -> bool:
-    """Return whether a frame is named as fixed ones are, one of whose words is map, odom, world or the like."""
-    return bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", _last(frame).lower())))
+    """Return whether a frame is named as fixed ones are: one of its words is map, odom or the like, or it is utm, …"""
+    name = _last(frame).lower()
+    return name in _WORLD_NAMES or bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", name)))
 
 
 def _last(frame: str) -> str:
