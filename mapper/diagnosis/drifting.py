@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from mapper.diagnosis import sweep
@@ -53,8 +54,14 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     if drift is None and not log.trajectory(trajectory).is_placeholder:
         # Drift is looked for without the motion within a scan, so a wrong sweep is none.
         still = check_still(*examined_as_mapped(log, trajectory, config))
-        return next(iter(still or causes_of_drift(corrected, trajectory, frozenset({sweep.CHECK}))), None)
+        found = _sure(still or causes_of_drift(corrected, trajectory, frozenset({sweep.CHECK})))
+        return found[0] if found else None
     if drift is None:
         return None
-    found = [one for one in causes_of_drift(corrected, trajectory) if not one.possible]
+    found = _sure(causes_of_drift(corrected, trajectory))
     return found[0] if found and all(one.check != drift.check for one in found) else drift
+
+
+def _sure(findings: Iterable[Finding]) -> list[Finding]:
+    """Return the findings that are more than possible: a map is reported with one as a fact."""
+    return [one for one in findings if not one.possible]

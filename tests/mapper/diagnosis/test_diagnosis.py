@@ -10,7 +10,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.diagnosis import Finding, clock, drift_finding, examine, readings
+from mapper.diagnosis import Finding, clock, drift_finding, examine, readings, sweep
 from mapper.diagnosis.consistency import examined
 from mapper.diagnosis.drifting import first_cause
 from mapper.diagnosis.finding import POSSIBLE
@@ -298,6 +298,16 @@ def test_a_wrong_sweep_is_the_cause_that_map_names(clean: ScanLog) -> None:
     found = first_cause(stated, None, MappingConfig())
     assert (found.check if found else None) == "timing.increment"
     assert first_cause(stated, None, MappingConfig(deskew="off")) is None
+
+
+@pytest.mark.parametrize(("sure", "named_check"), [(POSSIBLE, sweep.CHECK), (POSSIBLE - 0.1, None)])
+def test_a_sweep_that_is_only_possibly_wrong_is_not_named_with_the_map(
+    clean: ScanLog, monkeypatch: pytest.MonkeyPatch, sure: float, named_check: str | None
+) -> None:
+    unsure = Finding(sweep.CHECK, "It may be wrong.", "", sure)
+    monkeypatch.setattr("mapper.diagnosis.drifting.causes_of_drift", lambda *_: [unsure])
+    found = first_cause(clean, None, MappingConfig())
+    assert (found.check if found else None) == named_check
 
 
 def test_poses_are_not_said_to_drift_where_the_beams_angles_are_a_guess(clean: ScanLog) -> None:
