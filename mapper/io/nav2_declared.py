@@ -117,8 +117,8 @@ def not_built(where: str, plugin: object, in_place: str) -> str:
 def checked(row: Parameter, value: object, where: str, notes: list[str]) -> float | str | bool:
     """Return a value of a parameter file as a row of ours has it; ``where`` is its path in the file.
 
-    A number beyond what is computed with here, as a greatest height of 1000 m or .inf, is wrong for nobody: the nearest
-    value is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
+    A number beyond what is computed with here, as a greatest height of 1000 m or .inf, is no error: the nearest value
+    is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
     """
     value = within(row, value, where, notes)
     try:
