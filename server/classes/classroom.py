@@ -237,10 +237,12 @@ class Classroom:
                     raise ConfigError("class.question", "No question is asked.")
                 self.asked.reveal(right)
                 self._asked_on.add(_page_of(self.view))
-            case StopCommand():
+            case StopCommand(value=value):
                 if self.asked is None:
                     raise ConfigError("class.question", "No question is asked.")
-                self.asked.is_closed = True
+                self.asked.stop(value)
+                if not value:
+                    self._asked_on.add(_page_of(self.view))
             case CloseCommand():
                 self.asked = None
             case LockCommand(value=value):

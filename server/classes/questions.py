@@ -72,6 +72,12 @@ class Question:
             raise ConfigError("class.answer", f"A guess must be between {self.axis.low:g} and {self.axis.high:g}.")
         self.answers[follower] = value
 
+    def stop(self, value: bool) -> None:
+        """Take no more answers, or take them again. Raises :class:`ConfigError` once the result is shown."""
+        if self.is_revealed and not value:
+            raise ConfigError("class.revealed", "The result is shown: no more answers can be taken.")
+        self.is_closed = value
+
     def reveal(self, right: float | None) -> None:
         """Show the result to all. Raises :class:`ConfigError` for an option that there is not."""
         self.set_right(right)

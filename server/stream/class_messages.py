@@ -205,7 +205,9 @@ class RevealCommand(Struct, tag_field="type", tag="reveal"):
 
 
 class StopCommand(Struct, tag_field="type", tag="stop"):
-    """Lecturer: take no more answers to the question. Its result is not shown yet."""
+    """Lecturer: take no more answers to the question, or take them again. Its result is not shown yet."""
+
+    value: Annotated[bool, Meta(description="false: answers are taken again, and those given are kept")] = True
 
 
 class CloseCommand(Struct, tag_field="type", tag="close"):

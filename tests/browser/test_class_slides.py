@@ -192,6 +192,15 @@ def test_voting_closes_with_the_figure_and_the_speaker_alone_sees_counts_and_the
     expect(phone.locator(".class-option, .slide-option")).to_have_count(0)
     expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is closed")
     expect(phone.locator("main, .class-card").get_by_text("✓ right")).to_have_count(0)
+
+    # that step was not meant: voting is opened again, also with the figure on the screen, and keeps the answers
+    question.get_by_role("button", name="Open voting again").click()
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is open")
+    speaker.get_by_role("button", name="Back", exact=True).click()
+    expect(phone.get_by_role("button", name=re.compile("^B"))).to_have_attribute("aria-pressed", "true")
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is open")
+    speaker.get_by_role("button", name="Next", exact=True).click()
+    expect(question.get_by_role("status")).to_have_text("1 of 1 answered, voting is closed")
     question.get_by_role("button", name="Show the result").click()
     expect(question.get_by_role("status")).to_have_text("1 of 1 answered, the result is shown")
     expect(phone.get_by_text("✓ right")).to_be_visible()

@@ -1472,9 +1472,11 @@ export interface RevealCommand {
   readonly right?: number | null;
 }
 
-/** Lecturer: take no more answers to the question. Its result is not shown yet. */
+/** Lecturer: take no more answers to the question, or take them again. Its result is not shown yet. */
 export interface StopCommand {
   readonly type: "stop";
+  /** false: answers are taken again, and those given are kept */
+  readonly value?: boolean;
 }
 
 /** Lecturer: take the question away. Its result is kept until the class ends. */

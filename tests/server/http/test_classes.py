@@ -172,11 +172,21 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
         await pupil.send("answer", question=asked["id"], value=0)
         refused = await pupil.until("refused")
         assert (refused["code"], refused["answer"]) == ("class.closed", 1.0)
+        # opened again, it keeps the answer, which can be changed
+        await teacher.send("stop", value=False)
+        opened_again = (await teacher.until("class", lambda state: not state["question"]["is_closed"]))["question"]
+        assert (opened_again["id"], opened_again["counts"]) == (asked["id"], [0, 1])
+        await pupil.send("answer", question=asked["id"], value=0)
+        await teacher.until("class", lambda state: state["question"]["counts"] == [1, 0])
+        await pupil.send("answer", question=asked["id"], value=1)
+        await teacher.until("class", lambda state: state["question"]["counts"] == [0, 1])
         await teacher.send("reveal")
         shown = await pupil.until("class", lambda state: state["question"] and state["question"]["is_revealed"])
         assert shown["question"]["counts"] == [0, 1]
         assert shown["question"]["right"] == 1
         assert shown["question"]["is_closed"]
+        await teacher.send("stop", value=False)
+        assert (await teacher.until("refused"))["code"] == "class.revealed"
         pupil.newest.pop("refused")
         await pupil.send("answer", question=asked["id"], value=0)
         assert (await pupil.until("refused"))["code"] == "class.closed"

@@ -173,9 +173,12 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
           >
             Joined before
           </Button>
-          {!question.is_closed && (
-            <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "stop" })}>
-              Close voting
+          {!question.is_revealed && (
+            <Button
+              disabled={!room.isConnected.value}
+              onClick={() => room.send({ type: "stop", value: !question.is_closed })}
+            >
+              {question.is_closed ? "Open voting again" : "Close voting"}
             </Button>
           )}
           {!question.is_revealed && (

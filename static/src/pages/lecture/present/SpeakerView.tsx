@@ -52,7 +52,12 @@ function Watch({ plan }: { readonly plan: Told["plan"] }) {
   );
 }
 
-const LABELS = { ask: "Ask the class", stop: "Close voting", reveal: "Show the result" } as const;
+const LABELS = {
+  ask: "Ask the class",
+  stop: "Close voting",
+  reopen: "Open voting again",
+  reveal: "Show the result",
+} as const;
 
 /** The question with the right answer and how often each was given: only here, not on the screen of the class. */
 function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: PollAct) => void }) {

@@ -70,13 +70,19 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
       on_slide: now ? pointerAt.value : null,
     });
   });
-  // The figure of a slide tells its answer: voting is closed with it. The slide's answer reveals what was answered.
+  // The figure of a slide tells its answer: voting is closed with it, once, as the lecturer may open it again. The
+  // slide's answer reveals what was answered.
+  let closed: number | null = null;
   const stopRevealing = effect(() => {
+    if (stage.value !== "figure") closed = null;
     const text = presenting.value ? questionOf(slide.value)?.question : undefined;
     const asked = text === undefined ? null : askedAs(text);
     if (!asked || asked.is_revealed) return;
     if (stage.value === "answer") room.send({ type: "reveal" });
-    else if (stage.value === "figure" && !asked.is_closed) room.send({ type: "stop" });
+    else if (stage.value === "figure" && closed !== asked.id) {
+      closed = asked.id;
+      if (!asked.is_closed) room.send({ type: "stop" });
+    }
   });
   return () => {
     removeEventListener("scroll", onScroll);

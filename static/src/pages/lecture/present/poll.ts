@@ -5,7 +5,7 @@ import { answerOf } from "./shownAnswers";
 import { questionOf, slide, stage } from "./state";
 
 /** What can be done with it now. */
-export type PollAct = "ask" | "stop" | "reveal";
+export type PollAct = "ask" | "stop" | "reopen" | "reveal";
 
 export interface Poll {
   readonly text: string;
@@ -46,7 +46,7 @@ export function pollOf(): Poll | null {
     text: asked.text,
     options: (asked.options ?? []).map((text, i) => ({ text, count: counts?.[i] ?? 0, isRight: i === right })),
     status: `${asked.answered} of ${all} answered, ${voting}${axis.join("")}`,
-    acts: asked.is_revealed ? [] : asked.is_closed ? ["reveal"] : ["stop", "reveal"],
+    acts: asked.is_revealed ? [] : asked.is_closed ? ["reveal", "reopen"] : ["stop", "reveal"],
   };
 }
 
@@ -54,8 +54,9 @@ export function pollOf(): Poll | null {
 export function actOnPoll(act: PollAct): void {
   const room = lecturersClass.peek();
   if (!room || classroom.peek()?.isFollowed) return;
-  if (act !== "ask") room.send({ type: act });
-  else askSlide();
+  if (act === "ask") askSlide();
+  else if (act === "reveal") room.send({ type: act });
+  else room.send({ type: "stop", value: act === "stop" });
 }
 
 /** Ask the class the question of the present slide. */
