@@ -1,17 +1,34 @@
 import { Working } from "../ui/Working";
+import { NO_ANSWER } from "../wire/ask";
 import { starting } from "./worldSession";
 
 /** Longer than a start takes once the server has compiled its functions. */
 const COMPILING_AFTER_S = 2;
 
-/** A note while the server makes a new world, in a corner of the page or over what contains it. */
-export function Starting({ isInside = false }: { readonly isInside?: boolean }) {
+interface StartingProps {
+  /** A sentence on what goes on without the server; the note is then over what contains it, not in a corner. */
+  readonly meanwhile?: string;
+  /** What else hinders the page; null for nothing. */
+  readonly trouble?: string | null;
+}
+
+/** A note while the server makes a new world, or does not answer. */
+export function Starting({ meanwhile, trouble = null }: StartingProps) {
   const work = starting.value;
+  const problem = trouble ?? (work?.isAnswered === false ? NO_ANSWER : null);
+  const isInside = meanwhile !== undefined;
+  if (problem)
+    return (
+      <div class={isInside ? "working-place inside" : "working-place"} role="status">
+        <p class="working">
+          {problem} {meanwhile}
+        </p>
+      </div>
+    );
   const isCompiling = work !== null && work.elapsed_s > COMPILING_AFTER_S;
-  const making = isCompiling ? "The first start on a server compiles the mapping functions" : "Starting the simulation";
   return (
     <Working
-      what={work?.isAnswered === false ? "The server does not answer yet" : making}
+      what={isCompiling ? "The first start on a server compiles the mapping functions" : "Starting the simulation"}
       work={work}
       isInside={isInside}
     />

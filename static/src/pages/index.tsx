@@ -104,7 +104,10 @@ function Hero() {
           )}
         </Plate>
         {store && <RobotAnnouncement store={store} />}
-        <Starting isInside />
+        <Starting
+          meanwhile="The sensor model can be dragged all the same."
+          trouble={trouble.value ?? connection.value?.trouble.value ?? null}
+        />
       </div>
       <Model />
       <Facts />
@@ -209,11 +212,9 @@ function Steps({ store }: { readonly store: Store }) {
   );
 }
 
-/** Counts of scans and readings in the map, or the error. */
+/** Counts of scans and readings in the map. */
 function Facts() {
   const frame = connection.value?.store.frame.value;
-  const problem = trouble.value ?? connection.value?.trouble.value;
-  if (problem) return <p class="hero-facts">{problem}</p>;
   if (!frame) return <p class="hero-facts" />;
   const readings = frame.index * frame.ranges.length;
   return (

@@ -313,3 +313,14 @@ test("a server that sends nothing is asked, and what does not answer is named un
   browser.socket.receive({ type: "pong", id: 0, t: 0 });
   expect(stream.trouble.value).toBeNull();
 });
+
+test("a server that does not accept the connection is named until it does", () => {
+  stream.start();
+  for (let i = 0; i < 2; i++) browser.tick();
+  expect(stream.trouble.value).toBeNull();
+  browser.tick();
+  expect(stream.trouble.value).toContain("The server does not answer");
+  browser.socket.open();
+  browser.socket.receive(hello);
+  expect(stream.trouble.value).toBeNull();
+});

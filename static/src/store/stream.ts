@@ -146,9 +146,12 @@ export class Stream {
     }
   }
 
-  /** A server that keeps the connection and sends nothing has stalled: one interval after a ping the page says so. */
+  /**
+   * A server that keeps the connection, or does not accept it, and sends nothing has stalled: one interval after a ping
+   * the page says so.
+   */
   #listen(): void {
-    if (this.#socket?.readyState !== OPEN) return;
+    if (!this.#socket) return;
     this.#silent++;
     if (this.#silent === 2) this.send({ type: "ping", id: 0 });
     else if (this.#silent > 2) this.trouble.value ??= STALLED;
