@@ -70,6 +70,9 @@ function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; h
 /** Half the width of a character of a label, pixels. */
 const HALF_CHARACTER = 3.3;
 
+/** Length of the arrow at an edge of the window with the gap before it, pixels. */
+const ARROW = 18;
+
 /** Names of the two levels in the models where they differ. */
 const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: string }>> = {
   step_window: { hit: "Probability of a cell hit", miss: "Probability of a cell passed" },
@@ -110,17 +113,28 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const hit = level("hit", values, controls.bounds);
   const miss = level("miss", values, controls.bounds);
   const labelFrom = Math.max(hitTo, zx + 15) + 8;
-  const labelLeft = labelFrom > curve.right - (narrow ? 112 : 152);
+  const labelTo = Math.min(hitFrom, zx - 15) - 8;
   const isRamp = values.model === "smooth_ramp" && !noReturn;
   const windowText = half === 0 ? "w 0: one cell" : `${isRamp ? "4σ" : "w"} ${written(2 * half, 2)} m`;
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
-  // A short free part, as on a phone, is narrower than the label, which would lie over the numbers of the axis.
-  const missLabelX = Math.max((curve.left + freeTo) / 2, curve.left + HALF_CHARACTER * missText.length);
+  // The label of a hit is on the side that has room for it; where neither has, it is the increment alone.
+  const hitWidth = 2 * HALF_CHARACTER * hitText.length;
+  const [leftRoom, rightRoom] = [labelTo - curve.left, curve.right - labelFrom];
+  const labelLeft = rightRoom < hitWidth && leftRoom > rightRoom;
+  const hitLabel = Math.max(leftRoom, rightRoom) < hitWidth ? signed(model.hit) : hitText;
   const windowTextY = Math.max(y(model.hit) - 13, curve.top + 1);
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;
+  // A short free part, as on a phone, may be narrower than the label, which would lie over the numbers of the axis.
+  // Where the window's arrow is as low as the label, it ends before the arrow.
+  const missLabelY = Math.min(y(model.miss) + 24, curve.bottom - 6);
+  const isBesideArrow = Math.abs(missLabelY - 5 - edgeAt) < 18;
+  const missEnd = freeTo - (isBesideArrow ? ARROW : 0);
+  const missLabel = missEnd - curve.left < 2 * HALF_CHARACTER * missText.length ? signed(model.miss) : missText;
+  const missHalf = HALF_CHARACTER * missLabel.length;
+  const missLabelX = Math.max(Math.min((curve.left + freeTo) / 2, missEnd - missHalf), curve.left + missHalf);
   // A ramp has no steps: it is drawn from one side of the window to the other, negative and positive part apart.
   const widest = isRamp ? 2 * controls.bounds("sigma").high : controls.bounds("window").high / 2;
   const ramp = isRamp
@@ -218,13 +232,8 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             height={10}
             rx={5}
           />
-          <text
-            class="label-miss"
-            x={missLabelX}
-            y={Math.min(y(model.miss) + 24, curve.bottom - 6)}
-            text-anchor="middle"
-          >
-            {missText}
+          <text class="label-miss" x={missLabelX} y={missLabelY} text-anchor="middle">
+            {missLabel}
           </text>
         </Handle>
       )}
@@ -257,11 +266,11 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             />
             <text
               class="label-hit"
-              x={labelLeft ? Math.min(hitFrom, zx - 15) - 8 : labelFrom}
+              x={labelLeft ? labelTo : labelFrom}
               y={y(model.hit) + 5}
               text-anchor={labelLeft ? "end" : "start"}
             >
-              {hitText}
+              {hitLabel}
             </text>
           </Handle>
           <WindowEdges

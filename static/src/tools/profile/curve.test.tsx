@@ -11,9 +11,26 @@ afterEach(() => render(null, document.body));
 /** A little more than half the width of a character of the labels' font, pixels. */
 const HALF = 3.2;
 
-test.each([0.9, 0.5, 0.35])("the label of a free part of %f m begins right of the axis", (before) => {
+/** The extent of a label, pixels. */
+function extent(name: string): readonly [number, number] {
+  const label = document.querySelector(name);
+  const [x, width] = [Number(label?.getAttribute("x")), 2 * HALF * (label?.textContent?.length ?? 0)];
+  const left = { start: x, middle: x - width / 2, end: x - width }[label?.getAttribute("text-anchor") ?? "start"] ?? x;
+  return [left, left + width];
+}
+
+test.each([
+  [0.9, null],
+  [0.5, null],
+  [0.35, null],
+  [1.2, 166],
+  [0.9, 166],
+  [0.65, 166],
+  [0.5, 166],
+])("labels of a free part of %f m are beside the axis and the arrow, in a height of %s", (before, height) => {
   const view = new ProfileView(signal({}), signal(3));
-  view.width.value = 360;
+  view.width.value = 340;
+  view.height.value = height;
   view.lens.value = { start: 3 - before, span: 2 };
   const controls = controlsFor(
     view,
@@ -21,9 +38,12 @@ test.each([0.9, 0.5, 0.35])("the label of a free part of %f m begins right of th
     () => {},
   );
   render(h("svg", null, h(Curve, { view, controls })), document.body);
-  const label = document.querySelector(".label-miss");
-  expect(label?.textContent).toMatch(/p 0\.40/);
-  const left = Number(label?.getAttribute("x")) - HALF * (label?.textContent?.length ?? 0);
-  expect(left).toBeGreaterThanOrEqual(view.layout.value.curve.left);
+  const { left, right } = view.layout.value.curve;
+  const window = Number(document.querySelector(".zone-hit")?.getAttribute("x"));
+  const [miss, hit] = [extent(".label-miss"), extent(".label-hit")];
+  expect(miss[0]).toBeGreaterThanOrEqual(left);
+  expect(hit[0]).toBeGreaterThanOrEqual(left);
+  expect(hit[1]).toBeLessThanOrEqual(right);
+  if (height !== null) expect(miss[1]).toBeLessThan(window - 15); // the arrow
   view.dispose();
 });
