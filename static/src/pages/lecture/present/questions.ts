@@ -28,7 +28,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     ],
   },
   cell: {
-    question: "Four hits of +0.85. Which miss of −0.40 makes the cell probably free?",
+    question: "Four hits of +0.85. Which miss of −0.40 makes free more likely than occupied?",
     options: ["The first", "The fourth", "The ninth"],
   },
   "log-odds": {
