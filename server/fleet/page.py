@@ -57,14 +57,16 @@ def _name(result: Result) -> str:
 
 def _card(result: Result) -> str:
     facts = result.facts or {}
-    findings = len(facts["findings"])
+    first, *others = [escape(one["sentence"]) for one in facts["findings"]] or ["No findings"]
+    drift = facts.get("drift_m")
     file = f"maps/{result.key}.png"
     image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
     picture = image if facts["picture"] else ""
-    said = "".join(f"<li>{escape(one['sentence'])}</li>" for one in facts["findings"])
-    title = f"{findings} finding{'' if findings == 1 else 's'}"
-    examined = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if findings else f"<p>{title}</p>"
+    said = "".join(f"<li>{one}</li>" for one in others)
+    title = f"{len(others)} more finding{'' if len(others) == 1 else 's'}"
+    more = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if others else ""
+    drifted = "Drift not measured" if drift is None else f"Drift {drift:.2f} m"
     return (
         f'<li>{picture}<div class="text"><p><b>{escape(_name(result))}</b></p>'
-        f"<p>{facts['scans']} scans</p>{examined}</div></li>"
+        f"<p>{drifted}, {facts['scans']} scans</p><p>{first}</p>{more}</div></li>"
     )

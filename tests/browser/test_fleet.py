@@ -32,6 +32,38 @@ def test_one_press_maps_all_logs(page: Page, server: str) -> None:
     expect(page).to_have_url(re.compile("log=folder-"))
 
 
+def test_drift_and_first_finding_are_shown_and_choose_and_order_the_maps(page: Page, server: str) -> None:
+    def log(name: str, drift_m: float | None, *checks: str) -> dict[str, object]:
+        findings = [{"check": check, "sentence": f"This is {check}.", "possible": False} for check in checks]
+        size: dict[str, object] = {"scans": 40, "beams": 3, "rows": 10, "cols": 10, "resolution": 0.1, "contrast": 0.5}
+        work: dict[str, object] = {"trajectory": "odom", "picture": False, "cpu_s": 1.0, "seconds": 1.0, "runs": 1}
+        facts = size | work | {"findings": findings, "drift_m": drift_m}
+        return {"id": f"id-{name}", "name": name, "state": "done", "fraction": 0.0, "error": None, "facts": facts}
+
+    logs = [log("a", 0.125), log("b", 1.5, "walls.drift", "clock.gap"), log("c", None, "clock.gap")]
+    counts = dict.fromkeys(("none", "queued", "running", "failed"), 0) | {"done": len(logs)}
+    answer = {"revision": 1, "whole": True, "workers": 1, "cluster": None, "counts": counts, "logs": logs}
+    page.route("**/api/fleet?*", lambda route: route.fulfill(json=answer))
+    page.goto(f"{server}/fleet.html")
+    cards, names = page.locator(".fleet-card"), page.locator(".fleet-card h2")
+    expect(names).to_have_text(["a", "b", "c"])
+    expect(cards).to_contain_text(["No findings", "Drift 1.50 m", "Drift not measured"])
+    drifted = cards.nth(1)
+    expect(drifted.get_by_text("This is walls.drift.")).to_be_visible()
+    expect(drifted.get_by_text("This is clock.gap.")).to_be_hidden()
+    drifted.get_by_text("and 1 more").click()
+    expect(drifted.get_by_text("This is clock.gap.")).to_be_visible()
+    page.get_by_role("combobox", name="Order").select_option("most drift first")
+    expect(names).to_have_text(["b", "a", "c"])
+    page.get_by_role("combobox", name="Drift").select_option("drift of 0.1 m or more")
+    expect(names).to_have_text(["b", "a"])
+    page.get_by_role("combobox", name="Drift").select_option("any drift")
+    page.get_by_role("radio", name="clock.gap (1)").check()
+    expect(names).to_have_text(["c"])
+    expect(page.get_by_text("1 log found")).to_be_visible()
+    expect(cards.get_by_role("link")).to_have_attribute("href", "/logs.html?log=id-c")
+
+
 def test_without_logs_the_page_says_what_it_does_and_shows_the_sample(page: Page, server: str) -> None:
     counts = dict.fromkeys(("none", "queued", "running", "done", "failed"), 0)
     nothing: dict[str, object] = {

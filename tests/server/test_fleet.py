@@ -36,7 +36,8 @@ class StandIn:
         if self.dies(job.source):
             out.set_exception(BrokenExecutor("killed"))
         else:
-            facts = {"scans": 3, "findings": [], "picture": False, "source": job.source}
+            found = [{"sentence": "The time <runs> backwards."}, {"sentence": "The poses drift."}]
+            facts = {"scans": 3, "findings": found, "picture": False, "drift_m": 0.456, "source": job.source}
             out.set_result(facts)
         return out
 
@@ -112,6 +113,8 @@ def test_the_page_lists_maps_and_failures_and_quotes_names(tmp_path: Path) -> No
     assert "<h1>3 of 3 logs, ended</h1>" in text
     assert "Failed: 1" in text
     assert "&lt;b&gt;&amp;.log" in text
+    assert "<p>Drift 0.46 m, 3 scans</p><p>The time &lt;runs&gt; backwards.</p>" in text
+    assert "1 more finding</summary><ul><li>The poses drift.</li>" in text
     assert "<b>&." not in text
     assert "refresh" not in text
     assert not re.search(r"https?://", text), "it asks no other host"

@@ -223,8 +223,9 @@ export interface FindingAnswer {
 }
 
 /**
- * What is known of a log that was mapped; the map has cells of `resolution` metres, `contrast` of its walls. `cpu_s`
- * and `seconds` are processor and elapsed time, `runs` how many it took.
+ * What is known of a log that was mapped; the map has cells of `resolution` metres, `contrast` of its walls. `drift_m`
+ * is that of `MapFigures`: null where it could not be measured, and in results of versions without it. `cpu_s` and
+ * `seconds` are processor and elapsed time, `runs` how many it took.
  */
 export interface FleetFacts {
   readonly scans: number;
@@ -239,6 +240,7 @@ export interface FleetFacts {
   readonly cpu_s: number;
   readonly seconds: number;
   readonly runs: number;
+  readonly drift_m: number | null;
 }
 
 /** What the log doctor found: its `check`, in a `sentence`; `possible` where it may be something else. */

@@ -98,7 +98,7 @@ async def fleet_facts(
 
 def _done(job: FleetJob) -> dict[str, Any]:
     from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
-    from mapper.grid.compare import wall_contrast  # noqa: PLC0415
+    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415
     from mapper.io.logs import open_log  # noqa: PLC0415
     from mapper.io.maps import save_map  # noqa: PLC0415
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
@@ -119,7 +119,7 @@ def _done(job: FleetJob) -> dict[str, Any]:
         save_map(grid, Path(job.map))
     process.note_progress(MAPPED)
     picture = write_picture(log, Path(job.picture))
-    geometry, contrast = grid.geometry, wall_contrast(grid)
+    geometry, figures = grid.geometry, map_figures(log, None, config, grid)
     return {
         "scans": log.n_scans,
         "beams": log.n_beams,
@@ -127,7 +127,8 @@ def _done(job: FleetJob) -> dict[str, Any]:
         "rows": geometry.rows,
         "cols": geometry.cols,
         "resolution": geometry.resolution,
-        "contrast": round(contrast, 4) if math.isfinite(contrast) else None,
+        "contrast": round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
+        "drift_m": None if figures.drift_m is None else round(figures.drift_m, 3),
         "findings": [{"check": one.check, "sentence": one.sentence, "possible": one.possible} for one in found],
         "picture": picture,
         "cpu_s": round(time.process_time() - began, 3),

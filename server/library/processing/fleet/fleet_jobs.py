@@ -46,6 +46,7 @@ class FleetFinding:
 class FleetFacts:
     """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
 
+    ``drift_m`` is that of ``MapFigures``: None where it could not be measured, and in results of versions without it.
     ``cpu_s`` and ``seconds`` are processor and elapsed time, ``runs`` how many it took.
     """
 
@@ -61,6 +62,7 @@ class FleetFacts:
     cpu_s: float
     seconds: float
     runs: int
+    drift_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,9 @@ import {
   chosen,
   cluster,
   counts,
+  DRIFTS,
+  EVERY,
+  firstFindings,
   fleetError,
   fleetLogs,
   isBusy,
@@ -24,6 +27,7 @@ import {
   stopMapping,
   totalOf,
   troubleOf,
+  type Wanted,
   watchFleet,
   workers,
 } from "./fleetLogs";
@@ -38,14 +42,18 @@ const quietly = (work: Promise<void>): void => {
 /** All logs, each read, examined and mapped once, and a wall of their maps. */
 export function Fleet() {
   useEffect(watchFleet, []);
-  const [words, setWords] = useState("");
-  const [shown, setShown] = useState<Shown>("all");
+  const [wanted, setWanted] = useState(EVERY);
   const [order, setOrder] = useState<Order>("name");
   const [limit, setLimit] = useState(PAGE);
   const logs = fleetLogs.value;
   const all = counts.value;
   const trouble = troubleOf(cluster.value, all);
-  const found = logs === null ? [] : chosen(logs.values(), words, shown, order);
+  const found = logs === null ? [] : chosen(logs.values(), wanted, order);
+  const findings = firstFindings(logs?.values() ?? []);
+  const want = (change: Partial<Wanted>): void => {
+    setWanted({ ...wanted, ...change });
+    setLimit(PAGE);
+  };
   return (
     <div class="library fleet">
       <div class="page-head">
@@ -68,31 +76,40 @@ export function Fleet() {
             </p>
           )}
           <Work all={all} />
-          <p class="quiet number">{placeOf(cluster.value, workers.value)}</p>
           <search class="finder">
             <input
               class="field-text finder-words"
               type="search"
               placeholder="Search name, finding, reason"
               aria-label="Search logs"
-              onInput={(event) => {
-                setWords(event.currentTarget.value);
-                setLimit(PAGE);
-              }}
+              onInput={(event) => want({ words: event.currentTarget.value })}
             />
             <Choice
               label="Which logs"
               bare
               options={SHOWN}
-              value={shown}
-              onChange={(value) => {
-                setShown(value as Shown);
-                setLimit(PAGE);
-              }}
+              value={wanted.shown}
+              onChange={(value) => want({ shown: value as Shown })}
             />
+            <Choice
+              label="Drift"
+              bare
+              options={DRIFTS}
+              value={String(wanted.drift)}
+              onChange={(value) => want({ drift: Number(value) })}
+            />
+            {findings.length > 1 && (
+              <Choice
+                label="First finding"
+                bare
+                options={findings}
+                value={wanted.finding}
+                onChange={(value) => want({ finding: value })}
+              />
+            )}
             <Choice label="Order" bare options={ORDERS} value={order} onChange={(value) => setOrder(value as Order)} />
             <span class="quiet number" role="status">
-              {words !== "" || shown !== "all" ? `${plural(found.length, "log")} found` : ""}
+              {found.length < totalOf(all) ? `${plural(found.length, "log")} found` : ""}
             </span>
           </search>
           <ul class="cards">
@@ -130,6 +147,7 @@ function Work({ all }: { all: Counts }) {
         {busy && <>, {all.running} being mapped</>}
       </p>
       <ProgressBar fraction={ended / Math.max(1, total)} label="Logs done" />
+      <p class="quiet number">{placeOf(cluster.value, workers.value)}</p>
       <div class="actions">
         {!busy && all.none > 0 && (
           <Button kind="primary" icon="play" onClick={() => quietly(mapAll(false))}>

@@ -1,7 +1,7 @@
 import { Icon } from "../../ui/Icon";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { LogPicture } from "../logs/library/LogPicture";
-import type { Facts, FleetLog } from "./fleetLogs";
+import type { Facts, Finding, FleetLog } from "./fleetLogs";
 
 const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;
 
@@ -30,35 +30,40 @@ function Picture({ log }: { log: FleetLog }) {
 
 function About({ facts }: { facts: Facts }) {
   const { rows, cols, resolution, findings } = facts;
-  const title = `${findings.length} finding${findings.length === 1 ? "" : "s"}`;
+  const [first, ...others] = findings;
   return (
     <>
       <p class="quiet number">
-        {facts.scans.toLocaleString("en")} scans, {metres(cols, resolution)} × {metres(rows, resolution)} m
+        <strong>{facts.drift_m === null ? "Drift not measured" : `Drift ${facts.drift_m.toFixed(2)} m`}</strong>
         {facts.contrast !== null && (
           <>
             , <span class="fleet-measure">sharpness {facts.contrast.toFixed(2)}</span>
           </>
         )}
       </p>
-      {findings.length === 0 ? (
-        <p class="quiet">No findings</p>
-      ) : (
+      <p class="quiet number">
+        {facts.scans.toLocaleString("en")} scans, {metres(cols, resolution)} × {metres(rows, resolution)} m
+      </p>
+      {first ? (
         <details>
-          <summary>{title}</summary>
+          <summary>
+            <span class="fleet-finding">{sentenceOf(first)}</span>
+            {others.length > 0 && <span class="quiet">and {others.length} more</span>}
+          </summary>
           <ul>
-            {findings.map((one) => (
-              <li key={one.check + one.sentence}>
-                {one.possible && "Possibly: "}
-                {one.sentence}
-              </li>
+            {others.map((one) => (
+              <li key={one.check + one.sentence}>{sentenceOf(one)}</li>
             ))}
           </ul>
         </details>
+      ) : (
+        <p class="quiet">No findings</p>
       )}
     </>
   );
 }
+
+const sentenceOf = ({ possible, sentence }: Finding): string => (possible ? `Possibly: ${sentence}` : sentence);
 
 const STATES = { none: "Not mapped yet", queued: "Waiting", running: "Being mapped", done: "", failed: "" } as const;
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { chosen, type FleetLog, merged, placeOf, troubleOf } from "./fleetLogs";
+import { ANY, chosen, EVERY, type FleetLog, firstFindings, merged, placeOf, troubleOf } from "./fleetLogs";
 
 const log = (name: string, more: Partial<FleetLog> = {}): FleetLog => ({
   id: `id of ${name}`,
@@ -27,6 +27,7 @@ const mapped = (name: string, scans: number, ...sentences: string[]): FleetLog =
       cpu_s: 1,
       seconds: 1,
       runs: 1,
+      drift_m: null,
     },
   });
 
@@ -50,17 +51,59 @@ test("an answer replaces what has changed, and all where it is whole", () => {
 });
 
 test("by name each log keeps its place; otherwise those without a map come last", () => {
-  expect(names(chosen(LOGS, "", "all", "name"))).toEqual(["run 1", "run 2", "run 9", "run 10", "yard"]);
-  expect(names(chosen(LOGS, "", "all", "scans"))).toEqual(["run 2", "run 9", "yard", "run 1", "run 10"]);
-  expect(names(chosen(LOGS, "", "all", "findings"))).toEqual(["run 9", "run 2", "yard", "run 1", "run 10"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "all" }, "name"))).toEqual([
+    "run 1",
+    "run 2",
+    "run 9",
+    "run 10",
+    "yard",
+  ]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "all" }, "scans"))).toEqual([
+    "run 2",
+    "run 9",
+    "yard",
+    "run 1",
+    "run 10",
+  ]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "all" }, "findings"))).toEqual([
+    "run 9",
+    "run 2",
+    "yard",
+    "run 1",
+    "run 10",
+  ]);
 });
 
 test("logs are found by words of name, finding and reason, and by result", () => {
-  expect(names(chosen(LOGS, "TURNED run", "all", "name"))).toEqual(["run 9"]);
-  expect(names(chosen(LOGS, "no scans", "all", "name"))).toEqual(["yard"]);
-  expect(names(chosen(LOGS, "", "failed", "name"))).toEqual(["yard"]);
-  expect(names(chosen(LOGS, "", "findings", "name"))).toEqual(["run 9"]);
-  expect(names(chosen(LOGS, "", "open", "name"))).toEqual(["run 1", "run 10"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "TURNED run", shown: "all" }, "name"))).toEqual(["run 9"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "no scans", shown: "all" }, "name"))).toEqual(["yard"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "failed" }, "name"))).toEqual(["yard"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "findings" }, "name"))).toEqual(["run 9"]);
+  expect(names(chosen(LOGS, { ...EVERY, words: "", shown: "open" }, "name"))).toEqual(["run 1", "run 10"]);
+});
+
+test("logs are found by drift and by their first finding, and ordered by drift", () => {
+  const drifted = (name: string, drift_m: number | null, ...checks: string[]): FleetLog => {
+    const one = mapped(name, 10, ...checks);
+    const findings = checks.map((check) => ({ check, sentence: check, possible: false }));
+    return { ...one, facts: one.facts && { ...one.facts, drift_m, findings } };
+  };
+  const logs = [
+    log("unmapped"),
+    drifted("straight", 0.1, "clock"),
+    drifted("bent", 1.25, "walls.drift", "clock"),
+    drifted("unmeasured", null),
+    drifted("pushed", 0.3, "walls.drift"),
+  ];
+  const order = ["bent", "pushed", "straight", "unmeasured", "unmapped"];
+  expect(names(chosen(logs, EVERY, "drift"))).toEqual(order);
+  expect(names(chosen(logs, { ...EVERY, drift: 0.3 }, "drift"))).toEqual(["bent", "pushed"]);
+  expect(names(chosen(logs, { ...EVERY, finding: "clock" }, "name"))).toEqual(["straight"]);
+  expect(firstFindings(logs)).toEqual([
+    { value: ANY, label: "any finding" },
+    { value: "clock", label: "clock (1)" },
+    { value: "walls.drift", label: "walls.drift (2)" },
+  ]);
 });
 
 test("where logs are mapped is told, and what keeps the cluster from it", () => {

@@ -102,8 +102,33 @@ export const SHOWN = [
 ] as const;
 export type Shown = (typeof SHOWN)[number]["value"];
 
+/** The least drift of the logs that are shown, metres. */
+export const DRIFTS = [
+  { value: "0", label: "any drift" },
+  { value: "0.1", label: "drift of 0.1 m or more" },
+  { value: "0.3", label: "drift of 0.3 m or more" },
+  { value: "1", label: "drift of 1 m or more" },
+] as const;
+
+export const ANY = "any";
+
+/** The first findings of the logs, by name, each with the number of its logs, as options of a choice. */
+export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly value: string; readonly label: string }[] {
+  const found = new Map<string, number>();
+  for (const { facts } of logs) {
+    const check = facts?.findings[0]?.check;
+    if (check !== undefined) found.set(check, (found.get(check) ?? 0) + 1);
+  }
+  const names = [...found].sort(([one], [other]) => one.localeCompare(other, "en"));
+  return [
+    { value: ANY, label: "any finding" },
+    ...names.map(([check, count]) => ({ value: check, label: `${check} (${count})` })),
+  ];
+}
+
 export const ORDERS = [
   { value: "name", label: "by name" },
+  { value: "drift", label: "most drift first" },
   { value: "findings", label: "most findings first" },
   { value: "contrast", label: "least sharp first" },
   { value: "scans", label: "most scans first" },
@@ -114,6 +139,7 @@ export type Order = (typeof ORDERS)[number]["value"];
 const area = ({ rows, cols, resolution }: Facts): number => rows * cols * resolution ** 2;
 
 const KEYS: Record<Exclude<Order, "name">, (facts: Facts) => number> = {
+  drift: (facts) => facts.drift_m ?? -1,
   findings: (facts) => facts.findings.length,
   contrast: (facts) => -(facts.contrast ?? 1),
   scans: (facts) => facts.scans,
@@ -127,18 +153,33 @@ const IS_SHOWN: Record<Shown, (log: FleetLog) => boolean> = {
   open: (log) => log.state !== "done" && log.state !== "failed",
 };
 
+/** Which logs are shown. */
+export interface Wanted {
+  readonly words: string;
+  readonly shown: Shown;
+  /** Metres. */
+  readonly drift: number;
+  /** Name of the first finding, or {@link ANY}. */
+  readonly finding: string;
+}
+
+export const EVERY: Wanted = { words: "", shown: "all", drift: 0, finding: ANY };
+
+const isWanted = ({ facts }: FleetLog, { drift, finding }: Wanted): boolean =>
+  (drift === 0 || (facts?.drift_m ?? 0) >= drift) && (finding === ANY || facts?.findings[0]?.check === finding);
+
 /**
  * The logs to be shown, in order. By name each keeps its place while it is mapped; in another order those without a map
  * come last.
  */
-export function chosen(logs: Iterable<FleetLog>, words: string, shown: Shown, order: Order): FleetLog[] {
-  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
+export function chosen(logs: Iterable<FleetLog>, wanted: Wanted, order: Order): FleetLog[] {
+  const words = wanted.words.toLowerCase().split(/\s+/).filter(Boolean);
   const rank = (log: FleetLog): number => ["done", "failed", "running", "queued", "none"].indexOf(log.state);
   const found = [...logs].filter((log) => {
     const text = [log.name, log.error?.message, ...(log.facts?.findings ?? []).map((one) => one.sentence)]
       .join(" ")
       .toLowerCase();
-    return IS_SHOWN[shown](log) && wanted.every((word) => text.includes(word));
+    return IS_SHOWN[wanted.shown](log) && isWanted(log, wanted) && words.every((word) => text.includes(word));
   });
   return found.sort((a, b) => {
     if (order !== "name") {

@@ -140,4 +140,5 @@ async def test_the_facts_and_the_picture_are_those_of_the_log(
     assert facts is not None
     assert (facts.scans, facts.beams, facts.picture, facts.runs) == (30, 3, True, 1)
     assert facts.cols * facts.resolution > 29.0, "the robot drives 29 m"
+    assert facts.drift_m is None, "too little was seen twice"
     assert (await library.map_picture("ann", log.id)).startswith(b"\x89PNG")
