@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from mapper.sensors.scan import ScanLog
 from tests.mapper.slam.worlds import along, drive
 
 
 def carmen_text(log: ScanLog) -> bytes:
     """Return a log as CARMEN lines, with the poses of its first trajectory."""
-    lines = []
+    lines = [f"PARAM laser_front_laser_resolution {math.degrees(log.angle_increment):.6f}\n"]  # else angles are guessed
     for ranges, (x, y, yaw), ns in zip(log.ranges, log.trajectory().poses, log.stamps_ns, strict=True):
         readings = " ".join(f"{min(float(r), 80.0):.3f}" for r in ranges)
         pose = f"{x:.6f} {y:.6f} {yaw:.6f}"

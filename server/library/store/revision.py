@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import sqlite3
 from collections.abc import Collection
 from pathlib import Path
@@ -15,6 +16,7 @@ MIGRATIONS = Path(__file__).parent / "migrations"
 
 def known_revisions() -> Collection[str]:
     """Return all revisions that this program can bring up to date."""
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each plugin
     from alembic.config import Config  # noqa: PLC0415 - start-up: mostly the revision is the newest
     from alembic.script import ScriptDirectory  # noqa: PLC0415
 

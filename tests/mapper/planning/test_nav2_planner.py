@@ -121,7 +121,7 @@ def test_another_planner_and_controller_stay_in_the_file() -> None:
         ("true,", "maybe,", "planner_server.GridBased.use_astar: .*true or false"),
         ("[Smooth, GridBased]", "7", "planner_plugins must be a list of names, not 7"),
         ("[Smooth, GridBased]", "[[Smooth], GridBased]", "planner_plugins must be a list of names, not"),
-        ("lookahead_dist: 0.9", "lookahead_dist: .inf", "controller_server.FollowPath.lookahead_dist: "),
+        ("lookahead_dist: 0.9", "lookahead_dist: .nan", "controller_server.FollowPath.lookahead_dist: "),
         ("[FollowPath]", "{a: 1}", "controller_plugins must be a list of names, not"),
     ],
 )
