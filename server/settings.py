@@ -16,6 +16,7 @@ from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from server.network_address import is_loopback_name
+from server.storage import RECORDS_FILE
 
 
 def _default_data_dir() -> Path:
@@ -230,7 +231,7 @@ class Settings(BaseSettings):
         """Return the settings of one of several workers: it shares records and blobs, and has a folder for the rest."""
         root = self.data_dir / "library"
         shared = {
-            "database": self.database or SecretStr(f"sqlite:///{(root / 'library.db').absolute()}"),
+            "database": self.database or SecretStr(f"sqlite:///{(root / RECORDS_FILE).absolute()}"),
             "blobs": self.blobs or str(root),
         }
         return self.model_copy(update={**shared, "data_dir": self.data_dir / "workers" / str(worker)})

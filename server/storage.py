@@ -11,6 +11,8 @@ from pathlib import Path
 
 from mapper.core.errors import MapperError
 
+RECORDS_FILE = "library.db"  #: the records of a service that names no other database, below ``library``
+
 
 class StorageError(MapperError):
     """A store failed to write or read. No incomplete file is left."""

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from server.classes.puzzle import BINS as PUZZLE_BINS
 from server.classes.puzzle import RoomPuzzle
 from server.classes.questions import BINS, Question, part_of
+from server.csv_text import as_text
 
 
 def results_csv(questions: Iterable[Question], puzzles: Iterable[RoomPuzzle] = ()) -> str:
@@ -31,9 +32,9 @@ def results_csv(questions: Iterable[Question], puzzles: Iterable[RoomPuzzle] = (
                 known_right = one.right is not None and one.axis.low <= one.right <= one.axis.high
                 right = known_right and part_of(one.axis, one.right or 0.0) == at
             known = "" if one.right is None else "yes" if right else "no"
-            writer.writerow([one.id, _plain(one.text), _plain(option), low, high, _plain(unit), count, known])
+            writer.writerow([one.id, as_text(one.text), as_text(option), low, high, as_text(unit), count, known])
     for number, puzzle in enumerate(puzzles, 1):
-        head, solvers = (f"puzzle {number}", _plain(puzzle.title)), puzzle.solvers.values()
+        head, solvers = (f"puzzle {number}", as_text(puzzle.title)), puzzle.solvers.values()
         steps = {"begun": len(solvers), "cause named": sum(one.is_named for one in solvers)}
         steps["solved"] = sum(one.is_solved for one in solvers)
         writer.writerows([*head, name, "", "", "", count, ""] for name, count in steps.items())
@@ -41,8 +42,3 @@ def results_csv(questions: Iterable[Question], puzzles: Iterable[RoomPuzzle] = (
         for at, count in enumerate(puzzle.counts):
             writer.writerow([*head, "", at * width, (at + 1) * width, "points", count, ""])
     return out.getvalue()
-
-
-def _plain(text: str) -> str:
-    """Return a text that no spreadsheet takes for a formula."""
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t", "\r") else text

@@ -1,16 +1,23 @@
-"""``serve`` runs the service; ``upload`` sends a log to one."""
+"""``serve`` runs the service; ``upload`` sends a log to one; ``notes`` writes the notes on a log of one to a file."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mapper.core.errors import MapperError
 from server.cli.common import AsJson, app, fail, print_json, progress_bar, refusing
 from server.imports import fast_imports
+
+if TYPE_CHECKING:
+    from server.client import NoteFile
+
+#: Kinds of files of notes by their ending.
+NOTE_FILES: dict[str, NoteFile] = {".geojson": "geojson", ".json": "geojson", ".csv": "csv"}
 
 
 @app.command()
@@ -130,3 +137,36 @@ def _contents(record: Mapping[str, Any]) -> str:
     else:
         found = f"{record['scans']} scan{'s' if record['scans'] != 1 else ''} of {record['beams']} beams"
     return f"{found}, {record['format']}"
+
+
+@app.command()
+def notes(
+    address: Annotated[
+        str,
+        typer.Argument(
+            metavar="ADDRESS", help="The address of the log's page, as `gridbloom upload` prints it, or a link to it."
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE", help="The file to write, .geojson, .json or .csv.")
+    ] = Path("notes.geojson"),
+) -> None:
+    """Write the notes on a log of a service as GeoJSON or CSV, in metres of the frame of its poses."""
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from server.client import Client  # noqa: PLC0415 - start-up
+    from server.settings import Settings  # noqa: PLC0415 - start-up
+
+    wanted = NOTE_FILES.get(out.suffix.lower())
+    if wanted is None:
+        fail(f"{out}: notes are written as .geojson, .json or .csv.")
+    try:
+        with Client(address, visitors=Settings().data_dir / "visitors.json") as client, client.at(address) as found:
+            data = client.notes(found, wanted)
+    except MapperError as error:
+        fail(error.message)
+    try:
+        with atomic_write(out) as file:
+            file.write(data)
+    except OSError as error:
+        fail(f"{out}: {error.strerror}")
+    typer.echo(f"{out} written")

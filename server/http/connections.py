@@ -48,6 +48,16 @@ class Elsewhere(Protocol):
         """Count so many more of a network in this worker."""
 
 
+class _Nowhere(Elsewhere):
+    """The other workers of a service of one process."""
+
+    def others(self, network: str) -> tuple[int, int]:  # noqa: ARG002
+        return 0, 0
+
+    def add(self, network: str, number: int) -> None:
+        pass
+
+
 class Connections:
     """The open connections, at most ``most`` and ``most_of_address`` from one address. Used on the event loop only.
 
@@ -59,7 +69,7 @@ class Connections:
         self._most = most
         self._most_here = int(resource.getrlimit(resource.RLIMIT_NOFILE)[0] * DESCRIPTORS)
         self._most_of_network = most_of_address
-        self._elsewhere = elsewhere
+        self._elsewhere = elsewhere or _Nowhere()
         self._open: dict[int, _Open] = {}  #: by descriptor
         self._count: Counter[str] = Counter()  #: by network
         self._waiting: defaultdict[str, dict[int, None]] = defaultdict(dict)  #: by network, the longest waiting first
@@ -79,7 +89,7 @@ class Connections:
     def admit(self, descriptor: int, address: str) -> bool:
         """Count a new connection; return False if the limit is reached."""
         network = network_of(address)
-        others, of_network = (0, 0) if self._elsewhere is None else self._elsewhere.others(network)
+        others, of_network = self._elsewhere.others(network)
         is_full = self._count.get(network, 0) + of_network >= self._most_of_network
         if is_full and not self._end_one(self._waiting.get(network, {})):
             self.refuse("as many connections as one address may have")
@@ -90,8 +100,7 @@ class Connections:
             return False
         self._open[descriptor] = _Open(network)
         self._count[network] += 1
-        if self._elsewhere is not None:
-            self._elsewhere.add(network, 1)
+        self._elsewhere.add(network, 1)
         self._coming.add(descriptor)
         return True
 
@@ -105,7 +114,7 @@ class Connections:
         if one is None:
             return
         one.end = end
-        if self._elsewhere is not None and descriptor not in self._all_waiting:
+        if descriptor not in self._all_waiting:
             self._elsewhere.add(one.network, -1)
         self._all_waiting[descriptor] = None
         self._waiting[one.network][descriptor] = None
@@ -116,8 +125,7 @@ class Connections:
         if one is not None and descriptor in self._all_waiting:
             del self._all_waiting[descriptor]
             del self._waiting[one.network][descriptor]
-            if self._elsewhere is not None:
-                self._elsewhere.add(one.network, 1)
+            self._elsewhere.add(one.network, 1)
 
     def closed(self, descriptor: int) -> None:
         """Forget a connection."""
@@ -127,8 +135,7 @@ class Connections:
         if one is None:
             return
         self._count[one.network] -= 1
-        if self._elsewhere is not None:
-            self._elsewhere.add(one.network, -1)
+        self._elsewhere.add(one.network, -1)
         if not self._count[one.network]:
             del self._count[one.network]
             self._waiting.pop(one.network, None)

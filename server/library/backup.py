@@ -18,9 +18,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from server.library.store.revision import refuse_newer_file
-from server.storage import StorageError, claimed, private_folder
+from server.storage import RECORDS_FILE, StorageError, claimed, private_folder
 
-LIBRARY, RECORDS, INCOMING = "library", "library.db", "incoming"
+LIBRARY, INCOMING = "library", "incoming"
 UNFINISHED = "restore.unfinished"  #: below a data folder that is claimed, so that no two restore there
 BUSY_S = 30.0  #: how long to wait for a service that writes
 
@@ -31,7 +31,7 @@ def back_up(data_dir: Path, file: Path) -> int:
     Raises :class:`StorageError` where there is nothing to copy, or ``file`` is there, and :class:`OSError`.
     """
     root = data_dir / LIBRARY
-    if not (root / RECORDS).is_file():
+    if not (root / RECORDS_FILE).is_file():
         raise StorageError("backup.nothing", f"There are no records in {root}.")
     if file.exists():
         raise _is_there(file)
@@ -80,16 +80,16 @@ def _write(copy: Path, names: Sequence[str], fresh: Path) -> None:
 
 def _snapshot(root: Path, copy: Path) -> Sequence[str]:
     """Make ``copy`` of the folder of a library, of one moment; return the names in it, that of the records last."""
-    with contextlib.closing(sqlite3.connect(root / RECORDS, timeout=BUSY_S, isolation_level=None)) as records:
-        with contextlib.closing(sqlite3.connect(root / RECORDS, timeout=BUSY_S, isolation_level=None)) as lock:
+    with contextlib.closing(sqlite3.connect(root / RECORDS_FILE, timeout=BUSY_S, isolation_level=None)) as records:
+        with contextlib.closing(sqlite3.connect(root / RECORDS_FILE, timeout=BUSY_S, isolation_level=None)) as lock:
             lock.execute("BEGIN IMMEDIATE")
             records.execute("BEGIN").close()
             records.execute("SELECT * FROM sqlite_master").fetchone()  # the transaction begins with the first reading
             names = _linked(root, copy)
-        with contextlib.closing(sqlite3.connect(copy / RECORDS)) as fresh:
+        with contextlib.closing(sqlite3.connect(copy / RECORDS_FILE)) as fresh:
             records.backup(fresh)
             fresh.execute("PRAGMA journal_mode=DELETE").close()  # one file
-    return [*names, RECORDS]
+    return [*names, RECORDS_FILE]
 
 
 def _linked(root: Path, copy: Path) -> Sequence[str]:
@@ -101,7 +101,7 @@ def _linked(root: Path, copy: Path) -> Sequence[str]:
         here.mkdir(mode=0o700)
         if Path(folder) == root:
             folders.remove(INCOMING)
-            files = [name for name in files if not name.startswith(RECORDS)]  # noqa: PLW2901 - without the records
+            files = [name for name in files if not name.startswith(RECORDS_FILE)]  # noqa: PLW2901 - without the records
         else:
             names.append(str(below))
         names.extend(str(below / name) for name in files if _is_linked(Path(folder) / name, here / name))
@@ -157,10 +157,12 @@ def _extract(file: Path, folder: Path) -> None:
     """Put the files of a whole backup into ``folder``."""
     with _refusals(), tarfile.open(file, "r:") as archive:
         members = archive.getmembers()
-        if members[-1].name != f"{LIBRARY}/{RECORDS}":  # a file that is cut between two members ends as a whole one
+        if (
+            members[-1].name != f"{LIBRARY}/{RECORDS_FILE}"
+        ):  # a file that is cut between two members ends as a whole one
             raise _no_backup()
         archive.extractall(folder, filter="data")
-    records = folder / LIBRARY / RECORDS
+    records = folder / LIBRARY / RECORDS_FILE
     if not records.is_file():
         raise _no_backup()
     refuse_newer_file(records)

@@ -9,7 +9,9 @@ from server.library.processing.fleet.cluster import require_dask
 from server.library.store.blobs import Blobs
 from server.library.store.revision import refuse_newer_file
 from server.settings import Settings
-from server.storage import private_folder
+from server.storage import RECORDS_FILE, private_folder
+
+SQLITE = "sqlite:///"  #: what the URL of a file begins with
 
 
 def check_stores(settings: Settings) -> None:
@@ -18,9 +20,9 @@ def check_stores(settings: Settings) -> None:
     from server.library.store.identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
 
     root = settings.data_dir / "library"
-    url = settings.database_url or ""
-    file = Path(url.removeprefix("sqlite:///")) if url.startswith("sqlite:///") else root / "library.db"
-    if file.is_file() and not url.startswith("postgresql:"):
+    url = settings.database_url or f"{SQLITE}{root / RECORDS_FILE}"
+    file = Path(url.removeprefix(SQLITE))
+    if url.startswith(SQLITE) and file.is_file():
         refuse_newer_file(file)
     private_folder(root)
     blobs = Blobs.at(settings.blobs, root)

@@ -6,11 +6,12 @@ A network is counted in one of many places, by a keyed hash: two that share a pl
 from __future__ import annotations
 
 import secrets
-from hashlib import blake2b
 from mmap import mmap
 
 import numpy as np
 from numpy.typing import NDArray
+
+from server.workers.shared_counts import keyed_hash
 
 PLACES = 1 << 16
 
@@ -20,7 +21,7 @@ class SharedConnections:
 
     def __init__(self, workers: int) -> None:
         self._rows = np.frombuffer(mmap(-1, workers * (PLACES + 1) * 4), dtype=np.int32).reshape(workers, PLACES + 1)
-        self._secret = secrets.token_bytes(16)  # nobody chooses networks that share a place
+        self._secret = secrets.token_bytes(16)
 
     def of(self, worker: int) -> WorkersConnections:
         """Return the view of one worker."""
@@ -49,5 +50,4 @@ class WorkersConnections:
         self._rows[self._own, PLACES] += number
 
     def _place(self, network: str) -> int:
-        digest = blake2b(network.encode(), digest_size=8, key=self._secret).digest()
-        return int.from_bytes(digest, "little") % PLACES
+        return keyed_hash(network, self._secret) % PLACES

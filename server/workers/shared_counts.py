@@ -18,6 +18,11 @@ WAYS = 8  #: places of a key
 _ENTRY = np.dtype([("key", np.uint64), ("number", np.float64), ("at", np.float64)])
 
 
+def keyed_hash(key: str, secret: bytes) -> int:
+    """Return a hash of 8 bytes: without the secret nobody chooses keys that share a place."""
+    return int.from_bytes(blake2b(key.encode(), digest_size=8, key=secret).digest(), "little")
+
+
 class SharedCounts:
     """At most about ``size`` numbers, shared by processes that are forked after this was made."""
 
@@ -25,7 +30,7 @@ class SharedCounts:
         sets = -(-size // WAYS)
         memory = mmap(-1, sets * WAYS * _ENTRY.itemsize)
         self._entries = np.frombuffer(memory, dtype=_ENTRY).reshape(sets, WAYS)
-        self._secret = secrets.token_bytes(16)  # nobody chooses keys that share a place
+        self._secret = secrets.token_bytes(16)
 
     def get(self, key: str) -> tuple[float, float]:
         """Return the number of a key and the time when it was set; 0 and 0 for none."""
@@ -40,5 +45,5 @@ class SharedCounts:
         entries[int(found[0]) if len(found) else int(np.argmin(entries["at"]))] = (name, number, at)
 
     def _places(self, key: str) -> tuple[np.uint64, NDArray[np.void]]:
-        name = int.from_bytes(blake2b(key.encode(), digest_size=8, key=self._secret).digest(), "little")
+        name = keyed_hash(key, self._secret)
         return np.uint64(name), self._entries[name % len(self._entries)]

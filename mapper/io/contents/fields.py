@@ -21,7 +21,7 @@ from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.message_tree import Tree, decoded, tree_of
 from mapper.io.contents.model import Column, Series
 from mapper.io.contents.raw_message import definition_of, text_of
-from mapper.io.contents.seeking import first_messages, stated_in, unpacked
+from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
 from mapper.io.contents.units import unit_of
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
@@ -114,7 +114,7 @@ def fields_of(
         try:
             first = firsts.get(topic)
             if first is None:
-                raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
+                raise no_messages(topic)
             first = unpacked(first, limits)
             tree = tree_of(first.type, text_of(topic, stated.get(topic)), first.data, cdr=first.cdr)
             names = tuple(numbers_in(tree))[:MAX_COLUMNS]

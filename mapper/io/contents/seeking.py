@@ -7,6 +7,7 @@ recording is read from its beginning, in which other topics are jumped over.
 from __future__ import annotations
 
 import contextlib
+from abc import abstractmethod
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,96 +49,96 @@ class Stated:
 
 
 class _PastError(Exception):
-    """The moment is past."""
+    """Nothing more is wanted."""
 
 
-class _Newest(MessageSink):
-    """Takes the messages of one topic, and keeps the newest that is not later than a moment."""
+class _OfTopics(MessageSink):
+    """Takes messages of the topics that it :meth:`is_wanted`."""
+
+    def __init__(self) -> None:
+        self.notes = []
+        self._streams: dict[int, tuple[str, str, bool] | None] = {}  # topic, type and whether it is CDR
+
+    @abstractmethod
+    def is_wanted(self, topic: str) -> bool:
+        """Return whether messages of a topic are taken now."""
+
+    @abstractmethod
+    def keep(self, topic: str, message: FoundMessage) -> None:
+        """Take a message of a topic that is wanted. Raises :class:`_PastError` if nothing more is."""
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages."""
+        self._streams[key] = (printable(topic), plain_type(kind), cdr) if readable else None
+
+    def wants(self, key: int) -> bool:
+        """Return whether it is a stream of a topic that is wanted."""
+        stream = self._streams.get(key)
+        return stream is not None and self.is_wanted(stream[0])
+
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._streams
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count nothing."""
+
+    def next_file(self) -> None:
+        """Forget the streams of the file."""
+        self._streams.clear()
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
+        """Take one message. Raises :class:`_PastError` if nothing more is wanted."""
+        stream = self._streams.get(key)
+        if stream is not None and self.is_wanted(stream[0]):
+            topic, kind, cdr = stream
+            self.keep(topic, FoundMessage(stamp_ns, kind, cdr, data))
+
+
+class _Newest(_OfTopics):
+    """Keeps the newest message of a topic that is not later than a moment; where all are, the first."""
 
     def __init__(self, topic: str, at_ns: int) -> None:
-        self.notes = []
+        super().__init__()
         self.found: FoundMessage | None = None
-        self._topic = topic
-        self._at_ns = at_ns
-        self._kinds: dict[int, tuple[str, bool] | None] = {}
+        self._topic, self._at_ns = topic, at_ns
 
     @property
     def taken(self) -> int:
         """Number of messages found."""
         return 0 if self.found is None else 1
 
-    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
-        """Announce a stream of messages."""
-        is_wanted = readable and printable(topic) == self._topic
-        self._kinds[key] = (plain_type(kind), cdr) if is_wanted else None
+    def is_wanted(self, topic: str) -> bool:
+        """Return whether it is the topic."""
+        return topic == self._topic
 
-    def wants(self, key: int) -> bool:
-        """Return whether it is a stream of the topic."""
-        return self._kinds.get(key) is not None
-
-    def knows(self, key: int) -> bool:
-        """Return whether this stream was announced."""
-        return key in self._kinds
-
-    def pass_over(self, key: int, count: int) -> None:
-        """Count nothing."""
-
-    def next_file(self) -> None:
-        """Forget the streams of the file."""
-        self._kinds.clear()
-
-    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
-        """Take one message. Raises :class:`_PastError` for the first one of the topic that is later."""
-        wanted = self._kinds.get(key)
-        if wanted is None:
-            return
-        if stamp_ns > self._at_ns and self.found is not None:
+    def keep(self, topic: str, message: FoundMessage) -> None:  # noqa: ARG002 - there is one
+        """Take a message. Raises :class:`_PastError` for one that is later than the moment and not the first."""
+        if message.stamp_ns > self._at_ns and self.found is not None:
             raise _PastError
-        if self.found is None or stamp_ns <= self._at_ns:
-            self.found = FoundMessage(stamp_ns, *wanted, data)
+        self.found = message
 
 
-class _Firsts(MessageSink):
-    """Takes the first message of each of some topics. Raises :class:`_PastError` when it has all."""
+class _Firsts(_OfTopics):
+    """Keeps the first message of each of some topics."""
 
     def __init__(self, topics: Collection[str]) -> None:
-        self.notes = []
+        super().__init__()
         self.found: dict[str, FoundMessage] = {}
         self._missing = set(topics)
-        self._kinds: dict[int, tuple[str, str, bool] | None] = {}
 
     @property
     def taken(self) -> int:
         """Number of messages found."""
         return len(self.found)
 
-    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
-        """Announce a stream of messages."""
-        self._kinds[key] = (printable(topic), plain_type(kind), cdr) if readable else None
+    def is_wanted(self, topic: str) -> bool:
+        """Return whether there is no message of a topic yet."""
+        return topic in self._missing
 
-    def wants(self, key: int) -> bool:
-        """Return whether it is a stream of a topic of which there is no message yet."""
-        stream = self._kinds.get(key)
-        return stream is not None and stream[0] in self._missing
-
-    def knows(self, key: int) -> bool:
-        """Return whether this stream was announced."""
-        return key in self._kinds
-
-    def pass_over(self, key: int, count: int) -> None:
-        """Count nothing."""
-
-    def next_file(self) -> None:
-        """Forget the streams of the file."""
-        self._kinds.clear()
-
-    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
-        """Take one message."""
-        stream = self._kinds.get(key)
-        if stream is None or stream[0] not in self._missing:
-            return
-        topic, kind, cdr = stream
-        self.found[topic] = FoundMessage(stamp_ns, kind, cdr, data)
+    def keep(self, topic: str, message: FoundMessage) -> None:
+        """Take a message. Raises :class:`_PastError` with the last one."""
+        self.found[topic] = message
         self._missing.discard(topic)
         if not self._missing:
             raise _PastError
@@ -158,7 +159,12 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
             first = found or first
         if first is not None:
             return unpacked(first, limits)
-    raise ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
+    raise no_messages(topic)
+
+
+def no_messages(topic: str) -> ReadError:
+    """Return the error that a recording has no messages on a topic."""
+    return ReadError("contents.no_topic", f"The recording has no messages on {topic!r:.200}.")
 
 
 def first_messages(

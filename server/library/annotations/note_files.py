@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
+from server.csv_text import as_text
 from server.library.annotations.areas import Corner, area_of
 from server.library.annotations.notes import Note
 
 COLUMNS = ("id", "text", "seconds", "scan", "frame", "x_m", "y_m", "area_m2", "outline", "created", "changed")
-_FORMULA = ("=", "+", "-", "@")  #: with which a spreadsheet begins a formula
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,18 +49,18 @@ def notes_as_geojson(notes: Sequence[Note], frame: MapFrame, title: str) -> str:
 
 
 def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
-    """Return notes as a table; an area is a polygon in WKT. A text that a spreadsheet would compute begins with '."""
+    """Return notes as a table; an area is a polygon in WKT."""
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\r\n")
     table.writerow(COLUMNS)
     for note in notes:
         pin = note.pin
         ring = "" if pin.outline is None else ", ".join(f"{x!r} {y!r}" for x, y in _ring(pin.outline, frame))
-        place = ("", "", "") if pin.x is None or pin.y is None else (_as_text(frame.name), *frame.place(pin.x, pin.y))
+        place = ("", "", "") if pin.x is None or pin.y is None else (as_text(frame.name), *frame.place(pin.x, pin.y))
         table.writerow(
             [
                 note.id,
-                _as_text(note.text),
+                as_text(note.text),
                 pin.at_s,
                 pin.scan,
                 *place,
@@ -71,11 +71,6 @@ def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
             ]
         )
     return file.getvalue()
-
-
-def _as_text(cell: str) -> str:
-    """Return a text that no spreadsheet takes for a formula."""
-    return f"'{cell}" if cell.lstrip().startswith(_FORMULA) else cell
 
 
 def _feature(note: Note, frame: MapFrame) -> dict[str, Any]:

@@ -52,7 +52,7 @@ class Pin:
             if crosses_itself(self.outline):
                 raise MapperError("note.pin", "The sides of the area cross: put its corners in their order around it.")
             if is_thin(self.outline):
-                raise MapperError("note.pin", "The corners of an area are not in one line.")
+                raise MapperError("note.pin", "An area needs corners that are not in one line.")
             for name, value in zip(("x", "y"), centroid(self.outline), strict=True):
                 object.__setattr__(self, name, value)
         if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):

@@ -7,7 +7,6 @@ brought up to date when the database is opened.
 from __future__ import annotations
 
 import asyncio
-import logging
 import sqlite3
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -22,9 +21,9 @@ from server.library.store.announcing import announce_changes
 from server.library.store.migrations import HEAD
 from server.library.store.recorded_changes import record_changes
 from server.library.store.reserve import Reserve
-from server.library.store.revision import MIGRATIONS, refuse_unknown
+from server.library.store.revision import alembic_config, refuse_unknown
 from server.library.store.tables import alembic_version, metadata
-from server.storage import StorageError, disk_full
+from server.storage import RECORDS_FILE, StorageError, disk_full
 
 BUSY_S = 5.0  #: how long to wait for a lock that another program holds
 
@@ -110,7 +109,7 @@ class Database:
 
 
 def _engine(url: str | None, folder: Path) -> Engine:
-    where = URL.create("sqlite", database=str(folder / "library.db")) if url is None else make_url(url)
+    where = URL.create("sqlite", database=str(folder / RECORDS_FILE)) if url is None else make_url(url)
     if where.get_backend_name() == "sqlite":
         options: dict[str, Any] = {"timeout": BUSY_S, "check_same_thread": False}
         engine = create_engine(where, pool_size=1, max_overflow=0, connect_args=options)
@@ -196,11 +195,8 @@ def _create(connection: Connection) -> None:
 
 def _upgrade(connection: Connection) -> None:
     """Run the revisions after that of the tables."""
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each step
+    config = alembic_config()
     from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
-    from alembic.config import Config  # noqa: PLC0415
 
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
     command.upgrade(config, "head")

@@ -7,21 +7,32 @@ import logging
 import sqlite3
 from collections.abc import Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from server.library.store.migrations import HEAD
 from server.storage import StorageError
 
+if TYPE_CHECKING:
+    from alembic.config import Config
+
 MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+def alembic_config() -> Config:
+    """Return the place of the revisions."""
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each plugin and each step
+    from alembic.config import Config  # noqa: PLC0415 - start-up: mostly the revision is the newest
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    return config
 
 
 def known_revisions() -> Collection[str]:
     """Return all revisions that this program can bring up to date."""
-    logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each plugin
-    from alembic.config import Config  # noqa: PLC0415 - start-up: mostly the revision is the newest
-    from alembic.script import ScriptDirectory  # noqa: PLC0415
+    config = alembic_config()
+    from alembic.script import ScriptDirectory  # noqa: PLC0415 - start-up: as above
 
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     return {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
 
 

@@ -8,6 +8,7 @@ import yaml
 from mapper.core.errors import ConfigError
 from mapper.planning import PlannerConfig, PursuitConfig
 from mapper.planning.nav2_parameters import Nav2Path, nav2_path_yaml, parse_nav2_path
+from mapper.planning.parameters import PURSUIT_PARAMETERS
 
 FILE = """
 planner_server:
@@ -112,6 +113,13 @@ def test_another_planner_and_controller_stay_in_the_file() -> None:
     assert controller["FollowPath"]["plugin"] == "dwb_core::DWB"
     again = parse_nav2_path(nav2_path_yaml(found).encode())
     assert (again.planner_name, again.follower_name, again.unused) == ("NavFn", "RegulatedPurePursuit", found.unused)
+
+
+def test_an_infinite_lookahead_is_the_longest_that_is_computed_with() -> None:
+    found = parse_nav2_path((FILE + CONTROLLER).replace("lookahead_dist: 0.9", "lookahead_dist: .inf").encode())
+    (row,) = (row for row in PURSUIT_PARAMETERS if row.name == "lookahead_dist")
+    assert found.pursuit.lookahead_dist == row.high
+    assert any("FollowPath.lookahead_dist is inf, more than is computed with here" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(

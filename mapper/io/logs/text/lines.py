@@ -14,7 +14,7 @@ BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8
 
 def ends_in_returns(begin: bytes) -> bool:
     """Return whether the lines of a text that begins so end in carriage returns alone, as old Macintosh programs do."""
-    return b"\r" in begin and b"\n" not in begin and b"\0" not in begin
+    return b"\n" not in begin and b"\r" in begin and b"\0" not in begin
 
 
 def with_line_feeds(data: bytes) -> bytes:

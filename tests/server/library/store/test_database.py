@@ -74,7 +74,7 @@ async def test_a_database_of_an_earlier_revision_is_brought_up_to_date(
         f"import sqlalchemy as sa\nfrom alembic import op\nrevision, down_revision = 'later', '{HEAD}'\n"
         "def upgrade() -> None:\n    op.add_column('logs', sa.Column('colour', sa.Text))\n"
     )
-    monkeypatch.setattr("server.library.store.database.MIGRATIONS", later)
+    monkeypatch.setattr("server.library.store.revision.MIGRATIONS", later)
     monkeypatch.setattr("server.library.store.database.HEAD", "later")
     opened = Database.open(url, tmp_path)
     found = "SELECT id, colour, version_num FROM logs, alembic_version"

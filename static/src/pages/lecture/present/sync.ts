@@ -29,30 +29,29 @@ const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-
 
 export const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
 
-function planOf(shown: readonly Slide[], index: number): Told["plan"] {
+/** The plan at slide `number` of those that are shown, from 1. */
+function planOf(shown: readonly Slide[], number: number): Told["plan"] {
   const sum = (of: readonly Slide[]): number => of.reduce((minutes, one) => minutes + (one.minutes ?? 0), 0);
-  const list = slides.peek();
   const total = sum(shown);
-  return total > 0 ? { until: sum(list.slice(0, index + 1).filter((one) => shown.includes(one))), total } : null;
+  return total > 0 ? { until: sum(shown.slice(0, number)), total } : null;
 }
 
 function told(at: Place): Told {
   const list = slides.peek();
   const next = stepped(at, 1, false, list);
   const now = list[at.index];
-  const shown = list.map((one, i) => i === at.index || !one.hidden);
+  const isShown = (one: Slide, i: number): boolean => i === at.index || !one.hidden;
+  const shown = list.filter(isShown);
+  const number = list.slice(0, at.index + 1).filter(isShown).length;
   return {
     title: now ? titleOf(now) : "",
     notes: notesOf(now),
     now: hashOf(at),
     next: next.index === at.index && next.step === at.step ? null : hashOf(next),
-    number: shown.slice(0, at.index + 1).filter(Boolean).length,
-    total: shown.filter(Boolean).length,
+    number,
+    total: shown.length,
     blank: blank.peek(),
-    plan: planOf(
-      list.filter((_, i) => shown[i]),
-      at.index,
-    ),
+    plan: planOf(shown, number),
     poll: pollOf(),
   };
 }
