@@ -1,6 +1,6 @@
 /** The second map of a comparison in a picture of its own, which has the view, the pointer and the cursor of the first. */
 
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
 import { paintCell, paintCrosshair } from "../../render/picture/brush";
 import { pictureColours } from "../../render/picture/pictureColours";
@@ -15,7 +15,8 @@ interface SeparateMapProps {
 }
 
 export function SeparateMap({ store, comparison }: SeparateMapProps) {
-  useEffect(() => {
+  // Before the picture of both maps is drawn once.
+  useLayoutEffect(() => {
     comparison.isApart.value = true;
     return () => {
       comparison.isApart.value = false;
