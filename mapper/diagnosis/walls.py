@@ -16,7 +16,7 @@ from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import cell_of
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.sensors.joint_log import part_of_scan, sensors_of
-from mapper.sensors.scan import ANGLES_ASSUMED, ScanLog
+from mapper.sensors.scan import ScanLog
 
 STRETCH = 16  #: scans that motion hardly shows in
 MOVED = 0.88  #: the whole is less consistent than this, as a share of its stretches: the robot moved
@@ -61,7 +61,7 @@ def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
 def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
     """Compare how often parts of the log that are far apart in time contradict each other with parts a moment apart."""
     # Beams at angles that are a guess contradict each other along true poses too.
-    if any(note.startswith(ANGLES_ASSUMED) for note in log.notes):
+    if log.angles_assumed:
         return []
     # A sonar's echo arises anywhere on its arc, so its thin beam says little of where things are.
     if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():

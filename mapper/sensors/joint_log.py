@@ -110,6 +110,7 @@ class JointLog(ScanLog):
                 "range_max": max(log.range_max for log in logs),
                 "topic": SEPARATOR.join(dict.fromkeys(log.topic for log in logs)),
                 "notes": tuple(notes),
+                "angles_assumed": any(log.angles_assumed for log in logs),
                 "odometry": None,
                 "mounts": None,
                 "order_ns": None,

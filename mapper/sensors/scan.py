@@ -21,8 +21,6 @@ from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offse
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
-#: First words of a reader's note where the file states no angles, and its beams are those of no lidar that is known.
-ANGLES_ASSUMED = "180° is assumed:"
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 
@@ -149,10 +147,6 @@ def _check_width(width: float) -> None:
         raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
 
 
-#: In the note of a reader on poses that a log lacks: who gives it poses leaves that note out.
-FROM_ONE_PLACE = "the map shows all scans as from one place"
-
-
 @dataclass(frozen=True, slots=True)
 class Trajectory:
     """Pose of the robot's base at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
@@ -160,7 +154,8 @@ class Trajectory:
     ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
     stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base
     (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
-    can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
+    can be mapped; ``placeholder_note`` is the note on the log that says so, and holds no longer once the log has poses.
+    ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
     where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
     better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
     states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset. ``from_scans`` marks poses
@@ -176,6 +171,7 @@ class Trajectory:
     timed: TimedPoses | None = None
     offset: Offset = NO_OFFSET
     from_scans: bool = False
+    placeholder_note: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
@@ -228,7 +224,8 @@ class ScanLog:
     and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
     ``topic`` is the sensor's name in its file, empty for formats of one stream, and ``frame_id`` its frame.
     ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
-    where the file does not state them; where scans state different ones, the median.
+    where the file does not state them; where scans state different ones, the median. ``angles_assumed`` says that the
+    file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
     them scans of several sensors follow one another, and those of one sensor with different beams.
@@ -256,6 +253,7 @@ class ScanLog:
     odometry: OdometryRecords | None = None
     mounts: NDArray[np.float64] | None = None
     order_ns: NDArray[np.int64] | None = None
+    angles_assumed: bool = False
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:

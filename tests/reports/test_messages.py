@@ -24,11 +24,13 @@ from mapper.core.errors import ReadError
 from mapper.core.se2 import compose
 from mapper.io.logs import open_log
 from mapper.io.logs.text.carmen_beams import front_laser_beams
+from mapper.io.trajectories import with_trajectory
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import is_deskewed
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import TimedPoses
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, Said, scan, sonar, transform, written
 
@@ -362,6 +364,7 @@ def test_the_beams_of_lines_without_angles(tmp_path, n, first, step, head, words
     log = open_log(path)
     assert off_the_walls(ends(log)) < 2e-3
     assert (words and any(words in note for note in log.notes)) or not log.notes
+    assert log.angles_assumed == (words == "180° is assumed")
 
 
 def test_lines_whose_beams_change_are_each_read_as_they_are(tmp_path):
@@ -400,9 +403,9 @@ def test_lines_that_state_other_angles_and_limits_are_each_read_so(tmp_path):
 
 def test_dp_slam_and_rear_lasers_have_the_same_table():
     """One table for all formats whose lines state no angles."""
-    first, step, notes = front_laser_beams(541, "Laser")
-    assert (math.degrees(first), math.degrees(step)) == pytest.approx((-135.0, 0.5))
-    assert "541 beams of the Laser lines" in notes[0]
+    beams = front_laser_beams(541, "Laser")
+    assert (math.degrees(beams.angle_min), math.degrees(beams.angle_increment)) == pytest.approx((-135.0, 0.5))
+    assert "541 beams of the Laser lines" in beams.notes[0]
 
 
 def test_raw_lasers_have_the_poses_of_the_odometry(tmp_path):
@@ -425,6 +428,8 @@ def test_raw_lasers_have_the_poses_of_the_odometry(tmp_path):
     without = open_log(path)
     assert without.trajectory().is_placeholder
     assert any("RAWLASER1 lines state no poses" in note for note in without.notes)
+    given = with_trajectory(without, TimedPoses(without.stamps_ns, np.zeros((N, 3))))
+    assert not any("no poses" in note for note in given.notes)
 
 
 def test_what_gmapping_writes_has_the_poses_of_its_best_particle(tmp_path):

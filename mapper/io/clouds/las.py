@@ -217,6 +217,7 @@ def _in_metres(
         points[:, :2], note = metres_of_degrees(points[:, :2], why)
         return points, (note,)
     notes: list[str] = []
+    is_converted = False
     name, size = units.horizontal
     height = units.vertical
     if units.unstated is not None:
@@ -233,13 +234,15 @@ def _in_metres(
         notes.append("The coordinates are geocentric, by the file's projection record: z is not upward.")
     elif abs(size - 1.0) > 1e-9:
         points[:, :2] *= size
+        is_converted = True
         height = height or units.horizontal
         notes.append(f"x and y are in the unit {name!r}, by the file's projection record; {size:.9g} m each.")
     if height is not None and abs(height[1] - 1.0) > 1e-9:
         points[:, 2] *= height[1]
+        is_converted = True
         stated = "the file's projection record" if units.vertical else "that of x and y, as no other is stated"
         notes.append(f"z is in the unit {height[0]!r}, by {stated}; {height[1]:.9g} m each.")
-    if notes and any("m each" in note for note in notes):
+    if is_converted:
         notes.append("All are converted to metres.")
     return points, tuple(notes)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.sensors.scan import FROM_ONE_PLACE, ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 
 TUM = "tum"  #: name of the trajectory that a TUM file is in a log
@@ -36,7 +36,8 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
         at_scans = poses.at(log.stamps_ns)
     added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
     known = {own: one for own, one in log.trajectories.items() if not one.is_placeholder}
-    kept = [note for note in log.notes if known or FROM_ONE_PLACE not in note]
+    outdated = {one.placeholder_note for one in log.trajectories.values()}
+    kept = [note for note in log.notes if note not in outdated]
     return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))
 
 

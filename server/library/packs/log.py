@@ -19,13 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
-VERSION = 6
+VERSION = 7
 
 _ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts", "order_ns")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON
@@ -84,6 +83,7 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             "frame_id": one.frame_id,
             "child_frame_id": one.child_frame_id,
             "is_placeholder": one.is_placeholder,
+            "placeholder_note": one.placeholder_note,
             "offset": one.offset,
             "from_scans": one.from_scans,
             "poses": store(one.poses),
@@ -178,8 +178,9 @@ def _log_of(about: dict[str, Any], topics: list[dict[str, Any]], load: Load) -> 
                     one["child_frame_id"],
                     one["is_placeholder"],
                     None if one["timed"] is None else _timed_of(one["timed"], load),
-                    tuple(one.get("offset", NO_OFFSET)),
-                    one.get("from_scans", False),
+                    tuple(one["offset"]),
+                    one["from_scans"],
+                    one["placeholder_note"],
                 )
                 for one in values["trajectories"]
             },

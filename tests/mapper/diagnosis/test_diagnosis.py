@@ -17,7 +17,7 @@ from mapper.diagnosis.finding import POSSIBLE
 from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
 from mapper.io.logs import open_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import ANGLES_ASSUMED, ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, SensorConfig, Simulation, World, sample_log
 from mapper.simulation.odometry import drifting_odometry
 from tests.bench.doctor import part as part_of
@@ -314,7 +314,7 @@ def test_poses_are_not_said_to_drift_where_the_beams_angles_are_a_guess(clean: S
     """Beams at wrong angles contradict each other along true poses too, so that nothing tells drift."""
     drifting = with_poses(clean, drifting_odometry(clean.trajectory().poses, np.random.default_rng(3)))
     assert "walls.drift" in named(examine(drifting))
-    guess = replace(drifting, notes=(f"{ANGLES_ASSUMED} FLASER lines state no angles.",))
+    guess = replace(drifting, angles_assumed=True)
     assert "walls.drift" not in named(examine(guess))
 
 

@@ -13,7 +13,7 @@ from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.timeline import Moments
 from mapper.sensors.georeference import Offset, note_on_offset, offset_of
-from mapper.sensors.scan import FROM_ONE_PLACE, Trajectory
+from mapper.sensors.scan import Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_before
 
 Float64Array = NDArray[np.float64]
@@ -109,15 +109,16 @@ def trajectories_at(
         notes += _notes_on_left_out(when, found, known, kept)
         trajectories, more = _continued(when, found, known, kept)
         return PosesAtScans(trajectories, kept, [*notes, *more])
-    notes.append(_without_poses(is_any=is_any, refused=refused, unused=unused))
+    note = _without_poses(is_any=is_any, refused=refused, unused=unused)
     still = Trajectory(
         np.zeros((len(when), 3)),
         "no poses in the file: one place for all scans",
         frame_id=base_frame,
         child_frame_id=base_frame,
         is_placeholder=True,
+        placeholder_note=note,
     )
-    return PosesAtScans({STILL: still}, np.ones(len(when), dtype=np.bool_), notes)
+    return PosesAtScans({STILL: still}, np.ones(len(when), dtype=np.bool_), [*notes, note])
 
 
 def _moving_first(found: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
@@ -218,14 +219,17 @@ def _are_alike(one: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> boo
     return bool(np.abs(apart).max(initial=0.0) < SAME)
 
 
+_FROM_ONE_PLACE = "the map shows all scans as from one place"
+
+
 def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
     if refused:
-        return f"None of the file's poses can be used ({refused}), so {FROM_ONE_PLACE}."
+        return f"None of the file's poses can be used ({refused}), so {_FROM_ONE_PLACE}."
     if is_any:
-        return f"None of the file's poses can be used, so {FROM_ONE_PLACE}."
+        return f"None of the file's poses can be used, so {_FROM_ONE_PLACE}."
     held = f"no poses along which the robot moved ({unused})" if unused else "no poses"
     return (
-        f"The file holds {held}, so {FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
+        f"The file holds {held}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
         "scans."
     )
 

@@ -248,14 +248,10 @@ class CarmenReader:
             groups, notes_on_groups = scan_groups(stated, self.limits)
             notes += notes_on_groups
         mount = self._mount(sensor, notes)
-        if word in RAW and not len(self.odometry) and not len(self.truth):
-            notes.append(
-                f"The {word} lines state no poses, and the log has no ODOM or TRUEPOS lines, so the map shows all "
-                "scans as from one place: add poses, as a TUM file, or estimate them with gridbloom slam."
-            )
+        trajectories = self._trajectories(sensor, mount)
+        notes += [one.placeholder_note for one in trajectories.values() if one.is_placeholder]
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
-        trajectories = self._trajectories(sensor, mount)
         whole = ScanLog(
             ranges=readings.reshape(sensor.n_scans, -1) if is_even else np.empty((sensor.n_scans, 0), np.float32),
             angle_min=of_kinds[usual].angle_min,
@@ -272,6 +268,7 @@ class CarmenReader:
             topics=self._topics(word, mount),
             notes=tuple(notes),
             odometry=self._odometry(sensor, trajectories),
+            angles_assumed=any(one.is_assumed for one in of_kinds),
             limits=self.limits,
         )
         if is_even:
@@ -353,8 +350,8 @@ class CarmenReader:
         # Programs write the field of view in degrees or radians; of both it is less than one turn.
         in_radians = None if fov is None else fov if fov <= 2.0 * math.pi + 0.01 else math.radians(fov)
         step = None if resolution is None else math.radians(resolution)
-        first, increment, notes = front_laser_beams(n_beams, word, in_radians, step)
-        return Beams(first, increment, self._parameter(word, "max"), tuple(notes))
+        beams = front_laser_beams(n_beams, word, in_radians, step)
+        return replace(beams, range_max=self._parameter(word, "max"))
 
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
         """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""
@@ -417,7 +414,12 @@ class CarmenReader:
         if found:
             return found
         text = f"the {sensor.word} lines state no poses, and the log has no ODOM or TRUEPOS lines"
-        return {"standing still": Trajectory(np.zeros((sensor.n_scans, 3)), text, is_placeholder=True)}
+        note = (
+            f"{text[0].upper()}{text[1:]}, so the map shows all scans as from one place: add poses, as a TUM file, or "
+            "estimate them with gridbloom slam."
+        )
+        still = Trajectory(np.zeros((sensor.n_scans, 3)), text, is_placeholder=True, placeholder_note=note)
+        return {"standing still": still}
 
 
 #: Name in a log → its name here, and its unit.

@@ -10,17 +10,18 @@ import math
 from dataclasses import dataclass
 
 from mapper.core.errors import ReadError
-from mapper.sensors.scan import ANGLES_ASSUMED, is_angle_step
+from mapper.sensors.scan import is_angle_step
 
 
 @dataclass(frozen=True, slots=True)
 class Beams:
-    """Beams of one sensor, as its scan lines describe them."""
+    """Beams of one sensor, radians and metres, as its scan lines describe them; or ``is_assumed``, a guess."""
 
     angle_min: float
     angle_increment: float
     range_max: float | None = None
     notes: tuple[str, ...] = ()
+    is_assumed: bool = False
 
 
 HOKUYO_STEP = 360.0 / 1024.0  #: degrees: the step of a Hokuyo URG-04LX
@@ -63,56 +64,51 @@ NO_NOTE = (180, 181)  #: what most logs have
 AGREE = 0.05  #: share by which two statements of one angle may differ
 
 
-def front_laser_beams(
-    n_beams: int, word: str, fov: float | None = None, resolution: float | None = None
-) -> tuple[float, float, list[str]]:
-    """Return angle_min and angle_increment in radians of lines ``word`` that state no angles, and notes on them.
+def front_laser_beams(n_beams: int, word: str, fov: float | None = None, resolution: float | None = None) -> Beams:
+    """Return the beams of lines ``word`` that state no angles, with notes on them.
 
     ``fov`` and ``resolution``, radians, are what the log's parameters state. They count where they agree with the
     number of beams; then lidars count that send so many, then the parameters as they are. Else it is 180°.
     """
     by_count = BY_COUNT.get(n_beams)
     if fov is not None and resolution is not None and _agree(resolution * max(1, n_beams - 1), fov, resolution):
-        return *_around(n_beams, resolution), _note(n_beams, word, resolution, "as PARAM states")
+        return _around(n_beams, resolution, word, "as PARAM states")
     if by_count is not None:
         step, is_agreed = math.radians(by_count[0]), by_count[1]
         stated = resolution if resolution is not None else None if fov is None else fov / max(1, n_beams - 1)
         if stated is None or is_agreed or abs(stated - step) <= AGREE * step:
             first = FIRST_OF_EVEN.get(n_beams)
-            start = _around(n_beams, step)[0] if first is None else math.radians(first)
-            notes = [] if n_beams in NO_NOTE else _note(n_beams, word, step, "as lidars with so many beams send them")
+            beams = _around(n_beams, step, word, "as lidars with so many beams send them")
+            start = beams.angle_min if first is None else math.radians(first)
+            notes = () if n_beams in NO_NOTE else beams.notes
             if stated is not None and abs(stated - step) > AGREE * step:
-                notes.append(f"PARAM states {math.degrees(stated):.4g}° between the beams, which is not used.")
-            return start, step, notes
+                notes += (f"PARAM states {math.degrees(stated):.4g}° between the beams, which is not used.",)
+            return Beams(start, step, notes=notes)
     if resolution is not None and resolution * (n_beams - 1) <= 2.0 * math.pi + resolution:
-        return *_around(n_beams, resolution), _note(n_beams, word, resolution, "as PARAM states")
+        return _around(n_beams, resolution, word, "as PARAM states")
     if fov is not None:
         step = fov / max(1, n_beams - 1)
-        return *_around(n_beams, step), _note(n_beams, word, step, "as PARAM states")
+        return _around(n_beams, step, word, "as PARAM states")
     step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
     note = (
-        f"{ANGLES_ASSUMED} {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "
+        f"180° is assumed: {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "
         "known here. If walls are bent or doubled, give the log a line PARAM laser_front_laser_resolution, in degrees."
     )
-    return -math.pi / 2.0, step, [note]
+    return Beams(-math.pi / 2.0, step, notes=(note,), is_assumed=True)
 
 
 def _agree(a: float, b: float, step: float) -> bool:
     return abs(a - b) <= max(AGREE * b, 1.5 * step)
 
 
-def _around(n_beams: int, step: float) -> tuple[float, float]:
-    """Return the first of beams that lie alike on both sides of straight ahead, and the step."""
-    return -0.5 * (n_beams - 1) * step, step
-
-
-def _note(n_beams: int, word: str, step: float, why: str) -> list[str]:
+def _around(n_beams: int, step: float, word: str, why: str) -> Beams:
+    """Return beams that lie alike on both sides of straight ahead, ``step`` radians apart, and a note on why."""
     view = math.degrees(step) * (n_beams - 1)
     note = (
         f"The {n_beams} beams of the {word} lines, which state no angles, are taken to be {math.degrees(step):.4g}° "
         f"apart, {view:.4g}° in all, {why}."
     )
-    return [note]
+    return Beams(-0.5 * (n_beams - 1) * step, step, notes=(note,))
 
 
 def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beams:

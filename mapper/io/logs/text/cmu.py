@@ -116,11 +116,11 @@ def read_cmu(
         poses = poses_at_scans(odometry[:, :3], odometry[:, 3], stack.odometry_before, stack.stamps)
         trajectories["wheel"] = Trajectory(poses, "the O lines at the time of each scan", "odom")
         topics.append(Topic("O", "odometry", reader.n_odometry))
-    angle_min, angle_increment, _ = front_laser_beams(BEAMS, "L")
+    beams = front_laser_beams(BEAMS, "L")
     return ScanLog(
         ranges=ranges,
-        angle_min=angle_min,
-        angle_increment=angle_increment,
+        angle_min=beams.angle_min,
+        angle_increment=beams.angle_increment,
         range_min=0.0,
         range_max=NO_RETURN,
         stamps_ns=stack.stamps_ns,

@@ -66,17 +66,18 @@ def read_dpslam(
     notes = take_one_sensor(reader, lines, topic, "A DP-SLAM log", "it has no Laser line")
     stack = reader.stack
     ranges, notes_on_ranges = stack.clean_ranges(RANGE_MAX)
-    angle_min, angle_increment, notes_on_beams = front_laser_beams(stack.n_beams, "Laser")
+    beams = front_laser_beams(stack.n_beams, "Laser")
     return ScanLog(
         ranges=ranges,
-        angle_min=angle_min,
-        angle_increment=angle_increment,
+        angle_min=beams.angle_min,
+        angle_increment=beams.angle_increment,
         range_min=0.0,
         range_max=RANGE_MAX,
         stamps_ns=stack.stamps_ns,
         trajectories={"scan": Trajectory(stack.robot_poses, "the Odometry line before each scan", "odom")},
         name=path.name,
         format="DP-SLAM",
-        notes=("The log has no times.", *notes, *notes_on_beams, *notes_on_ranges),
+        notes=("The log has no times.", *notes, *beams.notes, *notes_on_ranges),
+        angles_assumed=beams.is_assumed,
         limits=limits,
     )

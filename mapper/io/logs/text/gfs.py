@@ -77,7 +77,7 @@ def read_gfs(
     )
     stack = reader.stack
     ranges, notes_on_ranges = stack.clean_ranges(NO_RETURN)
-    angle_min, angle_increment, notes_on_beams = front_laser_beams(stack.n_beams, stack.word)
+    beams = front_laser_beams(stack.n_beams, stack.word)
     best = np.array(reader.best).reshape(-1, 3)
     trajectories = {"odom": Trajectory(stack.robot_poses, "the odometry in each LASER_READING line", "odom")}
     if np.isfinite(best).all():
@@ -88,14 +88,15 @@ def read_gfs(
         notes.append(f"{missing} scans have no SM_UPDATE line behind them, so that gmapping's poses are not used.")
     return ScanLog(
         ranges=ranges,
-        angle_min=angle_min,
-        angle_increment=angle_increment,
+        angle_min=beams.angle_min,
+        angle_increment=beams.angle_increment,
         range_min=0.0,
         range_max=NO_RETURN,
         stamps_ns=stack.stamps_ns,
         trajectories=trajectories,
         name=path.name,
         format="gmapping (.gfs)",
-        notes=(*notes, *notes_on_beams, *notes_on_ranges, *note_on_largest_reading(ranges), *stack.notes_on_time()),
+        notes=(*notes, *beams.notes, *notes_on_ranges, *note_on_largest_reading(ranges), *stack.notes_on_time()),
+        angles_assumed=beams.is_assumed,
         limits=limits,
     )

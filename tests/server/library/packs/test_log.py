@@ -34,7 +34,9 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
         "stamps_ns": np.arange(n_scans)[::-1],
         "trajectories": {
             "scan": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "as stated — “so”", "map"),
-            "wheel": Trajectory(rng.uniform(-5, 5, (n_scans, 3)), "", "odom", "base_footprint", is_placeholder=True),
+            "wheel": Trajectory(
+                rng.uniform(-5, 5, (n_scans, 3)), "", "odom", "base", is_placeholder=True, placeholder_note="two"
+            ),
         },
         "mount": (0.1, 0.2, 0.3),
         "upside_down": True,
@@ -48,6 +50,7 @@ def log_of(n_scans: int, n_beams: int = 4, **changes: object) -> ScanLog:
             Topic("/tf", "tf2_msgs/TFMessage", 9),
         ),
         "notes": ("one", "two"),
+        "angles_assumed": True,
     }
     return ScanLog(**(values | changes))  # type: ignore[arg-type]
 
@@ -65,11 +68,11 @@ def test_a_pack_is_read_back_unchanged(tmp_path: Path, n_scans: int, range_max: 
     assert list(again.trajectories) == ["scan", "wheel"]
     for name, trajectory in log.trajectories.items():
         np.testing.assert_array_equal(again.trajectories[name].poses, trajectory.poses)
-        for field in ("description", "frame_id", "child_frame_id", "is_placeholder"):
+        for field in ("description", "frame_id", "child_frame_id", "is_placeholder", "placeholder_note"):
             assert getattr(again.trajectories[name], field) == getattr(trajectory, field), field
     for name in ("angle_min", "angle_increment", "range_min", "range_max", "mount", "upside_down", "name", "format"):
         assert getattr(again, name) == getattr(log, name), name
-    for name in ("frame_id", "time_increment", "scan_time"):
+    for name in ("frame_id", "time_increment", "scan_time", "angles_assumed"):
         assert getattr(again, name) == getattr(log, name), name
     assert (again.topics, again.notes) == (log.topics, log.notes)
     assert again.bearings is None
