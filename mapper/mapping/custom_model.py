@@ -22,11 +22,12 @@ from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 class CrossedCells:
     """The cells that beams cross, beam after beam, each array (m,).
 
-    ``cells`` int64 are row · cols + col; ``r`` metres from the sensor to the cell's centre, z for the one that holds
-    the endpoint; ``z`` metres the beam's reading, +inf for no return.
+    ``cells`` int64 are row · cols + col, ``beams`` int64 the beams' numbers; ``r`` metres from the sensor to the cell's
+    centre, z for the one that holds the endpoint; ``z`` metres the beam's reading, +inf for no return.
     """
 
     cells: NDArray[np.int64]
+    beams: NDArray[np.int64]
     r: NDArray[np.float64]
     z: NDArray[np.float64]
 
@@ -97,7 +98,7 @@ def crossed_cells(
         # Without a window a cell before the endpoint's is before the reading, also where its centre is not.
         ends = np.append(np.diff(beam[:count]) != 0, True) & np.isfinite(z)
         r = np.where(ends, r, np.minimum(r, np.nextafter(z, 0.0)))
-    return CrossedCells(cells[:count], r, z)
+    return CrossedCells(cells[:count], beam[:count], r, z)
 
 
 def _checked_reach(model: InverseSensorModel) -> float:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
     from mapper.costmap import SpeedFilter, SpeedLimit
     from mapper.diagnosis import Diagnosis
+    from mapper.io.contents.model import Series
     from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
     from mapper.planning.parameters import PlannerConfig, PursuitConfig
@@ -60,6 +61,14 @@ class Recording(ABC):
     @abstractmethod
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
+
+    @abstractmethod
+    def map_series(self) -> Series | float:
+        """Return what the scans do to the map with the present parameters and trajectory.
+
+        While it is computed, the share that is done, 0 to 1; the computation ends when nobody asks for it. Raises as
+        :func:`mapper.replay.map_series.map_series`.
+        """
 
     @property
     @abstractmethod
@@ -118,6 +127,10 @@ class Graphed(ABC):
     @abstractmethod
     async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
         """Return the score of the poses around an edge."""
+
+    @abstractmethod
+    async def residuals(self, source: GraphSource) -> Series:
+        """Return by how much the poses miss the graph's measurements, over time."""
 
     @abstractmethod
     async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:

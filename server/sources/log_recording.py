@@ -27,10 +27,12 @@ from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
 from server.sources.diagnosing import examination
+from server.sources.map_series import MapSeries
 from server.stream.message_parts import Table, rows_of
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
+    from mapper.io.contents.model import Series
 
 COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
 
@@ -92,6 +94,7 @@ class LogRecording(Recording, Viewed):
         self._host = host
         self._first = first
         self._examinations: dict[str, _Examination] = {}  #: by trajectory
+        self._map_series = MapSeries(host)
         self._same_paths = (replay.log.trajectories, stated_before(replay.log.trajectories))
 
     @property
@@ -204,6 +207,10 @@ class LogRecording(Recording, Viewed):
         async with self._host.settled():
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
+
+    def map_series(self) -> Series | float:
+        """Return the series of the map, or the share that is done; see :class:`MapSeries`."""
+        return self._map_series.look_up(self.replay)
 
     @property
     def examined_share(self) -> float | None:

@@ -130,6 +130,16 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     plots.get_by_label("Horizontal").select_option("/odom pose.pose.position.x")
     expect(plots.locator(".field-plot .u-label").filter(has_text="position.x")).to_have_count(1)
 
+    # What is computed of the log is plotted like a field, and is taken away again.
+    field.fill("")
+    contradicted = plots.get_by_role("switch", name="contradicted")
+    contradicted.click()
+    expect(legend).to_have_count(3)
+    expect(legend.last.get_by_role("progressbar")).to_have_count(0)
+    expect(plots.locator(".field-plot .u-label").filter(has_text="contradicted")).to_have_count(1)
+    contradicted.click()
+    expect(legend).to_have_count(2)
+
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")

@@ -28,6 +28,16 @@ def has_times(log: ScanLog) -> bool:
     return log.n_scans > 0 and int(log.stamps_ns.max()) > int(log.stamps_ns.min())
 
 
+def plot_stamps(log: ScanLog) -> NDArray[np.int64]:
+    """Return the time of each scan in a plot (n_scans,), ns: its stamp; one second from scan to scan without times."""
+    return log.stamps_ns if has_times(log) else np.arange(log.n_scans, dtype=np.int64) * 1_000_000_000
+
+
+def plot_origin_ns(log: ScanLog) -> int:
+    """Return the time that is 0 s in plots of the scans."""
+    return int(log.stamps_ns.min()) if has_times(log) else 0
+
+
 def scan_series(log: ScanLog, trajectory: str | None = None) -> Series:
     """Return what each scan of a log measured and how the robot moved since the scan before it.
 
@@ -40,27 +50,33 @@ def scan_series(log: ScanLog, trajectory: str | None = None) -> Series:
     :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks.
     """
     along = log.trajectory(trajectory)
-    is_timed = has_times(log)
     step_xy = np.diff(along.poses[:, :2], axis=0, prepend=np.nan)
     step = np.hypot(step_xy[:, 0], step_xy[:, 1])
     turn = _differences(along.poses[:, 2])
     turn = np.where(np.isnan(turn), np.nan, wrap_angle(turn))
     interval = _differences(log.stamps_ns.astype(np.float64)) * 1e-9
-    columns: dict[Column, NDArray[np.float64]] = {}
-    if not along.is_placeholder:
-        if is_timed:
-            passed = np.where(interval > 0.0, interval, np.nan)
-            columns |= {SPEED: step / passed, TURN_RATE: turn / passed}
-        else:
-            columns |= {TURN: turn}
-        columns |= {STEP: step}
-    columns |= {RETURNS: 100.0 * _share_of_returns(log)}
-    if is_timed:
-        columns |= {INTERVAL: interval}
-    stamps = log.stamps_ns if is_timed else np.arange(log.n_scans, dtype=np.int64) * 1_000_000_000
+    passed = np.where(interval > 0.0, interval, np.nan)
+    measured = {
+        SPEED: step / passed,
+        TURN_RATE: turn / passed,
+        TURN: turn,
+        STEP: step,
+        RETURNS: 100.0 * _share_of_returns(log),
+        INTERVAL: interval,
+    }
+    columns = scan_columns(log, trajectory)
+    stamps = plot_stamps(log)
     order = np.argsort(stamps, kind="stable")
-    values = np.column_stack(list(columns.values())).astype(np.float32)
-    return Series("scans", "scan", tuple(columns), stamps[order], values[order])
+    values = np.column_stack([measured[column] for column in columns]).astype(np.float32)
+    return Series("scans", "scan", columns, stamps[order], values[order])
+
+
+def scan_columns(log: ScanLog, trajectory: str | None = None) -> tuple[Column, ...]:
+    """Return the columns of :func:`scan_series`. Raises as it does."""
+    is_timed = has_times(log)
+    motion = (*((SPEED, TURN_RATE) if is_timed else (TURN,)), STEP)
+    moves = () if log.trajectory(trajectory).is_placeholder else motion
+    return (*moves, RETURNS, *((INTERVAL,) if is_timed else ()))
 
 
 def _differences(values: NDArray[np.float64]) -> NDArray[np.float64]:

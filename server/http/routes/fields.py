@@ -12,8 +12,10 @@ from fastapi import APIRouter, Query, Request, Response
 from mapper.core.errors import MapperError
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.model import Column, Contents, Series
+from mapper.io.contents.scan_series import plot_origin_ns
 from mapper.io.contents.units import unit_of_rate
 from server.http.clients import client_address, in_turn
+from server.http.computed_series import COMPUTED, computed_fields, computed_series, recording_of
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.contents import ContentsReading, look_into, owner_of
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
@@ -32,12 +34,16 @@ READING: dict[int | str, dict[str, Any]] = {
 
 @dataclass(frozen=True, slots=True)
 class TopicFieldsAnswer:
-    """The numbers that can be plotted of a topic, by the paths of their fields; ``why`` there are none, else empty."""
+    """The numbers that can be plotted of a topic, by the paths of their fields; ``why`` there are none, else empty.
+
+    ``computed`` says that they are no topic's: they are computed of the log's scans, its map or its pose graph.
+    """
 
     topic: str
     type: str
     fields: list[str]
     why: str
+    computed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +59,10 @@ class FieldsAnswer:
 async def fields(
     request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
 ) -> FieldsAnswer | ContentsReading:
-    """Return every number in the first message of each topic; 202 with ``progress`` while they are looked up."""
+    """Return every number in the first message of each topic, and those that are computed of the log.
+
+    202 with ``progress`` while they are looked up.
+    """
     held = await look_into(request, sessions, library, visitor, session_id)
     topics = [(one.name, one.type) for one in held.contents.topics]
     owner = owner_of(sessions, library, session_id)
@@ -67,8 +76,13 @@ async def fields(
         return ContentsReading(round(found, 3))
     ready = {one.topic: [_ready_name(column) for column in one.columns] for one in held.contents.series}
     named = {one.topic: one for one in found}
+    computed = [
+        TopicFieldsAnswer(topic, "computed", list(names), "", computed=True)
+        for topic, names in computed_fields(library, sessions.get(session_id), owner).items()
+    ]
     return FieldsAnswer(
-        [
+        computed
+        + [
             TopicFieldsAnswer(
                 name,
                 kind,
@@ -103,7 +117,28 @@ async def field(
     buckets: Buckets = BUCKETS,
     evenly: Annotated[bool, Query(description="Every n-th sample instead of the extremes of each bucket.")] = False,
 ) -> Response:
-    """Return one number of a topic's messages over time; 202 with ``progress`` while the recording is read for it."""
+    """Return one number of a topic's messages over time, or one that is computed of the log.
+
+    202 with ``progress`` while the recording is read for it, or while it is computed.
+    """
+
+    async def answered(made_of: Series, origin_ns: int) -> Response:
+        return await in_turn(
+            request,
+            work,
+            visitor,
+            lambda: json_answer(
+                SeriesAnswer.of(_made(made_of, made, window), origin_ns, start, end, buckets, evenly=evenly)
+            ),
+        )
+
+    if topic in COMPUTED:
+        session = sessions.get(session_id)
+        owner = owner_of(sessions, library, session_id)
+        computed = await computed_series(library, session, owner, topic)
+        if isinstance(computed, float):
+            return json_answer(ContentsReading(round(computed, 3)), 202)
+        return await answered(_column(computed, field), plot_origin_ns(recording_of(session).log))
     held = await look_into(request, sessions, library, visitor, session_id)
     one = _ready(held.contents, topic, field)
     if one is None:
@@ -115,15 +150,7 @@ async def field(
         if isinstance(whole, float):
             return json_answer(ContentsReading(round(whole, 3)), 202)
         one = _column(whole, field)
-    made_of = one
-    return await in_turn(
-        request,
-        work,
-        visitor,
-        lambda: json_answer(
-            SeriesAnswer.of(_made(made_of, made, window), held.origin_of(made_of), start, end, buckets, evenly=evenly)
-        ),
-    )
+    return await answered(one, held.origin_of(one))
 
 
 def _ready(contents: Contents, topic: str, field: str) -> Series | None:
@@ -138,7 +165,7 @@ def _ready(contents: Contents, topic: str, field: str) -> Series | None:
 def _column(series: Series, field: str) -> Series:
     names = [column.label for column in series.columns]
     if field not in names:
-        raise MapperError("contents.no_field", f"The messages on {series.topic!r:.200} have no number {field!r:.200}.")
+        raise MapperError("contents.no_field", f"Of {series.topic!r:.200} there is no number {field!r:.200}.")
     return _only(series, names.index(field))
 
 

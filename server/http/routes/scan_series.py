@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
-from mapper.io.contents.scan_series import has_times, scan_series
+from mapper.io.contents.scan_series import has_times, plot_origin_ns, scan_series
 from mapper.sensors.scan import ScanLog
 from server.http.clients import in_turn
 from server.http.guests import GuestRight, guests_may
@@ -53,8 +53,6 @@ async def of_scans(
 
 
 def _answer(log: ScanLog, trajectory: str, start: float | None, end: float | None, buckets: int) -> ScanSeries:
-    is_timed = has_times(log)
-    origin_ns = int(log.stamps_ns.min()) if is_timed else 0
-    axis = "time" if is_timed else "scan"
+    axis = "time" if has_times(log) else "scan"
     series = scan_series(log, trajectory)
-    return ScanSeries.of(series, origin_ns, start, end, buckets, axis=axis, trajectory=trajectory)
+    return ScanSeries.of(series, plot_origin_ns(log), start, end, buckets, axis=axis, trajectory=trajectory)

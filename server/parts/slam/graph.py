@@ -19,6 +19,7 @@ from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
 
 if TYPE_CHECKING:
+    from mapper.io.contents.model import Series
     from server.parts.slam.solved_graph import SolvedGraph
     from server.sessions.graph_answers import (
         EdgeAnswer,
@@ -65,6 +66,7 @@ class LogGraph(Part, Graphed):
     ) -> None:
         self._host, self._recording, self._update_log = host, recording, update_log
         self._newest: SolvedGraph | None = None  #: which the model may not show yet
+        self._unshown: SolvedGraph | None = None  #: which was read for its residuals alone
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
         self._shown: SolvedGraph | None = None
         self._layer: GraphLayer | None = None
@@ -111,6 +113,12 @@ class LogGraph(Part, Graphed):
             solved = await self._present(source)
         return await self._host.on_thread(partial(landscape_of, solved, self._recording.log, edge))
 
+    async def residuals(self, source: GraphSource) -> Series:
+        """Return by how much the poses miss the graph's measurements, over time. Raises as :meth:`public`."""
+        async with self._changing:
+            solved = await self._read(source)
+        return await self._host.on_thread(partial(solved.residuals, self._recording.log))
+
     async def near(self, x: float, y: float, source: GraphSource) -> TriedNear:
         """Return the loops that were tried near a place. Raises as :meth:`public`."""
         async with self._changing:
@@ -141,25 +149,31 @@ class LogGraph(Part, Graphed):
         return (solved.trajectory, *await self._host.on_thread(partial(files_of, solved, self._recording.log)))
 
     async def _present(self, source: GraphSource) -> SolvedGraph:
+        """Return the graph of the present trajectory, and show it."""
+        solved = await self._read(source)
+        if solved is not self._newest:
+            self._give(solved)
+        return solved
+
+    async def _read(self, source: GraphSource) -> SolvedGraph:
         """Return the graph of the present trajectory, which is read and solved where it was not yet."""
         name, log = self._recording.trajectory, self._recording.log
-        if self._newest is not None and self._newest.trajectory == name:
-            return self._newest
+        for known in (self._newest, self._unshown):
+            if known is not None and known.trajectory == name:
+                return known
         data = await source(name)
         if data is None:
             raise ConfigError(
                 "graph.none", f"The trajectory {name!r:.90} has no pose graph: heal the log's poses first."
             )
-
-        solved = await self._host.on_thread(partial(read_solved, data, log, name))
-        self._give(solved)
-        return solved
+        self._unshown = await self._host.on_thread(partial(read_solved, data, log, name))
+        return self._unshown
 
     def _give(self, solved: SolvedGraph) -> None:
         """Have the model show a graph and its poses."""
-        self._newest = solved
+        self._newest, self._unshown = solved, None
         self._host.enqueue(ShowGraph(solved))
 
     def forget(self) -> None:
         """Read the graph again when it is asked for next: its trajectory was replaced."""
-        self._newest = None
+        self._newest = self._unshown = None

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Body, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
+from server.http.computed_series import graph_source
 from server.http.following import follow_slam, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
@@ -188,14 +189,7 @@ def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tupl
     if graph is None or recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log have a pose graph.")
     owner = session.owner if session.link is None else library.links.get(session.link).owner
-    log_id = recording.log_id
-    added = library.trajectories
-
-    async def source(trajectory: str) -> bytes | None:
-        known = any(one.name == trajectory for one in added.of(owner, log_id))
-        return await added.graph(owner, log_id, trajectory) if known else None
-
-    return session, graph, source
+    return session, graph, graph_source(library, owner, recording.log_id)
 
 
 @router.get("/sessions/{session_id}/graph")

@@ -10,7 +10,9 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.core.se2 import compose, inverse, transform_points
+from mapper.io.contents.model import Series
+from mapper.io.contents.scan_series import plot_stamps
 from mapper.matching.kernels.types import NO_POINT
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import MatchConfig
@@ -18,6 +20,7 @@ from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
+from mapper.slam.residuals import residual_series, residuals
 from mapper.slam.scan_store import scans_of
 from server.sessions.graph_answers import (
     EdgeAnswer,
@@ -218,8 +221,7 @@ class SolvedGraph:
         graph = self.graph
         self.check_edge(edge)
         i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
-        poses = self.node_poses
-        off = compose(inverse(relative), compose(inverse(poses[i]), poses[j]))
+        off = residuals(graph, self.node_poses)[edge]
         tried = np.flatnonzero((self.candidates.j == j) & self.candidates.accepted)
         score = float(self.candidates.score[tried[0]]) if len(tried) else None
         inliers = float(self.candidates.inliers[tried[0]]) if len(tried) else None
@@ -232,7 +234,7 @@ class SolvedGraph:
             locked=loop.locked,
             kind="loop" if graph.kind[edge] == LOOP else "odometry",
             off_m=round(float(np.hypot(off[0], off[1])), 4),
-            off_deg=round(math.degrees(float(wrap_angle(off[2]))), 3),
+            off_deg=round(math.degrees(float(off[2])), 3),
             score=None if score is None else round(score, 3),
             inliers=None if inliers is None else round(inliers, 3),
             poses=pair.poses,
@@ -243,6 +245,10 @@ class SolvedGraph:
         """Raise :class:`ConfigError` for an edge that there is not."""
         if not 0 <= edge < len(self.graph.i):
             raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
+
+    def residuals(self, log: ScanLog) -> Series:
+        """Return by how much the poses of the map miss the measurements of the graph, over time."""
+        return residual_series(self.graph, self.node_poses, plot_stamps(log)[self.graph.nodes])
 
     def near(self, x: float, y: float) -> TriedNear:
         """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.

@@ -1013,12 +1013,16 @@ export interface TopicAnswer {
   readonly cut: boolean;
 }
 
-/** The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty. */
+/**
+ * The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty.
+ * `computed` says that they are no topic's: they are computed of the log's scans, its map or its pose graph.
+ */
 export interface TopicFieldsAnswer {
   readonly topic: string;
   readonly type: string;
   readonly fields: readonly string[];
   readonly why: string;
+  readonly computed: boolean;
 }
 
 /**

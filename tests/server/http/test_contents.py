@@ -15,8 +15,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mapper.grid import OccupancyGrid
+from mapper.grid.metrics import map_metrics
 from mapper.io.contents.downsampling import min_max
+from mapper.mapping.integrate import geometry_for, integrate_log
 from server.library.processing.inspections import InspectJob
+from server.sessions.parts import Recording
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -164,6 +168,36 @@ def test_a_text_log_and_a_world(service: Service) -> None:
     assert got(service, session, "/frames")["edges"] == []
     world = service.begin(kind="simulation", playing=False)
     assert service.http.get(f"/api/sessions/{world}/contents").json()["code"] == "session.not_a_log"
+
+
+def test_what_the_scans_do_to_the_map(service: Service) -> None:
+    session = opened(service, "run.log", carmen(8))
+    address = f"/api/sessions/{session}/contents"
+    until(lambda: service.http.get(address).status_code == 200)
+
+    def ready(topic: str, field: str) -> dict[str, Any]:
+        query = {"topic": topic, "field": field}
+        until(lambda: service.http.get(f"{address}/field", params=query).status_code != 202)
+        return got(service, session, "/field", **query)
+
+    topics = {one["topic"]: one["fields"] for one in got(service, session, "/fields")["topics"] if one["computed"]}
+    assert topics == {
+        "(scans)": ["speed", "turn rate", "pose step", "returns", "interval"],
+        "(map)": ["entropy", "cells changed", "contradicted"],
+    }
+    assert ready("(scans)", "speed")["columns"][0]["values"] == [None] + [1.0] * 7
+    entropy = ready("(map)", "entropy")
+    assert entropy["times"] == [float(n) for n in range(8)]
+    recording = service.state.sessions.get(session).model.find(Recording)
+    assert recording is not None
+    config = recording.replay.config
+    grid = OccupancyGrid(geometry_for(recording.log, config))
+    integrate_log(grid, recording.log, config)
+    metrics = map_metrics(grid)
+    assert entropy["columns"][0]["values"][-1] == pytest.approx(metrics.entropy_bits, rel=1e-6)
+    assert sum(ready("(map)", "cells changed")["columns"][0]["values"]) >= metrics.free + metrics.occupied
+    refused = service.http.get(f"{address}/field", params={"topic": "(map)", "field": "weight"})
+    assert refused.json()["code"] == "contents.no_field"
 
 
 def test_any_field_over_time(service: Service, session: str) -> None:

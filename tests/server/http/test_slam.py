@@ -69,10 +69,18 @@ def test_a_session_follows_and_its_graph_is_changed(service: Service, log_id: st
     until(lambda: shown(service, session) == ("SLAM", 6))
     until(lambda: ys(http, session) == [stand_ins.Y] * 6)
 
+    until(lambda: http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    fields = http.get(f"/api/sessions/{session}/contents/fields").json()["topics"]
+    assert "loop residual distance" in next(one for one in fields if one["topic"] == "(slam)")["fields"]
+    query = {"topic": "(slam)", "field": "loop residual distance"}
+    residual = http.get(f"/api/sessions/{session}/contents/field", params=query).json()
+    assert residual["columns"][0]["values"] == [None] * 5 + [0.5], "the loop is half a metre too short"
+    model = service.state.sessions.get(session).model
+    assert [one.name for one in model.layers] == ["map"], "a plot does not show the graph"
+
     graph = http.get(f"/api/sessions/{session}/graph").json()["graph"]
     (loop,) = graph["loops"]
     assert (graph["nodes"], graph["odometry"], loop["scans"]) == (6, 5, [0, 5])
-    model = service.state.sessions.get(session).model
     until(lambda: [one.name for one in model.layers] == ["map", "graph"])  # the session's next tick shows the graph
     edge = http.get(f"/api/sessions/{session}/graph/edges/{loop['edge']}").json()
     assert (edge["kind"], len(edge["points"]["i"]), len(edge["points"]["aligned"])) == ("loop", 3, 3)

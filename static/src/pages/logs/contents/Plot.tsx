@@ -11,7 +11,19 @@ import { written } from "../../../ui/numbers";
 import type { Plotted } from "../fields/fields";
 import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
-import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "./plotParts";
+import {
+  axisStyle,
+  colourOf,
+  DRAG_PX,
+  drawLineAt,
+  labelsOn,
+  numberLabels,
+  onClickAt,
+  rangeWith,
+  TIME_STEPS,
+  timeLabels,
+  zoomInto,
+} from "./plotParts";
 import { type Span, scanAtTime } from "./series";
 
 interface PlotProps {
@@ -119,6 +131,9 @@ function nearestKnown(values: ArrayLike<number | null | undefined>, row: number)
 
 const [RIGHT, LEFT] = [1, 3]; // as uPlot numbers the sides
 const scaleOf = (unit: string): string => `y ${unit}`;
+const scaleFor = (unit: string): UPlot.Scale => ({
+  range: (_, low, high) => rangeWith(unit, ...(UPlot.rangeNum(low ?? 0, high ?? 1, 0.1, true) as [number, number])),
+});
 /** A number with six digits, as a value and its time can be far apart in size. */
 const shortNumber = (value: number): string =>
   value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6) ? value.toPrecision(6) : written(value, 3);
@@ -157,15 +172,16 @@ function optionsOf(
     height: HEIGHT,
     legend: { show: true, live: true },
     // Each unit has a scale of its own, in turn on the left and on the right.
-    scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), {}])) },
+    scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), scaleFor(unit)])) },
     axes: [
-      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), space: 60, incrs: TIME_STEPS },
+      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), splits: labelsOn(60, TIME_STEPS) },
       ...units.map((unit, n) => ({
         ...axis,
         scale: scaleOf(unit),
         side: n % 2 === 0 ? LEFT : RIGHT,
         size: 52,
-        space: 22,
+        splits: labelsOn(22),
+        values: (_: UPlot, splits: number[]) => numberLabels(splits),
         grid: { ...axis.grid, show: n === 0 },
         ...(units.length > 1 ? { label: unit || "no unit", labelSize: 16, labelFont: axis.font as string } : {}),
       })),

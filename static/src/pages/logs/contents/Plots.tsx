@@ -23,16 +23,12 @@ interface PlotsProps {
 export function Plots({ store, session, fields, zoom }: PlotsProps) {
   return (
     <WhenKnown>
-      {({ topics, series }) =>
-        topics.length > 0 ? (
-          <div class="plots">
-            <FieldPlot store={store} session={session} fields={fields} zoom={zoom} />
-            {series.length > 0 && <Topic store={store} session={session} series={series} zoom={zoom} />}
-          </div>
-        ) : (
-          <p class="quiet">A log of this kind has no messages whose fields could be plotted.</p>
-        )
-      }
+      {({ series }) => (
+        <div class="plots">
+          <FieldPlot store={store} session={session} fields={fields} zoom={zoom} />
+          {series.length > 0 && <Topic store={store} session={session} series={series} zoom={zoom} />}
+        </div>
+      )}
     </WhenKnown>
   );
 }

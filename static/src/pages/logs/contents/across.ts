@@ -4,7 +4,7 @@ import type UPlot from "uplot";
 import type { Store } from "../../../store/store";
 import type { PlottedColumn } from "../fields/fields";
 import { scansAt } from "../time/scanTimes";
-import { axisStyle, colourOf } from "./plotParts";
+import { axisStyle, colourOf, labelsOn, numberLabels, rangeWith } from "./plotParts";
 
 /** The lowest and the highest value, a little apart where all are the same. */
 function rangeOf(values: readonly (number | null)[]): [number, number] {
@@ -29,7 +29,7 @@ export function across(
   columns: readonly PlottedColumn[],
 ): UPlot.Options {
   const { axes = [], series = [], scales = {} } = options;
-  const range = rangeOf(over.values);
+  const range = rangeWith(over.unit, ...rangeOf(over.values));
   const now = colourOf(element, "--beam");
   const path = (chart: UPlot, line: number): UPlot.Series.Paths => {
     const stroke = new Path2D();
@@ -75,7 +75,8 @@ export function across(
         ? {
             ...axisStyle(element),
             size: 40,
-            space: 50,
+            splits: labelsOn(50),
+            values: (_, splits) => numberLabels(splits),
             label: [over.label, over.unit].filter(Boolean).join(", "),
             labelSize: 16,
             labelFont: axis.font as string,

@@ -34,6 +34,54 @@ export const TIME_STEPS: number[] = [
   ...[1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 21_600, 43_200, 86_400],
 ];
 
+/** Round distances of the labels on an axis, for numbers that span `length`. */
+function roundSteps(length: number): number[] {
+  const power = Math.floor(Math.log10(length)) - 2;
+  return [0, 1, 2].flatMap((more) => [1, 2, 5].map((digit) => Number(`${digit}e${power + more}`)));
+}
+
+/**
+ * Places of the labels on an axis: multiples of one of the ascending `steps`, at least three, and no more than `most`.
+ * uPlot itself leaves one or two where an axis is short.
+ */
+export function labelPlaces(low: number, high: number, most: number, steps = roundSteps(high - low)): number[] {
+  if (!(high > low)) return [low];
+  let finer: number[] = [];
+  for (const step of steps) {
+    const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+    if (last - first > 20 * most) continue;
+    const places = Array.from({ length: last - first + 1 }, (_, n) => Number(((first + n) * step).toPrecision(12)));
+    if (places.length <= most) {
+      if (places.length >= 3) return places;
+      const every = Math.floor((finer.length - 1) / 2);
+      return every > 0 ? finer.filter((_, n) => n % every === 0).slice(0, 3) : [low, (low + high) / 2, high];
+    }
+    finer = places;
+  }
+  return finer;
+}
+
+/** The labels that have room on the axis of a chart, each `space` px or more from the next. */
+export function labelsOn(space: number, steps?: number[]): NonNullable<UPlot.Axis["splits"]> {
+  return (chart, axis, low, high) => {
+    const isAcross = chart.axes[axis]?.side === 0 || chart.axes[axis]?.side === 2;
+    const length = (isAcross ? chart.bbox.width : chart.bbox.height) / devicePixelRatio;
+    return labelPlaces(low, high, Math.max(3, Math.floor(length / space)), steps);
+  };
+}
+
+/** The range of an axis of numbers: shares of a whole do not go beyond it. */
+export function rangeWith(unit: string, low: number, high: number): [number, number] {
+  return unit === "%" ? [Math.max(0, low), Math.min(100, high)] : [low, high];
+}
+
+const PLAIN = new Intl.NumberFormat("en", { maximumSignificantDigits: 6 });
+const COMPACT = new Intl.NumberFormat("en", { maximumSignificantDigits: 6, notation: "compact" });
+
+/** Numbers on an axis; large ones as 250K. */
+export const numberLabels = (splits: readonly number[]): string[] =>
+  splits.map((at) => (Math.abs(at) >= 1e5 ? COMPACT : PLAIN).format(at).replace("-", "−"));
+
 /** Times on an axis: with as many decimals as their distance needs. */
 export function timeLabels(splits: readonly number[]): string[] {
   const step = (splits[1] ?? 1) - (splits[0] ?? 0);

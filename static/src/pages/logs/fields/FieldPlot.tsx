@@ -4,11 +4,24 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { saveAs } from "../../../ui/files/saveAs";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { Plot } from "../contents/LazyPlot";
 import type { Span } from "../contents/series";
-import { type Chosen, csvOf, type Found, joined, keyOf, labelOf, type Made, matching, paired, WINDOWS } from "./fields";
+import {
+  type Chosen,
+  COMPUTED,
+  csvOf,
+  type Found,
+  joined,
+  keyOf,
+  labelOf,
+  type Made,
+  matching,
+  paired,
+  WINDOWS,
+} from "./fields";
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
 import "./fields.css";
 
@@ -102,8 +115,11 @@ function Search({ session, fields }: { readonly session: string; readonly fields
     fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
   };
   if (names.kind === "failed") return <p role="alert">{names.why}</p>;
-  const without = topics.filter(({ fields: own, why }) => own.length === 0 && why !== "");
-  const count = topics.reduce((sum, { fields: own }) => sum + own.length, 0);
+  const recorded = topics.filter(({ computed }) => !computed);
+  const without = recorded.filter(({ fields: own, why }) => own.length === 0 && why !== "");
+  const count = recorded.reduce((sum, { fields: own }) => sum + own.length, 0);
+  const isChosen = (one: Pick<Chosen, "topic" | "field">): boolean =>
+    fields.chosen.value.some((other) => keyOf(other) === keyOf(one));
   return (
     <search class="field-search">
       <input
@@ -126,11 +142,7 @@ function Search({ session, fields }: { readonly session: string; readonly fields
         <ul class="field-matches" aria-label="Fields that match">
           {found.map((one) => (
             <li key={keyOf(one)}>
-              <button
-                type="button"
-                aria-pressed={fields.chosen.value.some((other) => keyOf(other) === keyOf(one))}
-                onClick={() => add(one)}
-              >
+              <button type="button" aria-pressed={isChosen(one)} onClick={() => add(one)}>
                 <span class="quiet">{one.topic}</span> {one.field}
               </button>
             </li>
@@ -139,11 +151,28 @@ function Search({ session, fields }: { readonly session: string; readonly fields
           {found.length === MOST && <li class="quiet">More fields match: write more of the name.</li>}
         </ul>
       )}
+      {text.value.trim() === "" && (
+        <fieldset class="field-computed">
+          <legend class="visually-hidden">Computed of the log</legend>
+          {topics
+            .filter(({ computed }) => computed)
+            .flatMap(({ topic, fields: own }) => own.map((field) => ({ topic, field })))
+            .map((one) => (
+              <SwitchChip
+                key={keyOf(one)}
+                label={one.field}
+                checked={isChosen(one)}
+                title={COMPUTED[one.field] ?? ""}
+                onChange={(isOn) => (isOn ? add(one) : remove(fields, keyOf(one)))}
+              />
+            ))}
+        </fieldset>
+      )}
       {names.kind === "ready" && fields.chosen.value.length === 0 && text.value === "" && (
         <p class="quiet">
           {count === 0
-            ? "The recording has no fields that can be plotted."
-            : `${count.toLocaleString("en")} fields of ${topics.length - without.length} topics. Enter adds the first match.`}
+            ? "The recording has no other fields that can be plotted."
+            : `${count.toLocaleString("en")} fields of ${recorded.length - without.length} topics. Enter adds the first match.`}
           {count === 0 && without[0] && ` ${without[0].why}`}
         </p>
       )}
@@ -151,12 +180,14 @@ function Search({ session, fields }: { readonly session: string; readonly fields
   );
 }
 
+function remove(fields: FieldsState, key: string): void {
+  if (fields.across.peek() === key) fields.across.value = null;
+  fields.chosen.value = fields.chosen.peek().filter((one) => keyOf(one) !== key);
+}
+
 function Legend({ fields, series }: { readonly fields: FieldsState; readonly series: FoundSeries }) {
-  const change = (key: string, by: Partial<Chosen> | null): void => {
-    if (by === null && fields.across.peek() === key) fields.across.value = null;
-    fields.chosen.value = fields.chosen
-      .peek()
-      .flatMap((one) => (keyOf(one) !== key ? [one] : by === null ? [] : [{ ...one, ...by }]));
+  const change = (key: string, by: Partial<Chosen>): void => {
+    fields.chosen.value = fields.chosen.peek().map((one) => (keyOf(one) === key ? { ...one, ...by } : one));
   };
   return (
     <ul class="field-legend" aria-label="Fields of the plot">
@@ -185,7 +216,7 @@ function Legend({ fields, series }: { readonly fields: FieldsState; readonly ser
                 </option>
               ))}
             </select>
-            <Button kind="quiet" icon="close" label={`Remove ${labelOf(one)}`} onClick={() => change(key, null)} />
+            <Button kind="quiet" icon="close" label={`Remove ${labelOf(one)}`} onClick={() => remove(fields, key)} />
             {(now === undefined || now.kind === "reading") && (
               <ProgressBar fraction={now?.kind === "reading" && now.progress > 0 ? now.progress : null} />
             )}

@@ -15,6 +15,23 @@ export interface Chosen {
   readonly window: number;
 }
 
+/** What the series are that are computed of a log. */
+export const COMPUTED: Readonly<Record<string, string>> = {
+  speed: "Distance between the poses of two consecutive scans by the time between them",
+  "turn rate": "Change of heading between two consecutive scans by the time between them, counter-clockwise",
+  turn: "Change of heading between two consecutive scans, counter-clockwise",
+  "pose step": "Distance between the poses of two consecutive scans: a jump of the poses is a peak",
+  returns: "Share of a scan's beams that measured a range",
+  interval: "Time between two consecutive scans: a gap of the recording is a peak",
+  entropy: "Entropy of the observed cells of the map after each scan",
+  "cells changed": "Cells that a scan changed between unknown, free and occupied",
+  contradicted: "Share of a scan's readings that end in a free cell of the whole log's map, or pass an occupied one",
+  "odometry residual distance": "Distance by which the corrected poses miss the motion that was measured between two",
+  "odometry residual angle": "Angle by which the corrected poses miss the motion that was measured between two",
+  "loop residual distance": "The greatest distance by which the poses miss a loop that ends here",
+  "loop residual angle": "The greatest angle by which the poses miss a loop that ends here",
+};
+
 export const WINDOWS = [0.2, 1, 5, 20] as const;
 
 export const keyOf = ({ topic, field }: Pick<Chosen, "topic" | "field">): string => `${topic} ${field}`;

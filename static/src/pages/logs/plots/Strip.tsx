@@ -9,7 +9,18 @@ import { useWidth } from "../../../ui/browser/useWidth";
 import { written } from "../../../ui/numbers";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import { brokenAtGaps } from "../contents/gaps";
-import { axisStyle, colourOf, drawLineAt, onClickAt, TIME_STEPS, timeLabels, zoomInto } from "../contents/plotParts";
+import {
+  axisStyle,
+  colourOf,
+  drawLineAt,
+  labelsOn,
+  numberLabels,
+  onClickAt,
+  rangeWith,
+  TIME_STEPS,
+  timeLabels,
+  zoomInto,
+} from "../contents/plotParts";
 import type { Span } from "../contents/series";
 import type { Shown } from "./strips";
 
@@ -55,20 +66,19 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
       cursor: { ...zoomInto(zoom), y: false },
       scales: {
         x: { time: false, range: () => [span[0], span[1]] },
-        y: { range: () => [shown.low, shown.high] },
+        y: { range: () => rangeWith(column.unit, shown.low, shown.high) },
       },
       axes: [
         {
           ...axis,
           size: hasAxis ? AXIS_HEIGHT : 0,
-          space: 70,
-          ...(series.axis === "time" ? { incrs: TIME_STEPS } : {}),
+          splits: labelsOn(70, series.axis === "time" ? TIME_STEPS : undefined),
           gap: 3,
           values: (_, splits) =>
             !hasAxis ? [] : series.axis === "time" ? timeLabels(splits) : splits.map((at) => written(at, 0)),
           ticks: { ...axis.ticks, show: hasAxis, size: 5 },
         },
-        { ...axis, size: Y_AXIS_WIDTH, space: 22, gap: 4 },
+        { ...axis, size: Y_AXIS_WIDTH, splits: labelsOn(22), gap: 4, values: (_, splits) => numberLabels(splits) },
       ],
       series: [
         {},

@@ -9,6 +9,7 @@ import { ask } from "../../../wire/ask";
 import type { ScanSeries } from "../../../wire/http";
 import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
+import { COMPUTED } from "../fields/fields";
 import { Strip } from "./LazyStrip";
 import "./plots.css";
 import { shownTime } from "../time/shownTime";
@@ -21,16 +22,6 @@ const TONES: Record<string, string> = { returns: "--miss", interval: "--foregrou
 const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
 const FIRST_IF_SMALL = ["speed", "turn", "returns"];
 const isSmall = (): boolean => innerWidth < 704 || innerHeight < 800;
-
-/** What the numbers are, as the switches explain them. */
-const MEANINGS: Record<string, string> = {
-  speed: "Distance between the poses of two consecutive scans by the time between them",
-  "turn rate": "Change of heading between two consecutive scans by the time between them, counter-clockwise",
-  turn: "Change of heading between two consecutive scans, counter-clockwise",
-  "pose step": "Distance between the poses of two consecutive scans: a jump of the poses is a peak",
-  returns: "Share of a scan's beams that measured a range",
-  interval: "Time between two consecutive scans: a gap of the recording is a peak",
-};
 
 interface TimelinePlotsProps {
   readonly store: Store;
@@ -144,7 +135,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
               key={column.label}
               label={column.label}
               checked={shown.value.includes(column.label)}
-              title={MEANINGS[column.label] ?? ""}
+              title={COMPUTED[column.label] ?? ""}
               onChange={(isOn) => toggle(column.label, isOn)}
             />
           ))}
