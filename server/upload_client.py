@@ -64,14 +64,12 @@ def _files_of(path: Path) -> list[tuple[str, Path]]:
     if path.is_dir() and is_depth_folder(path):
         inside = sorted(one for one in path.rglob("*") if one.is_file())
         return [(one.relative_to(path).as_posix(), one) for one in inside]
-    if path.is_dir():
-        return [(one.name, one) for one in log_files(path)]
     if path.suffix.lower() in (".yaml", ".yml") and path.is_file():
         with path.open("rb") as file:
             text = file.read(DEFAULT_LIMITS.max_yaml_bytes + 1)
         image, _ = image_path(path, parse_description(text, DEFAULT_LIMITS).image)
         return [(path.name, path), (image.name, image)]
-    return [(path.name, path)]
+    return [(one.name, one) for one in log_files(path)]
 
 
 def measured(file: Path) -> tuple[int, str]:

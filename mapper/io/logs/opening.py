@@ -18,6 +18,7 @@ from mapper.io.logs.archives.packed_archive import archive_members, is_archive
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.containers.container import Container, are_parts_by_name, in_order
+from mapper.io.logs.containers.kept_copies import journal_of
 from mapper.io.logs.foreign import READ_HERE, not_a_log
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
@@ -130,15 +131,19 @@ def odometry_records(
     return carmen.read_carmen(file, limits, None, topic).odometry
 
 
-def log_files(folder: Path) -> list[Path]:
-    """Return the files that are the log in a folder, with what tells that they belong together.
+def log_files(path: Path) -> list[Path]:
+    """Return the files that are the log in a folder, or the file at ``path``, with all that belongs to them.
 
-    Raises :class:`ReadError` where there is none, or several.
+    That is what tells that several files are one log, and what a recorder that was killed left beside a database.
+    Raises :class:`ReadError` where there is no log in a folder, or several.
     """
-    files = _files_in(folder, DEFAULT_LIMITS)
-    logs, _ = _one_log(files, "folder")
-    metadata = [file for file in files if file.name == METADATA] if len(logs) > 1 else []
-    return [file for file in [*metadata, *logs] if isinstance(file, Path)]
+    files: list[Source] = [path]
+    if path.is_dir():
+        inside = _files_in(path, DEFAULT_LIMITS)
+        files, _ = _one_log(inside, "folder")
+        files = [*(file for file in inside if file.name == METADATA and len(files) > 1), *files]
+    together = [one for file in files for one in (file, journal_of(file))]
+    return [file for file in together if isinstance(file, Path)]
 
 
 def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Source], Container | Reader]:

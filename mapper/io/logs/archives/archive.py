@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Literal
 
@@ -35,6 +35,7 @@ class Member:
 
     ``unpacked`` opens what a packed archive expands to, where ``at`` is a place in that; None: it is not packed.
     ``head`` are then its first bytes: to read them again, the archive would be decompressed up to them once more.
+    ``journal`` is the write-ahead log that SQLite left beside it, named as it is and ``-wal``.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Member:
     size: int
     unpacked: Callable[[Path], BinaryIO] | None = field(default=None, compare=False)
     head: bytes | None = field(default=None, compare=False, repr=False)
+    journal: Member | None = field(default=None, compare=False, repr=False)
 
     def open(self, mode: Literal["rb"] = "rb") -> BinaryIO:
         """Return its bytes as a file. Raises :class:`OSError`."""
@@ -112,7 +114,7 @@ def members(
                 file.seek(at)
                 header = file.read(BLOCK)
                 if not header.strip(b"\0"):
-                    return found, []
+                    return _with_journals(found), []
                 kind, size, stated = _header(header)
                 count += 1
                 if count > limits.max_archive_files:
@@ -131,10 +133,15 @@ def members(
                     head = None if unpacked is None else file.read(min(there, HEAD_BYTES))
                     found.append(Member(printable(last[:200]), folder, archive, start, there, unpacked, head))
         except _NoHeaderError:
-            return found, [f"The archive is damaged at byte {at}: only what precedes is read."]
+            return _with_journals(found), [f"The archive is damaged at byte {at}: only what precedes is read."]
         except OSError as error:
             raise ReadError("log.unreadable", f"The archive cannot be read: {error.strerror}.") from error
-    return found, ["The archive ends early: only what precedes is read."]
+    return _with_journals(found), ["The archive ends early: only what precedes is read."]
+
+
+def _with_journals(found: list[Member]) -> list[Member]:
+    by_place = {(one.folder, one.name): one for one in found}
+    return [replace(one, journal=by_place.get((one.folder, f"{one.name}-wal"))) for one in found]
 
 
 def _header(header: bytes) -> tuple[bytes, int, str]:

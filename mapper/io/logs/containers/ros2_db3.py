@@ -8,7 +8,8 @@ ordinary tables is queried, no order is asked for that SQLite would have to sort
 
 Data that nothing is made of is not read: SQLite keeps large values in pages of their own.
 
-What a recorder that was killed left in a write-ahead log beside the database is read from a copy of both.
+What a recorder that was killed left in a write-ahead log beside the database, in a folder or an archive, is read from
+a copy of both. Copies that look-ups need are kept for the next ones.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import IO
@@ -31,6 +32,7 @@ from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.bytestream import byte_stream
 from mapper.io.logs.archives.unpacking import PIECE, Progress, opened
 from mapper.io.logs.containers.container import MAX_NOTES, Container
+from mapper.io.logs.containers.kept_copies import KeptCopies, journal_of
 from mapper.io.logs.names import printable
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.transcoding import Transcoding
@@ -92,7 +94,7 @@ def _opened(
         head = file.read(100)
         size = file.seek(0, os.SEEK_END)
     notes: list[str] | None = None
-    merged = _merged(path) if isinstance(path, Path) and head.startswith(MAGIC) and 2 in head[18:20] else None
+    merged = _merged(path) if head.startswith(MAGIC) and 2 in head[18:20] else None
     try:
         if merged is not None:
             connection, head = merged, b""
@@ -117,23 +119,24 @@ def _opened(
 def _connected(path: Path) -> sqlite3.Connection:
     """Open a database."""
     # immutable: neither locks nor a journal next to it, which a hostile file could come with
-    connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+    place = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+    connection = sqlite3.connect(place, uri=True, check_same_thread=False)  # kept copies are used one after another
     connection.execute("PRAGMA schema_version")  # only then is the file open
     return connection
 
 
-def _merged(path: Path) -> sqlite3.Connection | None:
+def _merged(file: Source) -> sqlite3.Connection | None:
     """Return a copy of a database with what is in the write-ahead log beside it.
 
     None where there is no such log, no room for the copy, or SQLite refuses it.
     """
-    journal = path.with_name(f"{path.name}-wal")
     with contextlib.suppress(OSError, sqlite3.Error), tempfile.TemporaryDirectory(prefix="gridbloom-") as folder:
-        if not journal.is_file() or journal.stat().st_size == 0:
+        if (journal := journal_of(file)) is None:
             return None
         copy = Path(folder, "copy.db3")
-        shutil.copyfile(path, copy)
-        shutil.copyfile(journal, copy.with_name(f"{copy.name}-wal"))
+        for source, target in ((file, copy), (journal, copy.with_name(f"{copy.name}-wal"))):
+            with opened(source) as data, target.open("wb") as written:
+                shutil.copyfileobj(data, written, PIECE)
         with contextlib.closing(sqlite3.connect(copy)) as writer:
             # Exclusive: its index of the log is then in memory, and no file beside the copy.
             for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "locking_mode=EXCLUSIVE", "journal_mode=DELETE"):
@@ -205,27 +208,36 @@ def _is_cut(head: bytes, size: int) -> bool:
     return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
 
 
+_COPIES = KeptCopies()
+
+
+def _looked_into(file: Source, limits: Limits) -> AbstractContextManager[sqlite3.Connection]:
+    def connected() -> tuple[sqlite3.Connection, int]:
+        connection, notes, _ = _opened(file, limits, None)
+        return connection, 0 if notes is None else _database_bytes(connection)
+
+    return _COPIES.lent(file, connected)
+
+
 def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[int, str, bytes] | None:
     """Return stamp, type and data of the newest message on ``topic`` at or before ``at_ns``, or else of the first.
 
     None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
     """
-    connection, _, _ = _opened(file, limits, None)
     # First which row it is, then its data: a file without an index of times has all of its rows looked at.
     query = (
         "SELECT messages.rowid FROM messages JOIN topics ON topic_id = topics.id "
         "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
     )
     whole = "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id WHERE messages.rowid = ?"
-    try:
-        _check_tables(connection)
-        found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
-        found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
-        row = None if found is None else connection.execute(whole, found).fetchone()
-    except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
-        raise _unreadable(error) from error
-    finally:
-        connection.close()
+    with _looked_into(file, limits) as connection:
+        try:
+            _check_tables(connection)
+            found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+            found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+            row = None if found is None else connection.execute(whole, found).fetchone()
+        except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
+            raise _unreadable(error) from error
     if row is None or not isinstance(row[0], int) or not isinstance(row[2], bytes):
         return None
     return row[0], str(row[1]), row[2]
@@ -233,18 +245,16 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
 
 def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str]]:
     """Return encoding and text of the definition of each topic's messages; none in bags before ROS 2 Iron."""
-    connection, _, _ = _opened(file, limits, None)
-    try:
-        _check_tables(connection, TABLES | DEFINITIONS)
-        rows = connection.execute(
-            "SELECT name, encoding, encoded_message_definition FROM message_definitions JOIN topics "
-            "ON topic_type = type LIMIT ?",
-            (limits.max_topics,),
-        ).fetchall()
-    except (sqlite3.Error, UnicodeDecodeError, ReadError):
-        return {}
-    finally:
-        connection.close()
+    with _looked_into(file, limits) as connection:
+        try:
+            _check_tables(connection, TABLES | DEFINITIONS)
+            rows = connection.execute(
+                "SELECT name, encoding, encoded_message_definition FROM message_definitions JOIN topics "
+                "ON topic_type = type LIMIT ?",
+                (limits.max_topics,),
+            ).fetchall()
+        except (sqlite3.Error, UnicodeDecodeError, ReadError):
+            return {}
     return {printable(row[0]): (row[1], row[2]) for row in rows if all(isinstance(one, str) for one in row)}
 
 

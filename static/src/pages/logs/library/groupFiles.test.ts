@@ -12,12 +12,22 @@ const names = (folder: string, ...files: string[]): string[] =>
 
 describe("files that are chosen together", () => {
   it("are logs each by itself, but for what lies beside them", () => {
-    expect(names("", "run_0.db3", "run_0.db3-wal", "run_0.db3-shm", "b.db3", ".DS_Store", "README.md")).toEqual([
-      "run_0.db3",
-      "b.db3",
-    ]);
+    expect(names("", "run_0.db3", "run_0.db3-shm", "b.db3", ".DS_Store", "README.md")).toEqual(["run_0.db3", "b.db3"]);
     expect(names("", "a.mcap", "b.bag.gz", "notes")).toEqual(["a.mcap", "b.bag.gz", "notes"]);
     expect(names("run", "metadata.yaml", "run_0.db3")).toEqual(["run_0.db3"]);
+  });
+
+  it("are one log where a recorder that was killed left a journal beside the database", async () => {
+    const [first, second] = ["a_0.db3", "a_1.db3"].map((name) => file(name));
+    if (!first || !second) throw new Error("two parts");
+    const journal = file("a_1.db3-wal", "rows");
+    const beside = [file("a_0.db3-wal", ""), file("a_1.db3-shm")]; // an empty journal holds nothing
+    const alone = groupIntoLogs({ name: "", files: [second, journal, ...beside] });
+    expect(alone.map(({ name }) => name)).toEqual(["a_1.db3"]);
+    expect(await alone[0]?.text()).toBe(await tarred([second, journal], "a").text());
+    const parts = groupIntoLogs({ name: "a", files: [first, second, journal, ...beside] });
+    expect(parts.map(({ name }) => name)).toEqual(["a"]);
+    expect(await parts[0]?.text()).toBe(await tarred([first, second, journal], "a").text());
   });
 
   it("are one log where they are depth images with poses", () => {

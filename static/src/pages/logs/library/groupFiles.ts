@@ -1,7 +1,7 @@
 import type { Folder } from "../../../ui/files/droppedFiles";
 import { tarred } from "./tar";
 
-/** Files beside logs that are not logs: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
+/** Files beside logs that are not logs by themselves: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
 const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
 
 /** A file of a recording, of which there may be parts. */
@@ -14,9 +14,20 @@ export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   if (files.length === 1) return files; // the server determines the format
   const parts = splitRecording(files) ?? ring(files) ?? depthImages(files);
   const map = parts ? null : mapFiles(files);
-  const rest = files.filter((file) => !(parts ?? map)?.includes(file) && !NOT_LOGS.test(file.name));
+  const rest = files
+    .filter((file) => !(parts ?? map)?.includes(file) && !NOT_LOGS.test(file.name))
+    .map((file) => withJournal(file, files))
+    .map((log) => (log.length === 1 ? log[0] : tarred(log, log[0].name)));
   if (map) return [tarred(map, map[0]?.name ?? "map"), ...rest];
-  return parts ? [tarred(parts, name || nameOf(parts)), ...rest] : rest;
+  if (!parts) return rest;
+  const whole = parts.flatMap((part) => withJournal(part, files));
+  return [tarred(whole, name || nameOf(parts)), ...rest];
+}
+
+/** A file with the write-ahead log that SQLite left beside it where a recorder was killed: it holds the last messages. */
+function withJournal(file: File, files: readonly File[]): readonly [File, ...File[]] {
+  const journal = files.find((other) => other.name === `${file.name}-wal` && other.size > 0);
+  return journal ? [file, journal] : [file];
 }
 
 function splitRecording(files: readonly File[]): readonly File[] | null {

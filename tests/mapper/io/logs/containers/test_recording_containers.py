@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import shutil
 import sqlite3
+import tarfile
 from contextlib import closing
 from pathlib import Path
 
@@ -16,7 +17,8 @@ from rosbags.rosbag2 import StoragePlugin
 from mapper.core.errors import ReadError
 from mapper.io.clouds import open_clouds
 from mapper.io.contents.raw_message import raw_message
-from mapper.io.logs import is_log, open_log
+from mapper.io.logs import is_log, log_files, open_log
+from mapper.io.logs.containers.kept_copies import KeptCopies
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.driven_robot import run
 from tests.mapper.io.logs.recorded import KINDS, written
@@ -131,6 +133,57 @@ def test_a_db3_whose_messages_are_all_in_the_journal_beside_it_is_read(tmp_path)
         left = copied_with_its_journal(tmp_path / "run.db3", tmp_path / "left")
     np.testing.assert_array_equal(open_log(left).ranges, open_log(source).ranges)
     assert raw_message(left, "/scan", 0).tree == raw_message(source, "/scan", 0).tree
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_the_journal_beside_a_db3_is_read_in_an_archive_too(tmp_path, packed, monkeypatch):
+    """As the page and ``gridbloom upload`` send both; look-ups of messages share one copy."""
+    source = written(tmp_path, run(), "db3")
+    with closing(sqlite3.connect(source)) as whole, closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
+        recorder.execute("PRAGMA journal_mode=WAL")
+        recorder.execute("PRAGMA wal_autocheckpoint=0")
+        recorder.executescript("\n".join(whole.iterdump()))
+        left = copied_with_its_journal(tmp_path / "run.db3", tmp_path / "left")
+    assert [file.name for file in log_files(left)] == [file.name for file in log_files(left.parent)]
+    path = tmp_path / "left.tar"
+    with tarfile.open(path, "w:gz" if packed else "w") as archive:
+        for file in log_files(left):
+            archive.add(file, file.name)
+    log = open_log(path)
+    assert [note for note in log.notes if "read from the file beside it (-wal)" in note] == list(log.notes)
+    np.testing.assert_array_equal(log.ranges, open_log(source).ranges)
+    copies: list[None] = []
+    copyfileobj = shutil.copyfileobj
+    monkeypatch.setattr("shutil.copyfileobj", lambda *files: copies.append(copyfileobj(*files)))
+    for _ in range(3):
+        assert raw_message(path, "/scan", 0).tree == raw_message(source, "/scan", 0).tree
+    assert len(copies) == 2  # the database and its journal
+    path.write_bytes(path.read_bytes() + bytes(512))  # another file
+    assert raw_message(path, "/scan", 0).tree == raw_message(source, "/scan", 0).tree
+    assert len(copies) == 4
+
+
+def test_copies_for_look_ups_are_closed_where_they_are_too_large_together(tmp_path):
+    kept = KeptCopies(most_bytes=100)
+    made: list[sqlite3.Connection] = []
+    files = [tmp_path / name for name in "abc"]
+
+    def connected() -> tuple[sqlite3.Connection, int]:
+        made.append(sqlite3.connect(":memory:"))
+        return made[-1], 60
+
+    for file in files:
+        file.write_bytes(b"")
+    for file, count in ((files[0], 1), (files[0], 1), (files[1], 2), (files[0], 3), (files[0], 3)):
+        with kept.lent(file, connected) as connection:
+            assert connection.execute("SELECT 1").fetchone() == (1,)
+        assert len(made) == count
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        made[1].execute("SELECT 1")
+    with kept.lent(files[2], lambda: (connected()[0], 101)) as large:
+        pass
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        large.execute("SELECT 1")
 
 
 @pytest.mark.parametrize("journal", [b"no journal at all" * 100, b""])
