@@ -204,6 +204,13 @@ class Volumetric(ABC):
         Raises :class:`ConfigError` where there is none.
         """
 
+    @abstractmethod
+    def selection_bytes(self) -> bytes:
+        """Return the points in the clip box as a file ``.ply``; of an octree the centres of its occupied voxels.
+
+        Raises :class:`ConfigError` where there is none.
+        """
+
     @property
     @abstractmethod
     def above(self) -> OccupancyGrid | None:

@@ -16,8 +16,10 @@ from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
+from mapper.io.clouds.ply_writing import points_ply
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
 from mapper.volume.mesh.faces import FaceRule
+from mapper.volume.occupancy.volume import centres_of
 from mapper.volume.scans.map_offset import georeferenced
 from mapper.volume.scans.replayed import ReplayedVolume
 from mapper.volume.scans.scan_sequence import ScanSequence
@@ -96,8 +98,8 @@ class VolumeModel(SessionModel, Volumetric):
         self._map = ReplayedVolume(source, self._config, self._limits)
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
         self._drawn = VolumeDrawings(source, self._low, self._high)
-        self._questions = VoxelQuestions(host, self._drawn.chosen)
         scans = source if isinstance(source, ScanSequence) else None
+        self._questions = VoxelQuestions(host, self._drawn.chosen, scans)
         self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
         self._timeline = ScanTimeline(times_of(source), self._map.count)
         self._layer = GridLayer("map", "Map from above")
@@ -154,6 +156,17 @@ class VolumeModel(SessionModel, Volumetric):
     def mesh_bytes(self, kind: str) -> bytes:
         """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
         return self._surface.file(kind, self._shown.index, self._offset)
+
+    def selection_bytes(self) -> bytes:
+        """Return the points of the scans so far in the clip box as a file ``.ply``, with what is known of them."""
+        if not isinstance(self._source, ScanSequence):
+            voxels = self._map.volume.voxels(float(self._config.log_odds_occupied))[0]
+            centres = centres_of(voxels, self._config.resolution)
+            return points_ply(centres[self._look.shows(centres)], {}, self._offset)
+        points = self._source.points[: self._source.starts[self._map.index]]
+        some = np.flatnonzero(self._look.shows(points))
+        fields = {name: values[some] for name, values in self._source.fields.items()}
+        return points_ply(points[some], fields, self._offset)
 
     @property
     def _is_surface(self) -> bool:

@@ -222,6 +222,15 @@ class VolumeChanges(Part):
     only_second: Annotated[int, Meta(description="voxels that only B knows")]
 
 
+class VoxelPoint(Struct):
+    """The measured point in a voxel that is nearest to the line of sight, or to the place that was asked about."""
+
+    place: Annotated[Place, Meta(description="where it is, m")]
+    scan: Annotated[int, Meta(description="number of its scan, from 1")]
+    values: Annotated[dict[str, list[float]], Meta(description="what is known of it: intensity, class, rgb")]
+    count: Annotated[int, Meta(description="points in the voxel")]
+
+
 class VoxelUpdate(Part):
     """Update of a voxel by one scan."""
 

@@ -192,8 +192,8 @@ def _rule(case: VolumeCase, volume: OccupancyVolume) -> FaceRule:
     low, high = case.band if case.band[0] < case.band[1] else (-0.6, 0.6)
     return face_rule(
         volume,
-        low,
-        high,
+        (-0.7, -np.inf, low),
+        (np.inf, 0.9, high),
         base=-0.5,
         band=0.3,
         colours=5,

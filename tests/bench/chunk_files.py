@@ -44,7 +44,7 @@ def voxels_row(name: str, source: ScanSequence) -> str:
     now, faces = ReplayedVolume(source, VolumeConfig(resolution=resolution)), VoxelFaces()
     look = first_look(low, high, resolution)
     rule = face_rule(
-        now.volume, look.cut_low, look.cut_high, base=float(low[2]), band=look.band, colours=COLOURS,
+        now.volume, look.low, look.high, base=float(low[2]), band=look.band, colours=COLOURS,
         seen_only=source.has_origins,
     )  # fmt: skip
     colors, changes = face_colors(HEIGHT_RAMP), []

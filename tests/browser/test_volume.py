@@ -203,6 +203,31 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     await_true(page, f"() => ({VOLUME})().chunks === 0")
     expect(page.locator(".volume-facts")).to_contain_text("112,586 points")
 
+    # The clip box, by keyboard and by number: what is in it is saved, and a click says what is known of a point.
+    middle = 0.5 * (volume["low"][0] + volume["high"][0])
+    handle = page.get_by_label("Clip x to", exact=True)
+    handle.focus()
+    handle.press("PageDown")
+    await_true(page, f"() => ({VOLUME})().look.values.cut_x_high < {volume['high'][0] + 0.5}")
+    page.get_by_label("Clip x to, as a number").fill(f"{middle:.2f}")
+    page.get_by_label("Clip x to, as a number").press("Enter")
+    await_true(page, f"() => ({VOLUME})().look.values.cut_x_high === {round(middle, 2)}")
+    open_group(page, "Download")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="points in the clip box").click()
+    shown = cloud.points[cloud.finite]
+    shown = shown[(shown[:, 0] <= round(middle, 2)) & (shown[:, 2] <= volume["look"]["values"]["cut_high"])]
+    with Path(download.value.path()).open("rb") as ply:
+        saved = trimesh.load(ply, file_type="ply")
+    assert isinstance(saved, trimesh.PointCloud)
+    np.testing.assert_allclose(np.asarray(saved.vertices), shown, atol=1e-5)
+    x, y, z = shown[len(shown) // 2].tolist()
+    page.evaluate(f"() => gridbloom.connection.store.send({{ type: 'voxel', x: {x}, y: {y}, z: {z} }})")
+    expect(page.locator("[data-points]")).to_contain_text(f"{x:.2f}, {y:.2f}, {z:.2f}".replace("-", "−"))
+    open_group(page, "View")
+    page.get_by_role("button", name="Draw the whole map").click()
+    await_true(page, f"() => ({VOLUME})().look.values.cut_x_high > {volume['high'][0]}")
+
 
 @pytest.mark.long
 def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_away(

@@ -29,8 +29,10 @@ def fill_chunk(belief: Belief, x0: int, y0: int, z0: int, rule: FaceRule, out: U
     n = 0
     out[:] = 0
     if rule.seen_only:
-        for k in range(max(0, rule.first - z0 + 1), min(CHUNK + 2, rule.last - z0 + 2)):
-            out[k] = COVERED
+        i0, i1 = max(0, rule.first[0] - x0 + 1), max(0, min(CHUNK + 2, rule.last[0] - x0 + 2))
+        j0, j1 = max(0, rule.first[1] - y0 + 1), max(0, min(CHUNK + 2, rule.last[1] - y0 + 2))
+        for k in range(max(0, rule.first[2] - z0 + 1), min(CHUNK + 2, rule.last[2] - z0 + 2)):
+            out[k, j0:j1, i0:i1] = COVERED
     for bz in range(z0 - 8, z0 + CHUNK + 8, 8):
         for by in range(y0 - 8, y0 + CHUNK + 8, 8):
             for bx in range(x0 - 8, x0 + CHUNK + 8, 8):
@@ -42,12 +44,16 @@ def fill_chunk(belief: Belief, x0: int, y0: int, z0: int, rule: FaceRule, out: U
                 parts = belief.parts[slot]
                 for z in range(max(0, z0 - 1 - bz), min(8, z0 + CHUNK + 1 - bz)):
                     key = bz + z
-                    if key < rule.first or key > rule.last:
+                    if key < rule.first[2] or key > rule.last[2]:
                         continue
                     height = 1 + min(max((key - rule.base) // rule.band, 0), rule.colours - 1)
-                    for y in range(max(0, y0 - 1 - by), min(8, y0 + CHUNK + 1 - by)):
+                    for y in range(
+                        max(0, y0 - 1 - by, rule.first[1] - by), min(8, y0 + CHUNK + 1 - by, rule.last[1] + 1 - by)
+                    ):
                         line = belief.values[parts[z >> 1 << 2 | y >> 1], z & 1, y & 1]
-                        for x in range(max(0, x0 - 1 - bx), min(8, x0 + CHUNK + 1 - bx)):
+                        for x in range(
+                            max(0, x0 - 1 - bx, rule.first[0] - bx), min(8, x0 + CHUNK + 1 - bx, rule.last[0] + 1 - bx)
+                        ):
                             value = line[x]
                             k, j, i = key - z0 + 1, by + y - y0 + 1, bx + x - x0 + 1
                             if not value >= rule.occupied:

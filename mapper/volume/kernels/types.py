@@ -84,15 +84,15 @@ class Updates(NamedTuple):
 class FaceRule(NamedTuple):
     """Voxels that are drawn, and their colours, numbers from 1 to ``colours``.
 
-    Those with log-odds from ``occupied`` and a key z of ``first`` … ``last``. The colour grows by 1 with each ``band``
-    voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
+    Those with log-odds from ``occupied`` and a key x, y, z of ``first`` … ``last``. The colour grows by 1 with each
+    ``band`` voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
     If ``seen_only``, faces towards unknown voxels are left out: no sensor has seen them.
     """
 
     occupied: float
     greatest: float
-    first: int
-    last: int
+    first: tuple[int, int, int]
+    last: tuple[int, int, int]
     base: int
     band: int
     colours: int

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.array_types import Float32Array, Float64Array, Int8Array, Int64Array, UInt8Array, UInt16Array
 from mapper.core.errors import ConfigError
@@ -81,13 +81,12 @@ def chunk_meshes(mesh: Mesh, ends: Int64Array, firsts: Float64Array, resolution:
     return parts
 
 
-def cut_between(mesh: ChunkMesh, low: float, high: float) -> ChunkMesh | None:
-    """Return the triangles all of whose corners have a third place ``low`` … ``high``; the same object for all of them.
+def cut_between(mesh: ChunkMesh, low: ArrayLike, high: ArrayLike) -> ChunkMesh | None:
+    """Return the triangles all of whose corners have places ``low`` … ``high`` (3,); the same object for all of them.
 
     None where there are none.
     """
-    z = mesh.places[:, 2]
-    is_kept = (z >= low) & (z <= high)
+    is_kept = np.all((mesh.places >= np.asarray(low)) & (mesh.places <= np.asarray(high)), axis=1)
     if is_kept.all():
         return mesh
     triangles = mesh.triangles[is_kept[mesh.triangles].all(axis=1)]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mapper.core.array_types import Int32Array, Int64Array, UInt8Array, UInt32Array
+from mapper.core.array_types import Float64Array, Int32Array, Int64Array, UInt8Array, UInt32Array
 from mapper.core.errors import WorkCancelledError
 from mapper.volume.blocks import BLOCK, KEYS
 from mapper.volume.kernels.faces import CHUNK, COVERED, fill_chunk, merge_faces
@@ -26,28 +26,35 @@ _CORNERS = {False: ((0, 0), (0, 1), (1, 1), (1, 0)), True: ((0, 0), (1, 0), (1, 
 
 
 def face_rule(
-    volume: OccupancyVolume, low: float, high: float, *, base: float, band: float, colours: int,
+    volume: OccupancyVolume, low: ArrayLike, high: ArrayLike, *, base: float, band: float, colours: int,
     by_belief: bool = False, seen_only: bool = False,
 ) -> FaceRule:  # fmt: skip
-    """Return the rule that draws the occupied voxels whose centres are ``low`` … ``high`` metres high.
+    """Return the rule that draws the occupied voxels whose centres are in a box from ``low`` to ``high`` (3,), metres.
 
-    Their colours are 1 … ``colours``: one for each ``band`` metres of height from ``base``, or, if ``by_belief``, equal
-    steps of the log-odds. With ``seen_only`` faces towards unknown voxels, which no sensor has seen, are left out.
+    A number is a height. Their colours are 1 … ``colours``: one for each ``band`` metres of height from ``base``, or,
+    if ``by_belief``, equal steps of the log-odds. With ``seen_only`` faces towards unknown voxels, which no sensor has
+    seen, are left out.
     """
     config = volume.config
     resolution = config.resolution
-    first, last = np.clip(np.array([low, high]) / resolution, -KEYS, KEYS)
+    corners = [end if np.ndim(end) else (side, side, end) for side, end in ((-np.inf, low), (np.inf, high))]
+    first, last = np.clip(np.array(corners, dtype=np.float64) / resolution, -KEYS, KEYS)
     return FaceRule(
         float(config.log_odds_occupied),
         float(config.log_odds_max),
-        int(np.ceil(first - 0.5)) + CENTRE,
-        int(np.floor(last - 0.5)) + CENTRE,
+        _key_of(np.ceil(first - 0.5)),
+        _key_of(np.floor(last - 0.5)),
         int(np.floor(np.clip(base / resolution, -KEYS, KEYS))) + CENTRE,
         max(1, round(band / resolution)),
         colours,
         by_belief,
         seen_only,
     )
+
+
+def _key_of(voxel: Float64Array) -> tuple[int, int, int]:
+    x, y, z = (int(one) + CENTRE for one in voxel)
+    return x, y, z
 
 
 class VoxelFaces:
@@ -187,7 +194,7 @@ def first_face(
     keys = np.floor(start + middles[:, None] * away).astype(np.int64)
     keys = keys[((keys >= 0) & (keys < KEYS)).all(axis=1)]
     values = volume.log_odds_of(keys)
-    shown = (keys[:, 2] >= rule.first) & (keys[:, 2] <= rule.last)
+    shown = ((keys >= rule.first) & (keys <= rule.last)).all(axis=1)
     drawn = shown & (values >= rule.occupied)
     is_open = ~drawn & (~shown | ~np.isnan(values) | (not rule.seen_only))
     met = np.flatnonzero(drawn & np.append(True, is_open[:-1])) if len(keys) else drawn

@@ -239,6 +239,11 @@ def bt_data(node: Node, occupied: np.float32) -> bytes:
     )
 
 
+def is_in_box(rule: FaceRule, key: Key) -> bool:
+    """Return whether a voxel is in the box whose voxels are drawn."""
+    return all(first <= k <= last for first, k, last in zip(rule.first, key, rule.last, strict=True))
+
+
 def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dict[Key, int]:
     """Return the colours of the voxels that are drawn in and around a cube of ``side`` voxels, by place in the cube.
 
@@ -249,7 +254,7 @@ def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dic
         x, y, z = (k - c for k, c in zip(key, corner, strict=True))
         if not all(-1 <= k <= side for k in (x, y, z)) or float(value) < rule.occupied:
             continue
-        if not rule.first <= key[2] <= rule.last:
+        if not is_in_box(rule, key):
             continue
         step = math.floor((key[2] - rule.base) / rule.band)
         if rule.by_belief:
@@ -261,7 +266,7 @@ def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dic
 def hides_faces(voxels: Voxels, corner: Key, rule: FaceRule, colours: dict[Key, int], place: Key) -> bool:
     """Return whether the voxel at a place in a cube hides the faces towards it: it is drawn, or was never seen."""
     key = (place[0] + corner[0], place[1] + corner[1], place[2] + corner[2])
-    return place in colours or (rule.seen_only and rule.first <= key[2] <= rule.last and key not in voxels)
+    return place in colours or (rule.seen_only and is_in_box(rule, key) and key not in voxels)
 
 
 def merged_faces(

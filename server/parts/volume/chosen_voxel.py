@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.array_types import Float32Array
 from server.sessions.drawings import CHOSEN, Drawing, Segments
@@ -16,6 +15,14 @@ HIT, PASSED = (214, 92, 30), (60, 130, 200)
 MOST_SCANS, MOST_BEAMS = 200, 2000  #: whose beams are drawn, the newest
 #: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
 Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
+
+
+def box_edges(low: ArrayLike, high: ArrayLike) -> Float32Array:
+    """Return the edges (12, 2, 3) of a box from ``low`` to ``high`` (3,)."""
+    ends = np.array([low, high], dtype=np.float32)
+    corners = np.array([[ends[n >> axis & 1, axis] for axis in range(3)] for n in range(8)], dtype=np.float32)
+    edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
+    return np.asarray(corners[np.array(edges)])
 
 
 class ChosenVoxel:
@@ -32,12 +39,8 @@ class ChosenVoxel:
         self.drawings = []
         if centre is None:
             return
-        corners = np.array(list(product((-0.5, 0.5), repeat=3)), dtype=np.float32) * 1.04
-        edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
-        box = centre + size * corners[np.array(edges)]
-        self.drawings.append(
-            Segments(name="chosen", label="Chosen voxel", points=box.astype(np.float32), colors=CHOSEN, width=3.0)
-        )
+        box = box_edges(centre - 0.52 * size, centre + 0.52 * size)
+        self.drawings.append(Segments(name="chosen", label="Chosen voxel", points=box, colors=CHOSEN, width=3.0))
         for name, is_hit, color in (("hits", True, HIT), ("passes", False, PASSED)):
             rays = [
                 np.stack([np.broadcast_to(origin, ends.shape), ends], axis=1)

@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int32Array, Int64Array
 from mapper.volume import OccupancyVolume, OctreeFile
-from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.faces import CENTRE, CHUNK, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
 from mapper.volume.mesh.voxel_normals import painted_directions
 from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.parts.volume.chosen_voxel import HIT, ChosenVoxel
+from server.parts.volume.chosen_voxel import HIT, ChosenVoxel, box_edges
 from server.parts.volume.look import (
     ADDED,
+    AXES,
     BELIEF_RAMP,
     CLASS_COLOURS,
     COLOURS,
@@ -28,12 +29,13 @@ from server.parts.volume.look import (
     Look,
     ramp_of,
 )
-from server.sessions.drawings import Drawing, Points, Voxels
+from server.sessions.drawings import Drawing, Points, Segments, Voxels
 
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
-DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
+CUTS = tuple(name for name in AXES if name.startswith("cut"))
+DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
 PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
 NUMBERED = ("probability", "class", "normal")  #: colourings whose rectangles are not those of heights
@@ -93,20 +95,19 @@ class VolumeDrawings:
         if (old.band, old.whole) != (new.band, new.whole):
             self.note_change(volume, None)
             return
-        # A cut changes the chunks between its old and its new height.
-        side = 32 * volume.config.resolution
-        spans = [
-            sorted(ends) for ends in ((old.cut_low, new.cut_low), (old.cut_high, new.cut_high)) if ends[0] != ends[1]
-        ]
+        # A cut changes the chunks between its old and its new place.
+        voxel = volume.config.resolution
+        spans = [(AXES[name], *sorted((getattr(old, name), getattr(new, name)))) for name in CUTS]
         for key in chunks_of(volume):
-            z = key[2] * side - CENTRE * volume.config.resolution
-            if any(low - side / 32 <= z + side and z <= high + side / 32 for low, high in spans):
-                self._pending.add(key)
+            for axis, low, high in spans:
+                place = (CHUNK * key[axis] - CENTRE) * voxel
+                if low < high and low - voxel <= place + CHUNK * voxel and place <= high + voxel:
+                    self._pending.add(key)
 
     def rule(self, volume: OccupancyVolume, look: Look, *, has_free: bool) -> FaceRule:
         """Return the rule by which voxels are drawn."""
         return face_rule(
-            volume, look.cut_low, look.cut_high, base=float(self._low[2]), band=look.band, colours=COLOURS,
+            volume, look.low, look.high, base=float(self._low[2]), band=look.band, colours=COLOURS,
             by_belief=look.colour == "probability", seen_only=has_free and not look.whole,
         )  # fmt: skip
 
@@ -148,11 +149,12 @@ class VolumeDrawings:
             return
         points = self._scans.points[self._scans.starts[index - 1] : self._scans.starts[index]]
         points = points[:: max(1, -(-len(points) // MOST_MOVING))]
-        points = points[(points[:, 2] >= look.cut_low) & (points[:, 2] <= look.cut_high)]
-        self._newest = Points(name="newest", points=np.ascontiguousarray(points), colors=HIT, size=self._point_size())
+        points = points[look.shows(points)]
+        size = self._point_size(look)
+        self._newest = Points(name="newest", points=np.ascontiguousarray(points), colors=HIT, size=size)
 
-    def _point_size(self) -> float:
-        return float(np.clip(np.linalg.norm(self._high - self._low) / 1500.0, 0.004, 0.2))
+    def _point_size(self, look: Look) -> float:
+        return look.point_size * float(np.clip(np.linalg.norm(self._high - self._low) / 1500.0, 0.004, 0.2))
 
     def _drawn_points(self, index: int, look: Look) -> Points | None:
         if self._scans is None or look.show in ("voxels", "surface"):
@@ -160,7 +162,7 @@ class VolumeDrawings:
         scans = self._scans
         some = np.arange(0, int(scans.starts[index]), max(1, -(-int(scans.starts[index]) // MOST_POINTS)))
         points = scans.points[some]
-        kept = (points[:, 2] >= look.cut_low) & (points[:, 2] <= look.cut_high)
+        kept = look.shows(points)
         some, points = some[kept], np.ascontiguousarray(points[kept])
         colors: NDArray[np.uint8] | tuple[int, int, int] = PLAIN
         if look.colour == "own colour" and "rgb" in scans.fields:
@@ -174,7 +176,7 @@ class VolumeDrawings:
         else:
             low = float(self._low[2])
             colors = ramp_of(points[:, 2], low, low + COLOURS * look.band, HEIGHT_RAMP)
-        return Points(name="points", label="Points", points=points, colors=colors, size=self._point_size())
+        return Points(name="points", label="Points", points=points, colors=colors, size=self._point_size(look))
 
     # -- a comparison -----------------------------------------------------------------------------------------------
 
@@ -203,7 +205,14 @@ class VolumeDrawings:
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
         found += [one for one in (self._points, self._newest) if one is not None]
-        return [*found, *self.chosen.drawings, *self._changes]
+        return [*found, *self._clip_box(look), *self.chosen.drawings, *self._changes]
+
+    def _clip_box(self, look: Look) -> list[Drawing]:
+        """Return the edges of the clip box where it cuts off a part of the map."""
+        low, high = np.maximum(look.low, self._low), np.minimum(look.high, self._high)
+        if (low >= high).any() or ((low == self._low).all() and (high == self._high).all()):
+            return []
+        return [Segments(name="clip", label="Clip box", points=box_edges(low, high), colors=PLAIN, width=1.5)]
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

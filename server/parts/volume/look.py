@@ -8,15 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import BoolArray, Float32Array
 from mapper.core.parameter import check_fields, choice, flag, number, table_of
 from mapper.volume.mesh.voxel_normals import directions
 
-HEIGHTS = ("cut_low", "cut_high", "band_low", "band_high")  #: rows whose bounds are those of the map
+#: Rows whose bounds are those of the map, with their axes.
+AXES = {
+    "cut_x_low": 0, "cut_x_high": 0, "cut_y_low": 1, "cut_y_high": 1, "cut_low": 2, "cut_high": 2,
+    "band_low": 2, "band_high": 2,
+}  # fmt: skip
+Corner = tuple[float, float, float]  #: of the clip box, metres
 COLOURS = 24  #: of a ramp
 FARTHEST_M = 10_000.0
 
 
-def _height(label: str, initial: float, sentence: str) -> float:
+def _place(label: str, initial: float, sentence: str) -> float:
     return number(label, "look", initial, sentence, "m", -FARTHEST_M, FARTHEST_M, 0.01)
 
 
@@ -45,16 +51,35 @@ class Look:
         "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
         "looked into from outside.",
     )
-    cut_low: float = _height("Cut below", -FARTHEST_M, "What is lower is not drawn.")
-    cut_high: float = _height("Cut above", FARTHEST_M, "What is higher is not drawn.")
-    band_low: float = _height("Map from", -FARTHEST_M, "Lowest height of the map from above.")
-    band_high: float = _height(
+    point_size: float = number("Point size", "look", 1.0, "Width of a point, of the usual one.", "", 0.25, 8.0, 0.25)
+    cut_x_low: float = _place("Clip x from", -FARTHEST_M, "What has a smaller x is not drawn.")
+    cut_x_high: float = _place("Clip x to", FARTHEST_M, "What has a greater x is not drawn.")
+    cut_y_low: float = _place("Clip y from", -FARTHEST_M, "What has a smaller y is not drawn.")
+    cut_y_high: float = _place("Clip y to", FARTHEST_M, "What has a greater y is not drawn.")
+    cut_low: float = _place("Cut below", -FARTHEST_M, "What is lower is not drawn.")
+    cut_high: float = _place("Cut above", FARTHEST_M, "What is higher is not drawn.")
+    band_low: float = _place("Map from", -FARTHEST_M, "Lowest height of the map from above.")
+    band_high: float = _place(
         "Map to", FARTHEST_M, "Greatest height of the map from above; equal heights are a slice.",
     )
     # fmt: on
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+    @property
+    def low(self) -> Corner:
+        """The least coordinates of the clip box, metres."""
+        return self.cut_x_low, self.cut_y_low, self.cut_low
+
+    @property
+    def high(self) -> Corner:
+        """The greatest coordinates of the clip box, metres."""
+        return self.cut_x_high, self.cut_y_high, self.cut_high
+
+    def shows(self, points: Float32Array) -> BoolArray:
+        """Return which of points (n, 3) are in the clip box (n,)."""
+        return np.asarray(((points >= self.low) & (points <= self.high)).all(axis=1))
 
 
 LOOK_PARAMETERS = table_of(Look)

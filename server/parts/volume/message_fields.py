@@ -11,7 +11,7 @@ from mapper.io.logs.summary import start_s
 from mapper.volume import OctreeFile
 from mapper.volume.occupancy.provenance import VoxelUpdate
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.parts.volume.look import HEIGHTS, LOOK_PARAMETERS, Look
+from server.parts.volume.look import AXES, LOOK_PARAMETERS, Look
 from server.parts.volume.messages import VoxelMessage
 from server.stream.message_parts import LogInfo, Table, rows_of
 from server.stream.message_parts import VoxelUpdate as SentUpdate
@@ -20,10 +20,18 @@ MOST_UPDATES = 200  #: of a voxel that are sent
 
 
 def look_table(first: Look, now: Look, low: Float64Array, high: Float64Array) -> Table:
-    """Return the table of what is shown, with the heights of the map as bounds, and the present values."""
-    bottom, top = round(float(low[2]) - 0.5, 2), round(float(high[2]) + 0.5, 2)
-    rows = [replace(row, low=bottom, high=top) if row.name in HEIGHTS else row for row in LOOK_PARAMETERS]
+    """Return the table of what is shown, with the ends of the map as bounds, and the present values."""
+    ends = outside(low, high)
+    rows = [
+        replace(row, low=ends[0][axis], high=ends[1][axis]) if (axis := AXES.get(row.name)) is not None else row
+        for row in LOOK_PARAMETERS
+    ]
     return Table(rows_of(rows, first), asdict(now))
+
+
+def outside(low: Float64Array, high: Float64Array) -> tuple[list[float], list[float]]:
+    """Return the corners of a box around the map, half a metre away, in centimetres, metres."""
+    return (low - 0.5).round(2).tolist(), (high + 0.5).round(2).tolist()
 
 
 def log_info(source: ScanSequence | OctreeFile, log_id: str, topic: str | None, duration_s: float) -> LogInfo:

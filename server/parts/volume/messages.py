@@ -15,6 +15,7 @@ from server.stream.message_parts import (
     Table,
     Values,
     VolumeChanges,
+    VoxelPoint,
     VoxelUpdate,
 )
 
@@ -110,6 +111,7 @@ class VoxelMessage(Struct, tag_field="type", tag="voxel"):
     total: Annotated[int, Meta(description="scans that updated it")]
     hits: Annotated[int, Meta(description="those of which a beam ended in it")]
     updates: Annotated[list[VoxelUpdate], Meta(description="at most the last 200, oldest first")]
+    point: Annotated[VoxelPoint | None, Meta(description="a point in it; null: it has none")] = None
 
 
 class SurfaceMessage(Struct, tag_field="type", tag="surface"):

@@ -8,12 +8,14 @@ from msgspec import Struct
 from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
+from mapper.io.clouds.ply_writing import points_ply
 from mapper.simulation.live_map import LiveMap
 from mapper.volume import Octree, octree_file
 from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule, voxel_mesh
 from mapper.volume.mesh.files import glb_bytes, ply_bytes
 from mapper.volume.mesh.voxel_classes import Painted
 from mapper.volume.mesh.voxel_normals import painted_directions
+from mapper.volume.occupancy.volume import centres_of
 from server.parts.volume.chosen_voxel import ChosenVoxel
 from server.parts.volume.live_surface import LabSurface
 from server.parts.volume.live_volume import LabVolume, only_in_3d, points_of, true_ground
@@ -212,6 +214,14 @@ class VolumeView(Part, Volumetric):
             return self._surface.surface.file(kind, self._surface.index)
         mesh = voxel_mesh(made.volume)
         return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
+
+    def selection_bytes(self) -> bytes:
+        """Return the centres of the drawn voxels as a file ``.ply``. Raises as the octree's."""
+        made = self._made()
+        shown = made.parameters.values
+        centres = centres_of(made.volume.voxels(float(made.config.log_odds_occupied))[0], made.config.resolution)
+        kept = (centres[:, 2] >= shown["cut_low"]) & (centres[:, 2] <= shown["cut_high"])
+        return points_ply(centres[kept], {}, np.zeros(3))
 
     @property
     def above(self) -> OccupancyGrid | None:

@@ -44,6 +44,13 @@ async def surface_file(
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
 
 
+@router.get("/{session_id}/selection.ply", **file_answer("application/octet-stream"))
+@guests_may(GuestRight.LINKED_SESSION)
+async def selection_file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
+    """Return the points within the clip box as PLY, with what is known of them; of an octree its occupied voxels."""
+    return _download(request, sessions, downloads, session_id, "ply", lambda volume: volume.selection_bytes())
+
+
 @router.get("/{session_id}/above.{kind}", **file_answer("application/yaml", "image/x-portable-graymap"))
 @guests_may(GuestRight.LINKED_SESSION)
 async def above_file(

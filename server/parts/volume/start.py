@@ -14,6 +14,7 @@ from mapper.volume.blocks import BLOCK
 from mapper.volume.mesh.faces import CENTRE
 from mapper.volume.scans.scan_sequence import ScanSequence, first_in_cubes
 from server.parts.volume.look import COLOURS, Look
+from server.parts.volume.message_fields import outside
 
 MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
@@ -92,5 +93,5 @@ def first_look(low: Float64Array, high: Float64Array, resolution: float) -> Look
     """Return a look whose colours are spread over the heights of the map and whose cuts are at its ends."""
     height = max(float(high[2] - low[2]), resolution)
     band = float(np.clip(np.ceil(height / COLOURS / 0.05) * 0.05, 0.05, 10.0))
-    bottom, top = round(float(low[2]) - 0.5, 2), round(float(high[2]) + 0.5, 2)
+    bottom, top = (corner[2] for corner in outside(low, high))
     return Look(band=band, cut_low=bottom, cut_high=top, band_low=bottom, band_high=top)

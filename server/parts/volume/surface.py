@@ -24,7 +24,7 @@ from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from mapper.volume.surface.questions import first_surface, why_surface
 from mapper.volume.surface.replayed import SNAPSHOT_BYTES, MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE
-from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
+from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Corner, Look, normal_colors, ramp_of
 from server.parts.volume.message_fields import MOST_UPDATES, rounded_place
 from server.parts.volume.messages import SurfaceMessage, SurfaceVoxelMessage, VoxelCommand, VoxelRayCommand
 from server.sessions.drawings import Surface
@@ -65,8 +65,8 @@ class VolumeSurface:
         self._replayed: ReplayedSurface | None = None
         self._sent_at = 0.0  #: when the mesh should be sent, seconds of :func:`time.monotonic`
         self.is_busy = False  #: whether an answer about a voxel is being computed
-        #: Of each chunk its mesh, the heights that it was cut at, and what is left.
-        self._shown: dict[ChunkKey, tuple[ChunkMesh, tuple[float, float], ChunkMesh | None]] = {}
+        #: Of each chunk its mesh, the box that it was cut at, and what is left.
+        self._shown: dict[ChunkKey, tuple[ChunkMesh, tuple[Corner, Corner], ChunkMesh | None]] = {}
 
     @property
     def is_possible(self) -> bool:
@@ -170,18 +170,17 @@ class VolumeSurface:
         )  # fmt: skip
 
     def _cut(self, look: Look) -> dict[ChunkKey, ChunkMesh]:
-        """Return the chunks between the heights of the cuts; one that has not changed is the same object."""
-        heights = look.cut_low, look.cut_high
+        """Return the chunks within the clip box; one that has not changed is the same object."""
+        box = look.low, look.high
         size = self.config.resolution
         before, self._shown = self._shown, {}
         chunks = {}
         for key, mesh in self._chunks.chunks.items():
             whole, cut_at, cut = before.get(key, (None, None, None))
-            if whole is not mesh or cut_at != heights:
-                first = (CHUNK * key[2] - CENTRE + 0.5) * size
-                low, high = ((height - first) / size * STEPS for height in heights)
-                cut = cut_between(mesh, low, high)
-            self._shown[key] = mesh, heights, cut
+            if whole is not mesh or cut_at != box:
+                first = (CHUNK * np.array(key) - CENTRE + 0.5) * size
+                cut = cut_between(mesh, *((corner - first) / size * STEPS for corner in box))
+            self._shown[key] = mesh, box, cut
             if cut is not None:
                 chunks[key] = cut
         return chunks

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.array_types import Float32Array, Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.mesh.faces import FaceRule, first_face
 from mapper.volume.occupancy.provenance import why_voxel
 from mapper.volume.occupancy.volume import centres_of, keys_of
 from mapper.volume.placed_scan import PlacedScan
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.chosen_voxel import ChosenVoxel
 from server.parts.volume.message_fields import no_voxel, rounded_place, sent_updates
 from server.parts.volume.messages import VoxelCommand, VoxelMessage, VoxelRayCommand
 from server.sessions.tick import TickResult
-from server.stream.message_parts import CellState
+from server.stream.message_parts import CellState, VoxelPoint
 from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
@@ -48,8 +49,9 @@ class AskedMap(Protocol):
 class VoxelQuestions:
     """Answers about voxels; the one that was asked about last is chosen."""
 
-    def __init__(self, host: ModelHost, chosen: ChosenVoxel) -> None:
-        self._host, self._chosen = host, chosen
+    def __init__(self, host: ModelHost, chosen: ChosenVoxel, scans: ScanSequence | None = None) -> None:
+        """``scans`` are those of the map, whose points are told of as well."""
+        self._host, self._chosen, self._scans = host, chosen, scans
         self.is_busy = False  #: whether an answer is being computed
 
     def handle(
@@ -64,18 +66,23 @@ class VoxelQuestions:
         ``rule`` returns which faces are drawn. Raises :class:`ConfigError` for a place outside of the lattice.
         """
         if isinstance(command, VoxelCommand):
-            self._ask(_key_at(command, now), now, result)
+            place = place_of(command)
+            start, away = (np.zeros(3) if place is None else np.array(place)), np.zeros(3)
+            self._ask(_key_at(command, now), now, (start, away), result)
             return
-        key = first_face(now.volume, rule(), np.array(command.origin), np.array(command.direction))
-        self._ask(None if key is None else np.array(key), now, result)
+        start, away = np.array(command.origin), np.array(command.direction)
+        key = first_face(now.volume, rule(), start, away)
+        self._ask(None if key is None else np.array(key), now, (start, away), result)
 
     def clear(self, resolution: float, result: TickResult) -> None:
         """Choose none."""
         self._chosen.choose(None, 0.0)
         result.slot(no_voxel(resolution))
 
-    def _ask(self, key: Int64Array | None, now: AskedMap, result: TickResult) -> None:
-        """Answer why a voxel is as it is; None chooses none."""
+    def _ask(
+        self, key: Int64Array | None, now: AskedMap, line: tuple[Float64Array, Float64Array], result: TickResult
+    ) -> None:
+        """Answer why a voxel is as it is; None chooses none. ``line`` is where it is looked from (3,), and where to."""
         config = now.config
         if key is None:
             self.clear(config.resolution, result)
@@ -86,23 +93,47 @@ class VoxelQuestions:
                 updates = why_voxel(now.placed_scans(), config, key, self._host.may_continue)
         finally:
             self.is_busy = False
-        centre = centres_of(key[None], config.resolution)[0]
-        self._chosen.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
+        size = config.resolution
+        centre = centres_of(key[None], size)[0]
+        self._chosen.choose(centre, size, [(one.is_hit, one.origin, one.ends) for one in updates])
         value = float(now.volume.log_odds_of(key[None])[0])
         known = not math.isnan(value)
         state: CellState = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"
         result.slot(
             VoxelMessage(
                 centre=rounded_place(centre),
-                size=config.resolution,
+                size=size,
                 log_odds=value if known else None,
                 state=state,
                 index=now.index,
                 total=len(updates),
                 hits=sum(update.is_hit for update in updates),
                 updates=sent_updates(updates),
+                point=None if self._scans is None else point_in(self._scans, now.index, centre, size, line),
             )
         )
+
+
+def point_in(
+    scans: ScanSequence, index: int, centre: Float32Array, size: float, line: tuple[Float64Array, Float64Array]
+) -> VoxelPoint | None:
+    """Return the point of the first ``index`` scans in a voxel that is nearest to a line; None where there is none.
+
+    The line goes from a place (3,) along a direction (3,), which is 0 for the place alone.
+    """
+    points = scans.points[: scans.starts[index]]
+    inside = np.flatnonzero((np.abs(points - centre) <= 0.5 * size).all(axis=1))
+    if not len(inside):
+        return None
+    start, away = line
+    apart = points[inside] - start
+    length = float(away @ away)
+    if length > 0.0:
+        apart = apart - (apart @ away / length)[:, None] * away
+    nearest = int(inside[np.argmin((apart * apart).sum(axis=1))])
+    values = {name: np.atleast_1d(of_all[nearest]).astype(np.float64).tolist() for name, of_all in scans.fields.items()}
+    scan = int(np.searchsorted(scans.starts, nearest, side="right"))
+    return VoxelPoint(rounded_place(points[nearest]), scan, values, len(inside))
 
 
 def _key_at(command: VoxelCommand, now: AskedMap) -> Int64Array | None:

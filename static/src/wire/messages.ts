@@ -273,6 +273,18 @@ export interface VoxelUpdate {
   readonly after: number;
 }
 
+/** The measured point in a voxel that is nearest to the line of sight, or to the place that was asked about. */
+export interface VoxelPoint {
+  /** where it is, m */
+  readonly place: Place;
+  /** number of its scan, from 1 */
+  readonly scan: number;
+  /** what is known of it: intensity, class, rgb */
+  readonly values: Readonly<Record<string, readonly number[]>>;
+  /** points in the voxel */
+  readonly count: number;
+}
+
 /** Numbers of patches of each class before parameters changed. */
 export interface TerrainCounts {
   /** names of the parameters */
@@ -945,6 +957,8 @@ export interface VoxelMessage {
   readonly hits: number;
   /** at most the last 200, oldest first */
   readonly updates: readonly VoxelUpdate[];
+  /** a point in it; null: it has none */
+  readonly point?: VoxelPoint | null;
 }
 
 /** The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`. */
@@ -1732,6 +1746,12 @@ const isVoxelUpdate: Check = isObject({
   before: oneOf(isNumber, isNull),
   after: isNumber,
 });
+const isVoxelPoint: Check = isObject({
+  place: isPlace,
+  scan: isInteger,
+  values: isRecordOf(isListOf(isNumber)),
+  count: isInteger,
+});
 const isTerrainCounts: Check = isObject({
   changed: isListOf(isText),
   safe: isInteger,
@@ -2070,6 +2090,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     total: isInteger,
     hits: isInteger,
     updates: isListOf(isVoxelUpdate),
+    point: optional(oneOf(isVoxelPoint, isNull)),
   },
   terrain: {
     is_on: isFlag,

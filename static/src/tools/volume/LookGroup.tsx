@@ -2,6 +2,7 @@ import type { Store } from "../../store/store";
 import { Panel } from "../../ui/Panel";
 import type { VolumeMessage } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
+import { ClipBox } from "./ClipBox";
 import { useLook } from "./useLook";
 
 /** Names of the colourings that voxels have; the others are of points. */
@@ -17,7 +18,8 @@ export function LookGroup({ store }: { readonly store: Store }) {
   const { rows, values, set } = look;
   const { show, colour } = values.value;
   const shown = rows.flatMap((row) => {
-    if (row.name.startsWith("band_")) return [];
+    if (row.name.startsWith("band_") || row.name.startsWith("cut_")) return [];
+    if (row.name === "point_size" && show !== "points" && show !== "both") return [];
     if (row.name === "whole" && (!now.has_free || show === "points" || show === "surface")) return [];
     if (row.name === "show") {
       const choices = row.choices.filter((choice) => choice !== "surface" || now.has_free);
@@ -28,10 +30,13 @@ export function LookGroup({ store }: { readonly store: Store }) {
     return [row];
   });
   return (
-    <Panel title="What is drawn">
-      <ParameterRows rows={shown} values={values} set={set} />
-      <Key colour={String(colour)} show={String(show)} now={now} band={Number(values.value.band)} />
-    </Panel>
+    <>
+      <Panel title="What is drawn">
+        <ParameterRows rows={shown} values={values} set={set} />
+        <Key colour={String(colour)} show={String(show)} now={now} band={Number(values.value.band)} />
+      </Panel>
+      <ClipBox look={look} />
+    </>
   );
 }
 

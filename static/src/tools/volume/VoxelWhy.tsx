@@ -44,7 +44,7 @@ interface AnswerProps {
 }
 
 function Answer({ now, centre, hasScans }: AnswerProps) {
-  const { log_odds, state, size, total, hits, updates, index } = now;
+  const { log_odds, state, size, total, hits, updates, index, point } = now;
   return (
     <div data-voxel={state} data-hits={hits} data-total={total}>
       <p>
@@ -58,6 +58,20 @@ function Answer({ now, centre, hasScans }: AnswerProps) {
         )}
         .
       </p>
+      {point && (
+        <p data-points={point.count}>
+          {point.count === 1 ? "One point is" : `${point.count.toLocaleString("en")} points are`} in it
+          {point.count > 1 && "; the nearest to the click is"} at{" "}
+          <span class="number">{coordinates(point.place)} m</span>, of scan <span class="number">{point.scan}</span>
+          {Object.entries(point.values).map(([name, values]) => (
+            <span key={name}>
+              , {name === "rgb" ? "colour" : name}{" "}
+              <span class="number">{values.map((value) => Number(value.toPrecision(6))).join(", ")}</span>
+            </span>
+          ))}
+          .
+        </p>
+      )}
       {hasScans ? (
         <p>
           {total === 0

@@ -120,11 +120,15 @@ def test_a_chunk_is_cut_and_written_as_another_reader_takes_it() -> None:
     mesh = max(chunks.chunks.values(), key=lambda one: len(one.triangles))
     assert cut_between(mesh, 0, STEPS * CHUNK) is mesh
     assert cut_between(mesh, -9, -1) is None
-    middle = float(np.median(mesh.places[:, 2]))
-    cut = cut_between(mesh, 0, middle)
-    assert cut is not None
-    assert 0 < len(cut.triangles) < len(mesh.triangles)
-    assert mesh.places[cut.triangles, 2].max() <= middle
+    wide = np.flatnonzero(np.ptp(mesh.places[mesh.triangles.ravel()], axis=0))
+    assert len(wide) >= 2
+    for axis in wide:
+        high = np.full(3, np.inf)
+        high[axis] = middle = float(np.median(mesh.places[:, axis]))
+        cut = cut_between(mesh, 0, high)
+        assert cut is not None
+        assert 0 < len(cut.triangles) < len(mesh.triangles)
+        assert mesh.places[cut.triangles, axis].max() <= middle
     colors = np.full((len(mesh.places), 3), 200, dtype=np.uint8)
     read = trimesh.load_mesh(io.BytesIO(surface_glb(mesh, colors)), file_type="glb", process=False)
     np.testing.assert_array_equal(read.faces, mesh.triangles)

@@ -17,6 +17,9 @@ export function VolumeDownloads({ store, session }: { readonly store: Store; rea
           ot
         </Button>
         <MapFiles session={session} />
+        <Button icon="download" href={address("selection.ply")} download>
+          points in the clip box
+        </Button>
         {hasSurface && (
           <>
             <Button icon="download" href={address("surface.ply")} download>
