@@ -11,6 +11,7 @@ from mapper.diagnosis.events.event import clock_time
 from server.library.annotations.areas import area_of
 from server.report.content import PlacedNote, Report, ReportMap
 
+PATH, EVENT, NOTE = "#08705f", "#a63e08", "#6b3fa0"  #: colours of what is drawn on a map
 BARS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)  #: lengths of a scale bar
 STYLE = """
 @page { size: A4; margin: 14mm; }
@@ -123,17 +124,15 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
         return " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in corners))
 
     areas = [
-        f'<polygon points="{points(note.outline)}" fill="#08705f" fill-opacity="0.2" stroke="#08705f" '
+        f'<polygon points="{points(note.outline)}" fill="{NOTE}" fill-opacity="0.2" stroke="{NOTE}" '
         f'stroke-width="{0.5 * unit:.2f}"/>'
         for note in notes
         if note.outline is not None
     ]
-    marks = [_mark(str(n + 1), *place(x, y), unit, "#a63e08") for n, (x, y) in enumerate(one.events_xy)]
+    marks = [_mark(str(n + 1), *place(x, y), unit, EVENT) for n, (x, y) in enumerate(one.events_xy)]
     placed = [note.xy for note in notes]
-    marks += [
-        _mark(chr(ord("A") + n), *place(*xy), unit, "#08705f") for n, xy in enumerate(placed[:26]) if xy is not None
-    ]
-    path = f'<polyline points="{points(one.path_xy)}" fill="none" stroke="#08705f" stroke-width="{0.3 * unit:.2f}"/>'
+    marks += [_mark(chr(ord("A") + n), *place(*xy), unit, NOTE) for n, xy in enumerate(placed[:26]) if xy is not None]
+    path = f'<polyline points="{points(one.path_xy)}" fill="none" stroke="{PATH}" stroke-width="{0.3 * unit:.2f}"/>'
     length = max((bar for bar in BARS_M if bar <= metres / 4.0), default=BARS_M[0])
     bar = (
         f'<path d="M{2 * unit:.1f} {height + 3 * unit:.1f}h{length * scale:.1f}" stroke="#1c1b19" '

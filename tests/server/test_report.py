@@ -89,6 +89,8 @@ def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> N
         assert "at 0:01.000, at x 1.00 m, y 0.50 m" in text
         assert "at x 1.17 m, y -0.33 m, 1.00 m²" in text  # of the triangle: the mean of its corners, and half 1 m × 2 m
         drawn = re.findall(r'<polygon points="([^"]+)"', answer.text)
+        (path,) = re.findall(r'<polyline[^>]* stroke="([^"]+)"', answer.text)
+        assert f'stroke="{path}"' not in re.findall(r"<polygon[^>]*>", answer.text)[0]
         (outline,) = ([[float(part) for part in corner.split(",")] for corner in one.split()] for one in drawn)
         marks = re.findall(r'<circle cx="([^"]+)" cy="([^"]+)"', answer.text)
         at = [[float(x), float(y)] for x, y in marks[-2:]]  # of both notes, 0.05 m a pixel, y down

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from mapper.io.clouds import read_cloud
 from mapper.io.clouds.ply_writing import points_ply
@@ -15,7 +17,7 @@ from mapper.io.clouds.ply_writing import points_ply
 def test_points_with_all_that_is_known_of_them(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     points = rng.normal(size=(40, 3)).astype(np.float32)
-    fields = {
+    fields: dict[str, NDArray[Any]] = {
         "rgb": rng.integers(0, 256, (40, 3)).astype(np.uint8),
         "intensity": rng.uniform(size=40).astype(np.float32),
         "class": rng.integers(0, 9, 40),
