@@ -23,18 +23,10 @@ _TEXTS = """() => {
   return found;
 }"""
 
-# What does not fit: the figure in its room, text in its drawing, words in their box.
-_CUT = """() => {
+# Labels that are not within their drawing.
+_OUT = """(within) => {
   const found = [];
-  for (const box of document.querySelectorAll(".presenter, .lecture, .on-slide, .on-slide .lesson-room, .own-slide")) {
-    if (!box.checkVisibility({ visibilityProperty: true })) continue;
-    const [height, width] = [box.scrollHeight - box.clientHeight, box.scrollWidth - box.clientWidth];
-    if (height > 1) found.push([box.className, "too high", height]);
-    if (width > 1) found.push([box.className, "too wide", width]);
-    const rect = box.getBoundingClientRect();
-    if (rect.bottom > innerHeight + 1 || rect.right > innerWidth + 1) found.push([box.className, "off the screen"]);
-  }
-  for (const svg of document.querySelectorAll(".on-slide svg:not(.icon)")) {
+  for (const svg of document.querySelectorAll(`${within} svg:not(.icon)`)) {
     if (!svg.checkVisibility({ visibilityProperty: true })) continue;
     const around = svg.getBoundingClientRect();
     for (const text of svg.querySelectorAll("text")) {
@@ -45,6 +37,20 @@ _CUT = """() => {
       const slack = 0.3 * parseFloat(getComputedStyle(text).fontSize) * Math.hypot(matrix.a, matrix.b);
       if (box.width > 0 && out > slack) found.push([text.textContent, "out of its drawing", Math.round(out)]);
     }
+  }
+  return found;
+}"""
+
+# What does not fit: the figure in its room, words in their box.
+_CUT = """() => {
+  const found = [];
+  for (const box of document.querySelectorAll(".presenter, .lecture, .on-slide, .on-slide .lesson-room, .own-slide")) {
+    if (!box.checkVisibility({ visibilityProperty: true })) continue;
+    const [height, width] = [box.scrollHeight - box.clientHeight, box.scrollWidth - box.clientWidth];
+    if (height > 1) found.push([box.className, "too high", height]);
+    if (width > 1) found.push([box.className, "too wide", width]);
+    const rect = box.getBoundingClientRect();
+    if (rect.bottom > innerHeight + 1 || rect.right > innerWidth + 1) found.push([box.className, "off the screen"]);
   }
   for (const box of document.querySelectorAll(".on-slide :not(svg *), .presenter *")) {
     if (!box.checkVisibility({ visibilityProperty: true }) || box.closest(".visually-hidden, math")) continue;
@@ -63,9 +69,14 @@ def small_texts(page: Page, least: float) -> list[Any]:
     return [text for text in texts if text[1] < least]
 
 
+def cut_labels(page: Page, within: str) -> list[Any]:
+    """Return the labels that are not within their drawing, of the drawings in what a selector finds."""
+    return list(page.evaluate(_OUT, within))
+
+
 def cut_off(page: Page) -> list[Any]:
     """Return what does not fit the slide."""
-    return list(page.evaluate(_CUT))
+    return [*page.evaluate(_CUT), *cut_labels(page, ".on-slide")]
 
 
 def settle(page: Page) -> None:

@@ -8,8 +8,9 @@ from itertools import product
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.lecturing import never_idle, open_lecture
+from tests.browser.lecturing import never_idle, open_lecture, set_up_every_figure
 from tests.browser.looking import await_true, until
+from tests.browser.slides import cut_labels
 from tests.browser.stillness import AWAITED, FOUND, HOLD, JUMP, LET_GO, OFF, STILL_WITHIN, WATCH
 from tests.browser.visits import SIZES
 from tests.marks import also_long_rows
@@ -93,6 +94,23 @@ def test_nothing_in_view_moves_while_the_page_fills(
     assert seen > 1
     assert moved == []
     assert is_at("mount")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), *also_long_rows((390, 844))])
+def test_figures_are_enlarged_with_the_text(page: Page, server: str, width: int, height: int) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    open_lecture(page, server)
+    set_up_every_figure(page)
+    drawn = page.locator("#model .profile-svg").bounding_box()
+    page.evaluate("document.documentElement.style.fontSize = '200%'")
+    curve = page.locator("#model .profile-svg")
+    until("a figure for larger text", lambda: curve.evaluate("one => one.currentCSSZoom") > 1)
+    box = curve.bounding_box()
+    assert box is not None
+    assert drawn is not None
+    assert box["height"] > drawn["height"]
+    assert box["width"] <= drawn["width"] + 1
+    assert cut_labels(page, ".lesson") == []
 
 
 @pytest.mark.moving

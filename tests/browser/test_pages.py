@@ -6,10 +6,10 @@ import re
 from itertools import product
 
 import pytest
-from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import Page, Route, WebSocket, expect
 
 from server.scenes.pacing import DRAWN, MOST_AHEAD
-from tests.browser.looking import await_map, frame, open_group, until
+from tests.browser.looking import await_map, frame, open_group, settled_digest, until
 from tests.browser.visits import SIZES
 
 pytestmark = pytest.mark.moving
@@ -129,6 +129,28 @@ def test_pictures_are_not_black_while_a_known_session_says_nothing(page: Page, s
     for picture in pictures.all():
         expect(picture).to_be_visible()
         expect(picture.locator("canvas")).to_be_hidden()
+
+
+def test_a_change_before_the_session_is_known_reaches_it(page: Page, server: str) -> None:
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route("**/api/sessions", hold)
+    page.goto(server)
+    page.get_by_role("slider", name="Hit", exact=True).press("ArrowRight")
+    label = page.locator(".profile .label-hit:not(.small)")
+    expect(label).to_contain_text("+0.90")
+    expect(page.get_by_role("status").filter(has_text="Starting the simulation")).to_be_visible()
+    assert len(held) == 1
+    held[0].continue_()
+    await_map(page)
+    settled_digest(page)
+    page.unroute("**/api/sessions")
+    page.reload()  # the page then knows only what the session has
+    await_map(page)
+    expect(label).to_contain_text("+0.90")
 
 
 def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, watched) -> None:

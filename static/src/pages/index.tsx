@@ -73,6 +73,12 @@ function Hero() {
     if (connection.value?.status.value === "gone") void openWorld();
   });
   useSignalEffect(() => {
+    const store = connection.value?.store;
+    if (!store?.hello.value) return;
+    for (const [name, value] of Object.entries(early.peek())) store.setParameter(name, value);
+    early.value = {};
+  });
+  useSignalEffect(() => {
     const notice = connection.value?.store.notice.value;
     if (notice) toast(notice.message, notice.kind);
   });
@@ -224,22 +230,19 @@ function Facts() {
   );
 }
 
-/** Parameters of the figures until those of the session are known: those it will begin with, which can be changed. */
-const own = signal<Record<string, unknown>>({
-  ...INITIAL_PARAMETERS,
-  range_max: LIVE_RANGE_MAX,
-  window: LIVE_WINDOW,
-});
+/** The parameters that the session begins with, for the figures until its own are known. */
+const FIRST = { ...INITIAL_PARAMETERS, range_max: LIVE_RANGE_MAX, window: LIVE_WINDOW };
+/** What is changed until then: the session gets it. */
+const early = signal<Readonly<Record<string, number>>>({});
 const parameters = computed(() => {
   const store = connection.value?.store;
-  const values = store?.mapping.values.value ?? {};
-  return Object.keys(values).length > 0 ? values : own.value;
+  return store?.hello.value ? store.mapping.values.value : { ...FIRST, ...early.value };
 });
 
 function setParameter(name: string, value: number): void {
   const store = connection.peek()?.store;
   if (store?.hello.peek()) store.setParameter(name, value);
-  else own.value = { ...own.peek(), [name]: value };
+  else early.value = { ...early.peek(), [name]: value };
 }
 
 const reading = computed(() => {

@@ -14,6 +14,8 @@ const HEIGHT = 92;
 const AXIS = 66;
 const PAD = 14;
 const PARTS = 4;
+/** In a narrower place every second number of the axis is left out, pixels. */
+const ROOMY_PX = 340;
 
 /** Resolves after the next frame is painted: what is shown before a long computation is on the screen during it. */
 const framePainted = (): Promise<void> =>
@@ -72,9 +74,11 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
                 (tick, i) => (
                   <g key={tick}>
                     <path class="prediction-axis" d={`M${x(tick)} ${AXIS}v6`} />
-                    <text x={x(tick)} y={AXIS + 22} text-anchor={i === 0 ? "start" : i === PARTS ? "end" : "middle"}>
-                      {i === PARTS ? told(tick) : written(tick, places)}
-                    </text>
+                    {(i % 2 === 0 || width >= ROOMY_PX) && (
+                      <text x={x(tick)} y={AXIS + 22} text-anchor={i === 0 ? "start" : i === PARTS ? "end" : "middle"}>
+                        {i === PARTS ? told(tick) : written(tick, places)}
+                      </text>
+                    )}
                   </g>
                 ),
               )}

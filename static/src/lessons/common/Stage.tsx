@@ -8,7 +8,7 @@ import { mapColours, palette } from "../../render/map/palette";
 import { isDark } from "../../ui/browser/theme";
 import type { Point } from "../../wire/protocol";
 import "./lesson.css";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 
 /** Where the world lies on a stage: metres to pixels and back. y points up in the world, down on the screen. */
 export interface StageTransform {
@@ -85,13 +85,13 @@ interface StageProps {
 }
 
 /**
- * A part of the world: its cells as a canvas, and over them an SVG drawing in CSS pixels. Its height is kept while it
+ * A part of the world: its cells as a canvas, and over them an SVG drawing in pixels. Its height is kept while it
  * loads.
  */
 export function Stage({ geometry, label, grid, greys, colours, lines, children }: StageProps) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
-  const width = useWidth(box, 480);
+  const size = useDrawing(box, 480);
   // Before it is shown, and before it is printed.
   useLayoutEffect(
     () =>
@@ -103,14 +103,22 @@ export function Stage({ geometry, label, grid, greys, colours, lines, children }
       }),
     [grid, greys, colours],
   );
-  const now = transformOf(geometry, width.value);
+  const { width, scale } = size.value;
+  const now = transformOf(geometry, width);
   return (
     <div class="stage" ref={box} style={{ "aspect-ratio": `${geometry.cols} / ${geometry.rows}` }}>
       {(grid || greys || colours) && (
         <canvas ref={canvas} width={geometry.cols} height={geometry.rows} role="img" aria-label={label} />
       )}
       {!(grid || greys || colours) && <p class="visually-hidden">{label}</p>}
-      <svg width={now.width} height={now.height} viewBox={`0 0 ${now.width} ${now.height}`} role="presentation">
+      <svg
+        class="drawing"
+        style={{ zoom: scale }}
+        width={now.width}
+        height={now.height}
+        viewBox={`0 0 ${now.width} ${now.height}`}
+        role="presentation"
+      >
         {lines && <Lines geometry={geometry} transform={now} />}
         {children?.(now)}
       </svg>

@@ -166,7 +166,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
               }}
             >
               <circle class="handle-mark" cx={x(z + now.sigma_hit)} cy={sigmaY} r={6} />
-              <text class="forward-name hit" x={x(z + now.sigma_hit) + 11} y={sigmaY + 5}>
+              <text class="forward-name hit" x={x(z + now.sigma_hit) + 11} y={sigmaY - 5}>
                 σ {written(now.sigma_hit, 2)}
               </text>
             </Handle>

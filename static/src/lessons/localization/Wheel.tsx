@@ -40,7 +40,7 @@ export function Wheel({ weights, counts, share, onShare }: WheelProps) {
   const [x, y] = at(first, TIP).split(" ").map(Number) as [number, number];
   const set = (value: number): void => onShare(Math.min(0.99, Math.max(0.01, value)));
   return (
-    <svg class="wheel" width={SIZE} height={SIZE} viewBox={`0 0 ${SIZE} ${SIZE}`} role="presentation">
+    <svg class="wheel drawing" width={SIZE} height={SIZE} viewBox={`0 0 ${SIZE} ${SIZE}`} role="presentation">
       {ring.map((i) => (
         <path
           key={i}

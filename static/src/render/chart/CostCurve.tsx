@@ -2,7 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import { costAt, factorFor, type Inflation } from "../../grid/costs";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
 import { toPixel } from "./scale";
@@ -23,7 +23,7 @@ interface CostCurveProps {
 
 export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChange }: CostCurveProps) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useWidth(box, 400).value;
+  const { width, scale } = useDrawing(box, 400).value;
   const before = useRef({ radius: 0, at: 0 });
   const { inflation_radius: radius, cost_scaling_factor: factor } = inflation;
   // The axis does not move while the radius is dragged within its reach.
@@ -51,7 +51,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
   };
   return (
     <section class="cost-curve" ref={box} aria-label="Cost over the distance from an obstacle">
-      <svg role="presentation" width={width} height={HEIGHT}>
+      <svg class="drawing" style={{ zoom: scale }} role="presentation" width={width} height={HEIGHT}>
         {COSTS.map((cost) => (
           <g key={cost} class="tick">
             <line x1={LEFT} x2={width - RIGHT} y1={y(cost)} y2={y(cost)} />

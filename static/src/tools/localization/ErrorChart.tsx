@@ -1,6 +1,6 @@
 import { useRef } from "preact/hooks";
 import { ticks } from "../../render/chart/scale";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import type { Point } from "./model";
 
 const HEIGHT = 150;
@@ -13,7 +13,7 @@ const TICK_PX = 90;
 /** The error of the estimate and the entropy of the particles, over the scans that were used. */
 export function ErrorChart({ points }: { readonly points: readonly Point[] }) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useWidth(box, 420).value;
+  const { width, scale } = useDrawing(box, 420).value;
   const right = width - RIGHT;
   const first = points[0]?.updates ?? 0;
   const last = Math.max(points.at(-1)?.updates ?? 0, first + 20);
@@ -26,8 +26,10 @@ export function ErrorChart({ points }: { readonly points: readonly Point[] }) {
       .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.updates).toFixed(1)} ${y(share(point)).toFixed(1)}`)
       .join("");
   return (
-    <div class="localization-chart" ref={box} style={{ height: `${HEIGHT}px` }}>
+    <div class="localization-chart" ref={box} style={{ height: `${scale * HEIGHT}px` }}>
       <svg
+        class="drawing"
+        style={{ zoom: scale }}
         width={width}
         height={HEIGHT}
         role="img"

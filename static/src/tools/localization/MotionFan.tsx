@@ -11,7 +11,7 @@ import {
   sampleOmni,
 } from "../../grid/motionModel";
 import { normal, seeded } from "../../grid/random";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import { zoomOf } from "../../ui/browser/zoom";
 import { written } from "../../ui/numbers";
 import type { Pose, Values } from "../../wire/protocol";
@@ -39,7 +39,7 @@ const degrees = (angle: number): string => written((angle * 180) / Math.PI, 0);
 
 export function MotionFan({ values }: { readonly values: Values }) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useWidth(box, 400).value;
+  const { width, scale: zoom } = useDrawing(box, 400).value;
   const end = useSignal<Pose>(FIRST);
   const held = useRef<{ x: number; y: number; from: Pose } | null>(null);
   const normals = useMemo(() => {
@@ -94,7 +94,7 @@ export function MotionFan({ values }: { readonly values: Values }) {
   });
   return (
     <figure class="motion-fan" ref={box} aria-label="Where the robot may be after a motion">
-      <svg role="presentation" width={width} height={HEIGHT}>
+      <svg class="drawing" style={{ zoom }} role="presentation" width={width} height={HEIGHT}>
         <path class="ground" d={`M0 ${HEIGHT / 2}H${width}`} />
         <path class="told" d={`M${x(0)} ${y(0)}L${x(ex)} ${y(ey)}`} />
         <path class="looks" d={looks} />

@@ -10,7 +10,7 @@ import {
   shortDensity,
 } from "../../grid/rangeModels";
 import { type Scale, ticks, toPixel } from "../../render/chart/scale";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
 import type { Parameter, Values } from "../../wire/protocol";
@@ -49,7 +49,7 @@ const NO_ROW: Range = { low: 0, high: 1, step: 0.01 };
 
 export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useWidth(box, 400).value;
+  const { width, scale } = useDrawing(box, 400).value;
   const from = useRef(0);
   const isBeam = values.laser_model_type === "beam";
   const wallReach = Number(values.laser_likelihood_max_dist);
@@ -80,7 +80,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
         isBeam ? "Likelihood of a reading over its range" : "Likelihood of a reading over its distance from a wall"
       }
     >
-      <svg role="presentation" width={width} height={HEIGHT}>
+      <svg class="drawing" style={{ zoom: scale }} role="presentation" width={width} height={HEIGHT}>
         {DECADES.map((power) => (
           <g key={power} class="tick">
             <line x1={LEFT} x2={width - RIGHT} y1={ys.at(10 ** power)} y2={ys.at(10 ** power)} />

@@ -64,7 +64,7 @@ function paintCells(canvas: HTMLCanvasElement, view: ProfileView, values: Sensor
 }
 
 /** The cells of the cone, on a canvas behind the handles. */
-export function ConeCells({ view }: { readonly view: ProfileView }) {
+export function ConeCells({ view, scale }: { readonly view: ProfileView; readonly scale: number }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const { box } = placed(view);
   const values = view.values.value;
@@ -74,6 +74,7 @@ export function ConeCells({ view }: { readonly view: ProfileView }) {
     if (canvas.current) paintCells(canvas.current, view, values, z);
   }, [view, values, z, dark, box.right, view.reach.value]);
   const style = {
+    zoom: scale,
     left: `${box.left}px`,
     top: `${box.top}px`,
     width: `${box.right - box.left}px`,

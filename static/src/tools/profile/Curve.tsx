@@ -25,7 +25,7 @@ function Axes({ view }: { view: ProfileView }) {
   }
   return (
     <g>
-      {ticks(scale.low, scale.high, 6).map((tick) => (
+      {ticks(scale.low, scale.high, Math.min(6, (curve.bottom - curve.top) / 20)).map((tick) => (
         <g key={tick} class="tick">
           <line class={tick === 0 ? "zero" : "grid"} x1={curve.left} x2={curve.right} y1={y(tick)} y2={y(tick)} />
           <text x={curve.left - 7} y={y(tick) + 4} text-anchor="end">

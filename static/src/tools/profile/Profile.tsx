@@ -4,7 +4,7 @@ import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { cellIndexAt, isCone } from "../../grid/sensorModel";
 import { toValue } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
-import { useSize } from "../../ui/browser/useSize";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import { zoomOf } from "../../ui/browser/zoom";
 import { lazy } from "../../ui/lazy";
 import { Beam } from "./Beam";
@@ -83,7 +83,7 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
     return controlsFor(view, tableBounds, setParameter);
   }, [view, setParameter]);
   const frame = useRef<HTMLDivElement>(null);
-  const measured = useSize(frame, 720);
+  const measured = useDrawing(frame, 720);
   useLayoutEffect(
     () =>
       effect(() => {
@@ -97,6 +97,7 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
   );
 
   const { width, height, curve, strip } = view.layout.value;
+  const { scale } = measured.value;
   const hover = (event: PointerEvent): void => {
     // The frame's position is not read while a handle is dragged: that would force a layout in every frame of the drag.
     const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
@@ -154,10 +155,11 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
           </span>
         )}
       </div>
-      <div class="profile-frame" ref={frame} {...(fits ? {} : { style: { height: `${height}px` } })}>
-        {cone && <ConeCells view={view} />}
+      <div class="profile-frame" ref={frame} {...(fits ? {} : { style: { height: `${scale * height}px` } })}>
+        {cone && <ConeCells view={view} scale={scale} />}
         <svg
-          class="profile-svg"
+          class="profile-svg drawing"
+          style={{ zoom: scale }}
           role="presentation"
           width={width}
           height={height}

@@ -1,6 +1,6 @@
 import { useRef } from "preact/hooks";
 import { ticks } from "../../render/chart/scale";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useDrawing } from "../../ui/browser/useDrawing";
 import type { Forgetting } from "../../wire/protocol";
 import type { Point } from "./model";
 
@@ -22,7 +22,7 @@ interface ForgettingChartProps {
 /** The share of the table's cells that are free in each map, over the scans since its removal; the guess as a line. */
 export function ForgettingChart({ points, guess, forgetting }: ForgettingChartProps) {
   const box = useRef<HTMLDivElement>(null);
-  const width = useWidth(box, 560).value;
+  const { width, scale } = useDrawing(box, 560).value;
   const right = width - RIGHT;
   const last = points.at(-1)?.scans ?? 0;
   const most = Math.max(20, guess * 1.15, last * 1.05, (forgetting?.without_clamp ?? 0) * 1.15);
@@ -33,8 +33,10 @@ export function ForgettingChart({ points, guess, forgetting }: ForgettingChartPr
       .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.scans).toFixed(1)} ${y(share(point)).toFixed(1)}`)
       .join("");
   return (
-    <div class="table-chart" ref={box} style={{ height: `${HEIGHT}px` }}>
+    <div class="table-chart" ref={box} style={{ height: `${scale * HEIGHT}px` }}>
       <svg
+        class="drawing"
+        style={{ zoom: scale }}
         width={width}
         height={HEIGHT}
         role="img"
