@@ -38,6 +38,16 @@ class Check:
 #: Findings whose remedy the following checks use.
 REMEDIED = frozenset({"readings.max_range", sweep.CHECK, "mount.offset"})
 
+
+def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Return whether the poses are late or the mount is off: to a robot that drives straight on, both are alike.
+
+    Where both make the map sharper, it is the one that does so by more.
+    """
+    found = [*timing.check(log, seen), *mounting.check_offset(log, seen)]
+    return sorted(found, key=lambda one: one.sure, reverse=True)[:1]
+
+
 _FEW = frozenset({readings.FEW})
 _TURNED = _FEW | {"mount.turned"}
 
@@ -48,8 +58,7 @@ CHECKS: tuple[Check, ...] = (
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
     Check(sweep.check_sweep, (sweep.CHECK,), _FEW),
     Check(mounting.check_turned, ("mount.turned",), _FEW),
-    Check(timing.check, ("timing.delay",), _TURNED),
-    Check(mounting.check_offset, ("mount.offset",), _TURNED | {"timing.delay"}),
+    Check(_delay_or_offset, ("timing.delay", "mount.offset"), _TURNED),
     Check(walls.check_still, ("poses.still",), _TURNED | {"timing.delay"}),
     Check(walls.check_drift, ("walls.drift",), _TURNED | {"timing.delay"}),
     Check(

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
@@ -14,6 +15,8 @@ BETTER = 1.3  #: times as consistent, and by
 BY = 0.08  #: at least: only then a sensor is said to be turned
 FINER = 1.12  #: for an offset: what drifting poses gain by one is less
 FINER_BY = 0.04
+FARTHER = 6  #: steps of one size on the way to a mount that is not stated
+DIRECTIONS = np.radians(np.arange(-165.0, 180.1, 15.0)).clip(max=3.1415).tolist()  #: of a mount that is not stated
 LEAST_TURN = 0.2  #: radians, of the robot, that tell where on it the sensor is
 
 _TURNS = (
@@ -23,8 +26,11 @@ _TURNS = (
 )
 
 
-def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
-    """Try the sensor upside down, backwards and sideways."""
+def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Try the sensor upside down, backwards and sideways.
+
+    One whose mount the log does not state may look any way: :func:`check_offset` finds which, if it is not upside down.
+    """
     now = seen.agreement
     tried: list[tuple[float, str, dict[str, object]]] = []
     for over in (False, True):
@@ -35,7 +41,7 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
             values: dict[str, object] = {"mount_upside_down": over, "mount_yaw": min(yaw, 3.1415)}
             tried.append((consistency(seen, **values), what, values))
     best, what, values = max(tried, key=lambda one: one[0])
-    if best < BETTER * now or best < now + BY:
+    if best < BETTER * now or best < now + BY or (log.mount_assumed and not values["mount_upside_down"]):
         return []
     return [
         Finding(
@@ -50,24 +56,46 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
     ]
 
 
-def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
-    """Move and turn the mount a little, one axis after another, as long as the map gets sharper.
+def _sharpest(
+    seen: Examined, names: tuple[str, ...], begin: float, yaw: float, tries: int = 1
+) -> tuple[float, dict[str, float]]:
+    """Return the greatest consistency that steps which get smaller lead to from a mount that is turned, and the mount.
 
-    Where the robot hardly turns, a mount that is moved moves the whole map: then it is only turned.
+    ``begin`` is its consistency, and ``tries`` how often steps of one size are made at most.
     """
-    has_turned = np.ptp(np.unwrap(seen.log.trajectory().poses[:, 2])) >= LEAST_TURN
-    now = best = seen.agreement
-    at = {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": 0.0}
+    best, at = begin, {"mount_x": 0.0, "mount_y": 0.0, "mount_yaw": yaw}
     steps = {"mount_x": 0.2, "mount_y": 0.2, "mount_yaw": math.radians(6.0)}
     for _ in range(5):
-        for name in ("mount_yaw", "mount_x", "mount_y") if has_turned else ("mount_yaw",):
-            for sign in (1.0, -1.0):
-                tried = at | {name: at[name] + sign * steps[name]}
-                value = consistency(seen, **tried)
-                if value > best:
-                    best, at = value, tried
-                    break
+        for _ in range(tries):
+            before = best
+            for name in names:
+                for sign in (1.0, -1.0):
+                    tried = at | {name: at[name] + sign * steps[name]}
+                    tried["mount_yaw"] = float(wrap_angle(tried["mount_yaw"]))
+                    value = consistency(seen, **tried)
+                    if value > best:
+                        best, at = value, tried
+                        break
+            if best == before:
+                break
         steps = {name: step / 2.0 for name, step in steps.items()}
+    return best, at
+
+
+def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Move and turn the mount a little, one axis after another, as long as the map gets sharper.
+
+    A mount that the log does not state is looked for from several directions, and farther away. Where the robot hardly
+    turns, a mount that is moved moves the whole map: then it is only turned.
+    """
+    has_turned = np.ptp(np.unwrap(seen.log.trajectory().poses[:, 2])) >= LEAST_TURN
+    names = ("mount_yaw", "mount_x", "mount_y") if has_turned else ("mount_yaw",)
+    now = seen.agreement
+    best, at = _sharpest(seen, names, now, 0.0)
+    if log.mount_assumed:
+        turned = sorted(((consistency(seen, mount_yaw=yaw), yaw) for yaw in DIRECTIONS), reverse=True)
+        found = [(best, at), *(_sharpest(seen, names, *one, tries=FARTHER) for one in turned[:3])]
+        best, at = max(found, key=lambda one: one[0])
     x, y, yaw = at["mount_x"], at["mount_y"], at["mount_yaw"]
     if best < FINER * now or best < now + FINER_BY or (math.hypot(x, y) < 0.03 and abs(yaw) < math.radians(0.4)):
         return []

@@ -111,6 +111,7 @@ class JointLog(ScanLog):
                 "topic": SEPARATOR.join(dict.fromkeys(log.topic for log in logs)),
                 "notes": tuple(notes),
                 "angles_assumed": any(log.angles_assumed for log in logs),
+                "mount_assumed": any(log.mount_assumed for log in logs),
                 "odometry": None,
                 "mounts": None,
                 "order_ns": None,

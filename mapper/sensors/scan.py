@@ -225,7 +225,8 @@ class ScanLog:
     ``topic`` is the sensor's name in its file, empty for formats of one stream, and ``frame_id`` its frame.
     ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
     where the file does not state them; where scans state different ones, the median. ``angles_assumed`` says that the
-    file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known.
+    file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known;
+    ``mount_assumed`` that a recording does not state where the sensor is on the robot.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
     them scans of several sensors follow one another, and those of one sensor with different beams.
@@ -254,6 +255,7 @@ class ScanLog:
     mounts: NDArray[np.float64] | None = None
     order_ns: NDArray[np.int64] | None = None
     angles_assumed: bool = False
+    mount_assumed: bool = False
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:

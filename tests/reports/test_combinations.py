@@ -19,6 +19,7 @@ from mapper.io.logs import open_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, Said, odometry, pose_stamped, scan, transform
 from tests.reports.test_transforms import (
+    AHEAD,
     BAD,
     LASER,
     MOUNT,
@@ -39,7 +40,6 @@ from tests.reports.test_transforms import (
     with_bad,
 )
 
-AHEAD: Pose = (0.0, 0.0, 0.0)
 CLEARPATH = "/a200_0000"
 BASE = [LASER, *drive(by_tf())]
 

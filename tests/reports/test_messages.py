@@ -10,8 +10,10 @@ import io
 import json
 import math
 import re
+import sqlite3
 import struct
 from collections.abc import Callable, Iterable
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -399,6 +401,74 @@ def test_lines_that_state_other_angles_and_limits_are_each_read_so(tmp_path):
     points = ends(log)
     assert off_the_walls(points) < 2e-3
     assert np.isposinf(log.scan(1).ranges).any()
+
+
+def in_units(data: bytes, of_length: float) -> bytes:
+    """A CARMEN log with its readings and positions in another unit, so many of them in a metre."""
+    lines = []
+    for line in data.decode().splitlines():
+        word, n, *fields = line.split()
+        values = np.array(fields[: int(n) + 6], dtype=float)
+        values *= of_length
+        values[[-4, -1]] /= of_length
+        lines.append(" ".join([word, n, *(f"{value:.6g}" for value in values), *fields[int(n) + 6 :]]))
+    return "\n".join([*lines, ""]).encode()
+
+
+def test_readings_in_millimetres_are_no_code_for_no_return(tmp_path):
+    path = tmp_path / "a.log"
+    path.write_bytes(in_units(flaser(180, -90.0, 1.0), 1000.0))
+    said = " ".join(open_log(path).notes)
+    assert re.search(r"The readings are usually [\d,]+ m, farther than a lidar measures: as it seems they are in", said)
+    assert "no return" not in said
+
+
+@pytest.mark.parametrize("code", [81.91, 1e9])
+def test_a_code_for_no_return_is_no_other_unit(tmp_path, code):
+    """In the open most beams have it."""
+    lines = [line.split() for line in flaser(180, -90.0, 1.0).decode().splitlines()]
+    for line in lines:
+        line[2:152] = [str(code)] * 150
+    path = tmp_path / "a.log"
+    path.write_text("\n".join(" ".join(line) for line in lines) + "\n")
+    log = open_log(path)
+    assert log.notes == ()
+    assert np.isposinf(log.ranges).sum() == 150 * N
+
+
+def test_headings_in_degrees_are_refused(tmp_path):
+    """They are compared with how the robot moves: it may have turned on and on, so that many radians are stated."""
+    path = tmp_path / "a.log"
+
+    def wrote(unit: float, turns: int = 0) -> None:
+        lines = []
+        for i in range(N + 3):
+            a = 0.15 * i
+            place = f"{3 * math.sin(a):.6f} {3 - 3 * math.cos(a):.6f} {(a + turns * 2 * math.pi) / unit:.6f}"
+            lines.append(f"FLASER 3 1 2 1 {place} {place} {i * 0.2:.6f} host {i * 0.2:.6f}\n")
+        path.write_text("".join(lines))
+
+    wrote(math.radians(1.0))
+    with pytest.raises(ReadError, match=r"The headings of the poses, [\d.]+ to [\d.]+, are in degrees"):
+        open_log(path)
+    wrote(1.0, turns=3)
+    assert open_log(path).trajectory().poses[5, 2] == pytest.approx(0.75)
+
+
+def test_a_recording_whose_topics_have_no_messages_says_so(tmp_path):
+    path = written(tmp_path, [scan(0, [1.0, 2.0])], "db3")
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("DELETE FROM messages")
+        database.commit()
+    with pytest.raises(ReadError, match=r"its topics have no messages \(sensor_msgs/LaserScan on /scan\)"):
+        open_log(path)
+
+
+def test_in_a_folder_without_a_log_the_file_that_should_be_one_is_named(tmp_path):
+    (tmp_path / "run_0.db3").write_bytes(b"")
+    (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information:\n  version: 5\n")
+    with pytest.raises(ReadError, match=r"^run_0\.db3: The file is empty\.$"):
+        open_log(tmp_path)
 
 
 def test_dp_slam_and_rear_lasers_have_the_same_table():

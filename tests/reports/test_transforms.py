@@ -32,6 +32,7 @@ T0 = 1_700_000_000 * SECOND
 STEP = SECOND // 5
 N = 20
 MOUNT = (0.3, -0.1, 0.5)
+AHEAD = (0.0, 0.0, 0.0)
 Pose = tuple[float, float, float]
 
 
@@ -458,8 +459,20 @@ def test_poses_that_are_no_source_are_named_with_the_reason(tmp_path: Path, name
 def test_a_frame_of_the_same_name_behind_a_prefix_is_named(tmp_path: Path) -> None:
     """geometry2#32: the scans lack the prefix that the robot's frames have, so that no look-up finds them."""
     said = [static("r1/base_link", "r1/laser", MOUNT), *drive(by_tf("r1/odom", "r1/base_link"))]
-    (note,) = open_log(written(tmp_path, said, "mcap")).notes
+    log = open_log(written(tmp_path, said, "mcap"))
+    (note,) = log.notes
     assert note.startswith("tf does not say where the frame 'laser' sits on the robot, only where 'r1/laser' sits; ")
+    assert log.mount_assumed
+
+
+@pytest.mark.parametrize(("mount", "is_assumed"), [(None, True), (AHEAD, False)])
+def test_a_mount_that_no_transform_states_is_known_to_be_assumed(
+    tmp_path: Path, mount: Pose | None, is_assumed: bool
+) -> None:
+    """Recorded without /tf_static; a mount that is stated to be the robot's centre is another thing."""
+    said = [*([] if mount is None else [static("base_link", "laser", mount)]), *drive(by_tf())]
+    log = open_log(written(tmp_path, said, "db3"))
+    assert (log.mount, log.mount_assumed) == (AHEAD, is_assumed)
 
 
 def test_poses_in_millimetres_are_named(tmp_path: Path) -> None:

@@ -201,12 +201,17 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
         if last == sonar.READINGS and (folder, sonar.POSES) in by_place:
             return [readings, by_place[folder, sonar.POSES]], sonar.read_sonar
     kinds: dict[Source, Container | Reader] = {}
+    why_not: list[MapperError] = []
     for file in files:
         try:
             kinds[file] = _kind_of(file)
-        except MapperError:
+        except MapperError as error:
             if len(files) == 1:
                 raise
+            if error.code not in ("log.unknown_format", "log.binary") and file.name != METADATA:
+                why_not.append(type(error)(error.code, f"{file.name}: {error.message}"))
+    if not kinds and why_not:
+        raise why_not[0]
     if not kinds:
         raise ReadError("log.folder", f"The {where} holds no log of a known kind. {READ_HERE}")
     logs = list(kinds)

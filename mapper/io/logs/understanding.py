@@ -37,13 +37,13 @@ def _understood(log: ScanLog) -> ScanLog:
 
 
 def _usual_reading(log: ScanLog) -> float:
-    """Return the median of the readings that are distances, metres, whether they are in range or not; 0 without.
+    """Return the median of the different readings that are distances, metres, in range or not; 0 without.
 
-    Of a long log only some of the scans are looked at.
+    A number that stands for no return is one of them. Of a long log only some of the scans are looked at.
     """
     some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
     readings = some[np.isfinite(some) & (some > 0.0)]
-    return float(np.median(readings)) if len(readings) else 0.0
+    return float(np.median(np.unique(readings))) if len(readings) else 0.0
 
 
 def _at_once(log: ScanLog) -> ScanLog:

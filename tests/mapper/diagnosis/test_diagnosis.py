@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose
+from mapper.core.se2 import compose, inverse
 from mapper.diagnosis import Finding, clock, drift_finding, examine, readings, sweep
 from mapper.diagnosis.consistency import examined
 from mapper.diagnosis.drifting import first_cause
@@ -262,6 +262,35 @@ def test_a_mount_that_is_a_little_off(clean: ScanLog, offset: tuple[float, float
     corrected = compose(log.mount, [found.parameters[name] for name in ("mount_x", "mount_y", "mount_yaw")])
     assert np.hypot(*corrected[:2]) < 0.06
     assert abs(corrected[2]) < 0.015
+
+
+@pytest.mark.parametrize("mount", [(0.1, 0.25, 0.5), (-0.2, 0.1, np.pi), *also_long((-0.3, 0.2, 2.2), (0.0, 0.0, 1.0))])
+def test_a_mount_that_the_log_does_not_state(clean: ScanLog, mount: tuple[float, float, float]) -> None:
+    """Recordings without /tf_static: walls are double, and no SLAM mends that. Any mount is looked for."""
+    x, y, yaw = inverse(mount)
+    log = replace(clean, mount=(float(x), float(y), float(yaw)), mount_assumed=True)
+    found = first_cause(log, None, MappingConfig())
+    assert found is not None
+    assert found.check == "mount.offset"
+    assert found.parameters is not None
+    at = np.array([found.parameters[name] for name in ("mount_x", "mount_y", "mount_yaw")])
+    assert np.hypot(*(at - mount)[:2]) < 0.06
+    assert abs(np.sin((at - mount)[2])) < 0.03
+    assert first_cause(replace(clean, mount_assumed=True), None, MappingConfig()) is None
+
+
+@pytest.mark.parametrize(("late", "off"), [(0.6, 0.95), (0.95, 0.6), (0.9, None), (None, 0.9), (None, None)])
+def test_of_a_delay_and_an_offset_the_one_that_helps_more_is_the_cause(
+    clean: ScanLog, monkeypatch: pytest.MonkeyPatch, late: float | None, off: float | None
+) -> None:
+    """To a robot that drives straight on, both are alike."""
+    found = {"timing.delay": late, "mount.offset": off}
+    sure = {name: value for name, value in found.items() if value is not None}
+    made = {name: [Finding(name, "So.", "", sure[name])] if name in sure else [] for name in found}
+    monkeypatch.setattr("mapper.diagnosis.timing.check", lambda *_: made["timing.delay"])
+    monkeypatch.setattr("mapper.diagnosis.mounting.check_offset", lambda *_: made["mount.offset"])
+    best = max(sure, key=lambda name: sure[name]) if sure else None
+    assert named(examine(clean)) & set(found) == ({best} if best else set())
 
 
 @pytest.mark.parametrize("delay", [-0.5, *also_long(0.3)])

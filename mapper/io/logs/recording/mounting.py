@@ -73,6 +73,11 @@ def mounting_of(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -
     return _mounting(planar, bool(up[0] < 0.0), None, notes)
 
 
+def is_assumed(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -> bool:
+    """Return whether no transform states where a sensor is on the robot, so that it is taken to be its centre."""
+    return base == sensor.frame and bool(tree.frames) and not tree.is_base(base, taken.children)
+
+
 def _mounting(mounts: NDArray[np.float64], upside_down: bool, tilting: Poses3 | None, notes: list[str]) -> Mounting:
     x, y, yaw = (float(value) for value in mounts[0])
     return Mounting((x, y, yaw), mounts if _moves(mounts) else None, upside_down, tilting, notes)
@@ -115,7 +120,7 @@ def _notes_on_frames(taken: Taken, tree: FrameTree, base: str, sensor: SensorSca
             f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
             "heights are those in that frame."
         )
-    if base == sensor.frame and tree.frames and not tree.is_base(base, taken.children):
+    if is_assumed(taken, tree, base, sensor):
         alike = tree.named_alike(base)
         has = f", only where {', '.join(map(repr, alike))} sits" if alike else ""
         what = f"tf does not say where the frame {base!r} sits on the robot{has}"

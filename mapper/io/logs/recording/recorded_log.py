@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs.grouping.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.recording.cutting import FLOOR_M, IMAGE
-from mapper.io.logs.recording.mounting import Mounting, mounting_of
+from mapper.io.logs.recording.mounting import Mounting, is_assumed, mounting_of
 from mapper.io.logs.recording.pose_sources import StatedPoses, odometry_among, trajectories_at
 from mapper.io.logs.recording.robot_poses import RobotPoses
 from mapper.io.logs.recording.sensor_scans import SensorScans
@@ -131,6 +131,9 @@ class RecordedLog:
         held = "it holds no messages"
         if self._bad:
             held = f"messages that could not be read: {listed(self._bad)}"
+        elif streams and not any(stream.count for stream in streams):
+            topics = listed(sorted({f"{one.kind} on {one.topic}" for one in streams}))
+            held = f"its topics have no messages ({topics})"
         elif streams:
             other = " (serialised in a way that is not read)"
             kinds = {f"{one.kind or 'messages without a type'}{'' if one.readable else other}" for one in streams}
@@ -216,6 +219,7 @@ class RecordedLog:
             topics=self._topics(sensor),
             notes=tuple(notes),
             odometry=odometry_among(sources, poses.trajectories, sensor.moments),
+            mount_assumed=is_assumed(self._taken, tree, base, sensor),
             limits=self._limits,
         )
         if _has_runs(sensor):  # a time within a scan would be that of poses of several runs

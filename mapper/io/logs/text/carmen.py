@@ -236,6 +236,7 @@ class CarmenReader:
         usual = sensor.usual_kind
         notes += of_kinds[usual].notes
         notes += sensor.notes_on_time()
+        sensor.check_headings()
         is_even = len(of_kinds) == 1
         groups: list[ScanGroup] = []
         if not is_even:

@@ -183,6 +183,7 @@ def read_csv_scans(
     missing = "no line follows 'stamp,x,y,theta,ranges'"
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)
     stack, v = reader.stack, reader.values
+    stack.check_headings()
     ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
     way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan's line", limits)
     return ScanLog(

@@ -65,6 +65,7 @@ def read_dpslam(
     lines = TextLines(path, limits, progress)
     notes = take_one_sensor(reader, lines, topic, "A DP-SLAM log", "it has no Laser line")
     stack = reader.stack
+    stack.check_headings()
     ranges, notes_on_ranges = stack.clean_ranges(RANGE_MAX)
     beams = front_laser_beams(stack.n_beams, "Laser")
     return ScanLog(

@@ -76,6 +76,7 @@ def read_gfs(
         reader, TextLines(path, limits, progress), topic, "A gmapping log", "it has no LASER_READING line"
     )
     stack = reader.stack
+    stack.check_headings()
     ranges, notes_on_ranges = stack.clean_ranges(NO_RETURN)
     beams = front_laser_beams(stack.n_beams, stack.word)
     best = np.array(reader.best).reshape(-1, 3)

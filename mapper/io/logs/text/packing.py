@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 
+AGREE = 0.1  #: sine of the angle between a heading and the direction of the motion that agree, at the median
+LEAST_MOVES = 10  #: steps that tell in which unit headings are
+MOST_CODES = 20  #: different readings beyond the greatest range that may stand for no return
 DAY_S = 86_400.0  #: seconds: a longer step between two scans is noted
 
 
@@ -129,7 +132,8 @@ class ScanStack:
     def clean_ranges(self, range_max: float) -> tuple[NDArray[np.float32], list[str]]:
         """Return the readings (n_scans, n_beams) by REP 117, and what is to be noted about them.
 
-        At or beyond ``range_max`` metres is no return, +inf; zero, negative and NaN are no measurement, NaN.
+        At or beyond ``range_max`` metres is no return, +inf, if that is a code: where most readings are beyond it, and
+        differ, they stay as they are. Zero, negative and NaN are no measurement, NaN.
         """
         ranges, notes = self.clean_readings(range_max)
         return ranges.reshape(self.n_scans, self.n_beams), notes
@@ -140,7 +144,9 @@ class ScanStack:
         notes = []
         with np.errstate(invalid="ignore"):
             invalid = np.isnan(ranges) | (ranges <= 0.0)
-            ranges[ranges >= range_max] = np.inf
+            far = ranges >= range_max
+            is_code = 2 * np.count_nonzero(far) < len(ranges) or len(np.unique(ranges[far])) < MOST_CODES
+            ranges[far if is_code else np.isinf(ranges)] = np.inf
         n_invalid = int(np.count_nonzero(invalid))
         if n_invalid:
             ranges[invalid] = np.nan
@@ -148,6 +154,31 @@ class ScanStack:
             count = "counts" if n_invalid == 1 else "count"
             notes.append(f"{are} zero, negative or not a number {count} as no measurement.")
         return ranges, notes
+
+    def check_headings(self) -> None:
+        """Raise :class:`ReadError` where the poses' headings are in degrees.
+
+        Read so, they agree with the directions in which the robot moves, ahead or back, and in radians they do not.
+        """
+        headings = self.robot_poses[1:, 2]
+        if not np.abs(headings).max(initial=0.0) > 2.0 * np.pi:
+            return
+        steps = np.diff(self.robot_poses[:, :2], axis=0)
+        # Where both units say nearly the same, the motion tells nothing.
+        tells = (np.hypot(*steps.T) > 0.0) & (np.abs(np.sin(headings - np.radians(headings))) > AGREE)
+        if np.count_nonzero(tells) < LEAST_MOVES:
+            return
+        along = np.arctan2(steps[tells, 1], steps[tells, 0])
+        in_radians, in_degrees = (
+            float(np.median(np.abs(np.sin(along - read)))) for read in (headings[tells], np.radians(headings[tells]))
+        )
+        if in_degrees < AGREE and in_radians > 3.0 * AGREE:
+            least, most = headings.min(), headings.max()
+            raise ReadError(
+                "log.degrees",
+                f"The headings of the poses, {least:g} to {most:g}, are in degrees: read so, they agree with the "
+                "directions in which the robot moves. The format states radians: convert them.",
+            )
 
     def notes_on_time(self) -> list[str]:
         """Return notes on stamps with too few digits, that run backwards or that are far apart."""
