@@ -16,6 +16,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import (
     SECONDS,
+    await_map,
     await_true,
     drag,
     frame,
@@ -26,6 +27,7 @@ from tests.browser.looking import (
     settled_digest,
     until,
 )
+from tests.browser.test_axe import violations
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
 from tests.mapper.io.logs.containers.test_split import split
 from tests.server.frayed_line import FrayedLine
@@ -248,6 +250,19 @@ def test_the_cards_show_the_contents_of_the_logs(
     expect(page.locator(".log-card", has_text="intel.ref.tum")).to_have_count(0)
     (logs_dir / "loop5.log.gz").unlink()
     (logs_dir / "intel.ref.tum").unlink()
+
+
+def test_a_visitor_without_logs_opens_an_example_with_one_click(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    expect(page.locator(".example-card")).to_have_count(3)
+    assert violations(page, "main") == []
+    page.get_by_role("button", name="Open: a wrong mount").click()
+    await_map(page)
+    finding = page.get_by_role("region", name="Log doctor").locator('[data-check="mount.offset"]')
+    expect(finding).to_contain_text("-6.0° turned")
+    page.get_by_role("button", name="All logs").click()
+    expect(page.locator(".log-card", has_text="simulated-wrong-mount.mcap")).to_be_visible()
+    expect(page.locator(".example-card")).to_have_count(0)
 
 
 def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: str) -> None:

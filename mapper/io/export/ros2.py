@@ -57,6 +57,10 @@ _MESSAGES = {
         "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n"
         "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense"
     ),
+    "sensor_msgs/msg/Image": (
+        "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\nuint32 step\n"
+        "uint8[] data"
+    ),
     "sensor_msgs/msg/Range": (
         "uint8 ULTRASOUND=0\nuint8 INFRARED=1\nstd_msgs/Header header\nuint8 radiation_type\nfloat32 field_of_view\n"
         "float32 min_range\nfloat32 max_range\nfloat32 range"
@@ -80,12 +84,12 @@ def definition(kind: str) -> str:
 class _Bytes(CdrWriter):
     """A message with planar poses."""
 
-    def pose(self, pose: Pose, *, upside_down: bool = False) -> _Bytes:
+    def pose(self, pose: Pose, *, z: float = 0.0, upside_down: bool = False) -> _Bytes:
         x, y, yaw = pose
         sin, cos = float(np.sin(yaw / 2.0)), float(np.cos(yaw / 2.0))
         # Turned over about its x axis first, then about z.
         turn = (cos, sin, 0.0, 0.0) if upside_down else (0.0, 0.0, sin, cos)
-        return self.pack("d", 8, x, y, 0.0, *turn)
+        return self.pack("d", 8, x, y, z, *turn)
 
 
 def occupancy_grid(stamp_ns: int, frame: str, resolution: float, origin: Pose, values: NDArray[np.int8]) -> bytes:
@@ -120,6 +124,11 @@ def transforms(stamp_ns: int, edges: Sequence[tuple[str, str, Pose, bool]]) -> b
     return out.message
 
 
+def raised(stamp_ns: int, parent: str, child: str, z: float) -> bytes:
+    """Return a tf2_msgs/TFMessage of one edge: ``child`` is ``z`` metres above ``parent``."""
+    return _Bytes().pack("I", 4, 1).header(stamp_ns, parent).string(child).pose((0.0, 0.0, 0.0), z=z).message
+
+
 def laser_scan(stamp_ns: int, frame: str, scan: LaserScan) -> bytes:
     """Return a sensor_msgs/LaserScan."""
     last = scan.angle_min + scan.angle_increment * max(0, len(scan.ranges) - 1)
@@ -136,6 +145,13 @@ def point_cloud(stamp_ns: int, frame: str, points: NDArray[np.float32]) -> bytes
         out.string(name).pack("I", 4, 4 * axis).pack("B", 1, _FLOAT32).pack("I", 4, 1)
     out.pack("B", 1, 0).pack("I", 4, 12, 12 * len(points))
     return out.array(points.ravel().view(np.uint8)).pack("B", 1, 1).message
+
+
+def image(stamp_ns: int, frame: str, pixels: NDArray[np.uint8]) -> bytes:
+    """Return a sensor_msgs/Image of ``pixels`` (rows, cols, 3): red, green, blue, row 0 at the top."""
+    rows, cols, _ = pixels.shape
+    out = _Bytes().header(stamp_ns, frame).pack("I", 4, rows, cols).string("rgb8").pack("B", 1, 0)
+    return out.pack("I", 4, 3 * cols).array(pixels.ravel()).message
 
 
 def range_reading(stamp_ns: int, frame: str, width: float, range_min: float, range_max: float, reading: float) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -12,10 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
-from server.http.clients import client_address
+from server.http.clients import client_address, in_turn
 from server.http.file_answer import file_answer
-from server.http.services import Logs, Sessions, Visitor
+from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.annotations.tags import MAX_TAGS
+from server.library.logs.examples import FILES, ExampleName, example_bytes
 from server.library.logs.listing import Order, Wanted, listed
 from server.library.logs.records import LogAnswer, Record
 from server.library.uploads.receiver import Part
@@ -91,6 +93,21 @@ def _part(key: str, content_range: str) -> Part:
     if not first <= last < total:
         raise ReadError("upload.range", f"There is no part from byte {first} to byte {last} of {total}.")
     return Part(key, first, total)
+
+
+@router.post("/examples/{name}", status_code=202)
+async def example(request: Request, library: Logs, visitor: Visitor, work: RequestWork, name: ExampleName) -> LogAnswer:
+    """Make an example log in the simulator and queue it for reading, as an upload of this visitor.
+
+    "drift" has poses that drift and can be healed, "mount" a lidar that is turned in its mount, "camera" images and the
+    clouds of a 3D lidar.
+    """
+    data = await in_turn(request, work, visitor, lambda: example_bytes(name))
+
+    async def pieces() -> AsyncIterator[bytes]:
+        yield data
+
+    return (await library.put(visitor, FILES[name], pieces(), len(data), address=client_address(request))).public()
 
 
 @router.get("/uploads/{key}", response_model_exclude_none=True)

@@ -1171,6 +1171,7 @@ export interface Answers {
   "POST /api/classes/{code}/puzzle/sessions": SessionAnswer;
   "POST /api/classes/{code}/sessions": SessionAnswer;
   "POST /api/fleet": QueuedLogs;
+  "POST /api/logs/examples/{name}": LogAnswer;
   "POST /api/logs/{log_id}/cancel": LogAnswer;
   "POST /api/logs/{log_id}/read": LogAnswer;
   "POST /api/logs/{log_id}/slam": SlamStatus;

@@ -80,6 +80,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.png"),
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
     ("GET", "/api/sessions/{session_id}/surface.{kind}"),
+    ("GET", "/api/sessions/{session_id}/selection.ply"),
     ("GET", "/api/sessions/{session_id}/above.{kind}"),
 }
 NEVER = {
@@ -150,6 +151,7 @@ NEVER = {
     ("DELETE", "/api/links/{token}"),
     ("GET", "/api/logs"),
     ("PUT", "/api/logs"),
+    ("POST", "/api/logs/examples/{name}"),
     ("GET", "/api/logs/uploads/{key}"),
     ("DELETE", "/api/logs/uploads/{key}"),
     ("GET", "/api/logs/{log_id}"),

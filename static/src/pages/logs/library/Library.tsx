@@ -4,6 +4,7 @@ import { Button } from "../../../ui/Button";
 import { Dropzone } from "../../../ui/files/Dropzone";
 import { Icon } from "../../../ui/Icon";
 import { ProgressBar } from "../../../ui/ProgressBar";
+import { Examples } from "./Examples";
 import { Finder, isFiltered } from "./Finder";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
@@ -90,6 +91,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
         </p>
       )}
       <Shelf title="Your logs" list={own} onOpen={onOpen} />
+      {list !== null && own.length === 0 && !isFiltered() && <Examples />}
       <Shelf title="On this server" list={[...sample, ...folder]} onOpen={onOpen} />
       {list !== null && total.value > list.length && (
         <div class="library-more">

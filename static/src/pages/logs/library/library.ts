@@ -132,6 +132,16 @@ export const ask = (id: string, what: "cancel" | "read"): Promise<string | null>
   );
 
 /** The progress of the log that is being opened; null while there is none. */
+/** The examples that the server makes. */
+export type ExampleName = "drift" | "mount" | "camera";
+
+/** Have an example log made, which is opened once it was read. */
+export async function openExample(name: ExampleName): Promise<void> {
+  const log = await send("POST /api/logs/examples/{name}", { name });
+  arrived.value = log.id;
+  await refresh();
+}
+
 export const opening = signal<Making | null>(null);
 
 /**
