@@ -75,6 +75,7 @@ TEXTS: dict[str, bytes] = {
     "names with blanks, and a number": lines(
         "7,{:.3f},{:.3f},{:.3f}", head="scan id,X Coordinate,Y Coordinate,Z Coordinate\n"
     ),
+    "names of two words": lines("7,{:.3f},{:.3f},{:.3f}", head="Point ID,Point X,Point Y,Point Z\n"),
     "two scans": lines("{:.3f} {:.3f} {:.3f}", POINTS[:11], "11\n")
     + lines("{:.3f} {:.3f} {:.3f}", POINTS[11:], "19\n"),
 }
@@ -84,6 +85,38 @@ TEXTS: dict[str, bytes] = {
 def test_texts(tmp_path: Path, case: str) -> None:
     points, _ = read(tmp_path, TEXTS[case])
     np.testing.assert_allclose(points, POINTS, atol=2e-6)
+
+
+PLY = b"ply\nformat ascii 1.0\nelement vertex 30\nproperty float x\nproperty float y\nproperty float z\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        lines("{:.3f} {:.3f} {:.3f}\n"),
+        b"\xef\xbb\xbf" + lines("{:.3f} {:.3f} {:.3f}"),
+        lines("{:.3f} {:.3f} {:.3f}", head="\r\n \n"),
+    ],
+)
+def test_empty_lines_and_a_mark_before_the_vertices_are_no_vertices(tmp_path: Path, text: bytes) -> None:
+    """plyfile issue 32: numbers that were pasted into a PLY file. Its faces are found behind them."""
+    head = PLY + b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    points, notes = read(tmp_path, head + text + b"3 0 1 2\n", "a.ply")
+    np.testing.assert_allclose(points, POINTS, atol=2e-6)
+    assert notes == ()
+
+
+def test_points_that_the_first_line_does_not_count_are_named(tmp_path: Path) -> None:
+    points, notes = read(tmp_path, lines("{:.3f} {:.3f} {:.3f} 9", head="20\n"), "a.pts")
+    np.testing.assert_allclose(points, POINTS[:20], atol=2e-6)
+    assert notes == ("10 more lines than the header says, 20, are left out.",)
+
+
+def test_a_las_version_that_is_not_known_is_named(tmp_path: Path) -> None:
+    data = bytearray(las(tmp_path / "a.las", POINTS, {}).read_bytes())
+    data[25] = 9
+    with pytest.raises(ReadError, match=r"The file is LAS 1\.9; read are versions up to 1\.4"):
+        read(tmp_path, bytes(data), "b.las")
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from mapper.sensors.point_cloud import PointCloud
 
 PART = 1 << 20  #: points that are unpacked at a time
 SMALL_PART, PARTS = 1 << 12, 256  #: at most, and parts at least, of a file that ends early: its last part is lost
+NEWEST = (1, 4)  #: version
 HEADER_BYTES = 227  #: of the shortest version
 RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
 LEAST_POINT_BYTES = 20  #: of a point of any format
@@ -122,6 +123,8 @@ def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """
     if len(data) < HEADER_BYTES:
         raise ReadError("cloud.truncated", "The file ends within its LAS header.")
+    if (data[24], data[25]) > NEWEST:
+        raise ReadError("cloud.version", f"The file is LAS {data[24]}.{data[25]}; read are versions up to 1.4.")
     said = _sizes(data)
     if said.points_at > len(data) or said.header > said.points_at:
         raise ReadError(

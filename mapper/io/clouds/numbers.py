@@ -13,7 +13,7 @@ from mapper.core.limits import Limits
 from mapper.io.logs.names import printable
 
 _ROW = re.compile(r" at row (\d+)")
-_CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
+CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
 
 
 def table(
@@ -35,7 +35,7 @@ def table(
             text = text[: text.rfind(b"\n") + 1]
     if n is None and text.count(b"\n") > most:
         raise LimitError("cloud.too_many_points", f"The file holds more lines than the limit of {most} points.")
-    if _CONTENT.search(text) is None:
+    if CONTENT.search(text) is None:
         rows = np.zeros((0, columns or 0))
     else:
         try:

@@ -24,6 +24,7 @@ from mapper.core.limits import Limits
 from mapper.io.clouds.content import check_count, ended_early, made_cloud
 from mapper.io.clouds.numbers import table
 from mapper.io.logs.names import printable
+from mapper.io.logs.text.lines import BOM
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_HEADER_BYTES = 1 << 16
@@ -252,8 +253,7 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
 
 
 def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
-    text = _lines(file.data, at, element.count)
-    end = at + len(text)
+    text, end = _lines(file.data, at, element.count)
     if not keep:
         return Rows(text.count(b"\n") + (not text.endswith(b"\n") and bool(text)), end)
     first_line = file.data.count(b"\n", 0, at) + 1
@@ -304,8 +304,15 @@ def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterato
         yield b" ".join(kept) + b"\n"
 
 
-def _lines(data: bytes, at: int, n: int) -> bytes:
-    """Return ``n`` lines from a place on, fewer at the end of the file; what follows is of other elements."""
+def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
+    """Return ``n`` lines from a place on, fewer at the end of the file, and where they end: other elements follow.
+
+    Empty lines between them do not count. A byte-order mark before them, as of numbers pasted from another file, is
+    left out.
+    """
     lines = io.BytesIO(data)
-    lines.seek(at)
-    return b"".join(islice(lines, n))
+    lines.seek(at + (len(BOM) if data.startswith(BOM, at) else 0))
+    found: list[bytes] = []
+    while len(found) < n and (more := list(islice(lines, n - len(found)))):
+        found += [line for line in more if not line.isspace()]
+    return b"".join(found), lines.tell()

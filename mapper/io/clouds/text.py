@@ -19,7 +19,7 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.content import ended_early, made_cloud
 from mapper.io.clouds.degrees import metres_of_degrees
-from mapper.io.clouds.numbers import table
+from mapper.io.clouds.numbers import CONTENT, table
 from mapper.io.clouds.text_columns import AXES, WANTED, Columns, columns_of
 from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, layout_of
 from mapper.io.logs.names import printable
@@ -149,15 +149,18 @@ def _rows(
         if whole is not plain:
             cut = ("The file ends within its last line, which is left out.",)
         return table(whole, None, None, None, limits, begin.line), cut
-    parts, there, claimed, line = [], 0, 0, begin.line
+    parts, there, claimed, more, line = [], 0, 0, 0, begin.line
     for n, block in _scans(text, begin.claimed):
         rows = table(layout.plain(block), None, n, None, limits, line)
         parts.append(rows)
         there, claimed, line = there + len(rows), claimed + n, line + block.count(b"\n") + 1
+        more += max(0, len(CONTENT.findall(block)) - n)
     widths = {part.shape[1] for part in parts if len(part)}
     if len(widths) > 1:
         raise ReadError("cloud.numbers", "The scans of the file have different numbers of columns.")
     notes = ended_early(claimed, there)
+    if more:
+        notes = (*notes, f"{more} more lines than the header says, {claimed}, are left out.")
     if len(parts) > 1:
         notes = (f"The file holds {len(parts)} scans, which are one cloud here.", *notes)
     return np.concatenate([part for part in parts if len(part)]) if there else np.zeros((0, 0)), notes

@@ -16,7 +16,7 @@ _PLANES = (
 )  # fmt: skip
 _AFFIXES = (
     ("p", ""), ("pos_", ""), ("position_", ""), ("position.", ""), ("point_", ""), ("point.", ""), ("coord_", ""),
-    ("", "_coord"), ("", "_coordinate"), ("", " coordinate"), ("", "_lidar"), ("", "_world"), ("", "0"),
+    ("", "_coord"), ("", "_coordinate"), ("", "_lidar"), ("", "_world"), ("", "0"),
 )  # fmt: skip
 _TRIPLES = (
     *((f"{before}x{after}", f"{before}y{after}", f"{before}z{after}") for before, after in _AFFIXES),
@@ -69,10 +69,10 @@ def columns_of(names: Sequence[str]) -> Columns | None:
 
 
 def _split(name: str) -> tuple[str, str | None]:
-    """Return a name in lower case without its unit, and the unit, where it is one that is known."""
+    """Return a name in lower case with _ for blanks, without its unit, and the unit, where it is one that is known."""
     lower = name.strip().lower()
     for form in (_BRACKETS, _SUFFIX):
         found = form.match(lower)
         if found and found[2] in _UNITS:
-            return found[1].strip(), found[2]
-    return lower, None
+            return found[1].strip().replace(" ", "_"), found[2]
+    return lower.replace(" ", "_"), None
