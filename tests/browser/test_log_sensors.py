@@ -201,3 +201,25 @@ def test_two_lidars_of_one_log_are_healed_together(page: Page, server: str, tmp_
         along_robot = np.array(edge["points"][name])[:, 0] - x
         assert abs(yaw) < 0.1
         assert side * np.median(along_robot) > 0.0
+
+
+def test_a_sensor_opens_with_the_transforms_of_another_topic_by_keyboard(
+    page: Page, server: str, tmp_path: Path
+) -> None:
+    said = two_lidars()[:2]
+    for step in range(20):
+        at = T0 + step * recorded.SECOND // 10
+        said.append(recorded.transform(at, "odom", "base_link", 1.02, 2.02))
+        said.append(recorded.transform(at, "world", "base_link", 5.02, 2.02, topic="/tf_gt"))
+        said.append(recorded.scan(at, np.full(30, 2.0), "/scan_ahead", "ahead"))
+    path = recorded.written(tmp_path, said, "mcap")
+    opened(page, server, path)
+    page.goto(f"{server}/logs.html")
+    card = page.locator(".log-card", has_text=path.name)
+    card.locator("summary", has_text="Contents").focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    expect(card.get_by_role("button", name="Open with the transforms of /tf_gt", exact=True)).to_be_focused()
+    page.keyboard.press("Enter")
+    await_true(page, OPEN)
+    assert page.evaluate("() => gridbloom.connection.store.hello.value.log.topic") == "/scan_ahead#/tf_gt"

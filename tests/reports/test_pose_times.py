@@ -111,7 +111,7 @@ def test_a_sensor_is_offered_with_each_topic_of_transforms(tmp_path: Path) -> No
     assert robot.sensors["/scan"].mount == pytest.approx(MOUNT)
     assert [topic.name for topic in robot.first.topics if topic.beams] == ["/scan", "/scan#/tf_gt"]
     assert any(
-        "open the sensor /scan#/tf_gt in the list of logs, or name their topic with --tf" in note
+        "open a sensor such as /scan#/tf_gt under Contents in the list of logs, or name their topic with --tf" in note
         for note in robot.first.notes
     )
     assert not any("Only /scan is mapped" in note for note in robot.first.notes)

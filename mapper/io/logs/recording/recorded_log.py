@@ -314,9 +314,9 @@ class RecordedLog:
             return [f"{said}: on the command line --tf looks all frames up in them."]
         if sensor in self._in_other_tf or self._taken.tf.is_chosen:
             return [f"{said}."]
-        named = listed([in_tf(sensor.topic, topic) for topic in choice.others])
-        where = "in the list of logs, or name their topic with --tf on the command line"
-        return [f"{said}: to look all frames up in them, open the sensor {named} {where}."]
+        first = in_tf(sensor.topic, choice.others[0])
+        where = "under Contents in the list of logs, or name their topic with --tf on the command line"
+        return [f"{said}: to look all frames up in one of them, open a sensor such as {first} {where}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         listed_sensors = [*self._taken.sensors.values(), *self._in_other_tf]

@@ -14,6 +14,7 @@ import {
   SENSOR_SEPARATOR,
   topic,
   trajectoryLabel,
+  transformsOf,
 } from "./describeLog";
 import { LogPicture } from "./LogPicture";
 import { LogTags } from "./LogTags";
@@ -81,6 +82,12 @@ export function LogCard({ log, onOpen }: LogCardProps) {
   );
 }
 
+/** The button of a sensor that is not the chosen one; which one it is, screen readers say without the line around it. */
+function openSensorLabel(name: string): string {
+  const transforms = transformsOf(name);
+  return transforms === null ? `Open ${name}` : `Open with the transforms of ${transforms}`;
+}
+
 function openLabel(log: LogRecord): string {
   if (log.map) return "Edit map";
   if (log.clouds > 0) return "Open in 3D";
@@ -131,7 +138,7 @@ function Inside({ log, onOpen }: LogCardProps) {
             {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
             {one.beams !== null && !one.chosen && (
               <button type="button" onClick={() => onOpen(log, one.name)}>
-                Open this sensor
+                {openSensorLabel(one.name)}
               </button>
             )}
           </li>

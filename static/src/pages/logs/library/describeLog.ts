@@ -105,7 +105,7 @@ export function inside(log: LogRecord): readonly string[] {
 export const SENSOR_SEPARATOR = " + ";
 
 /** The topic of transforms in which a sensor's frames are looked up, where its name states it; null otherwise. */
-const transformsOf = (sensor: string): string | null => /#(\/.*)$/.exec(sensor)?.[1] ?? null;
+export const transformsOf = (sensor: string): string | null => /#(\/.*)$/.exec(sensor)?.[1] ?? null;
 
 /** The names of the lidars of a log whose frames are known, those with most scans first, each once. */
 export function lidars(log: LogRecord): readonly string[] {
