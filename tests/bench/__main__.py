@@ -35,6 +35,7 @@ from tests.bench.hard import hard
 from tests.bench.inspecting import inspecting
 from tests.bench.localization import localization
 from tests.bench.matching import matching
+from tests.bench.opening import opening
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
 from tests.bench.sensors import sensors
@@ -216,6 +217,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "why": cost_of_asking_why,
     "start": starting,
     "reading": reading,
+    "opening": opening,
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
     "calibration": calibration,

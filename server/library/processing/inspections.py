@@ -38,6 +38,7 @@ class InspectJob(BoundedJob):
 
 def inspect_job(job: InspectJob) -> None:
     """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
+    process.lower_priority()  # the map, which is made at the same time, goes first
     job.bounded(lambda: _inspect(job))
 
 
