@@ -16,7 +16,7 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.sensors.corrections import corrected_log
 from mapper.sensors.joint_log import by_sensor
 from mapper.sensors.scan import ScanLog
@@ -198,7 +198,7 @@ def _sharpness(
 def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = None) -> OccupancyGrid:
     """Return the map of a log with ``config``; None stands for the default parameters of its sensor."""
     if config is None:
-        config = MappingConfig().with_values(sensor_defaults(log.beam_width, {}))
+        config = MappingConfig().with_values(recorded_defaults(log.beam_width, {}))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)
     return grid
@@ -206,7 +206,7 @@ def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = 
 
 def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
     """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
-    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
+    config = MappingConfig().with_values(recorded_defaults(log.beam_width, {"time_offset": time_offset}))
     return wall_contrast(map_of(log, trajectory, config))
 
 

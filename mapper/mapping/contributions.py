@@ -17,21 +17,37 @@ from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.thin_update import plan_beams
 from mapper.mapping.update_plan import UpdatePlan
 
+OUTWEIGHED = 2  #: a miss in a cell that its scan hits, where only the hits count
+
 
 def contributions(
     batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: tuple[int, int]
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Return the readings that touch ``cell`` (row, col) and the evidence of each (n,), log-odds.
 
-    The readings (n, 2) int64 are scan · n_beams + beam, and 1 for a hit or 0 for a miss, in the order of the log.
+    The readings (n, 2) int64 are scan · n_beams + beam, and 1 for a hit, 0 for a miss, or :data:`OUTWEIGHED`, in the
+    order in which they are added.
     """
     if plan.draws_cones:
         return _in_cones(batch, geometry, plan, cell)
     touches = (_in_fields if plan.per_scan else _on_beams)(batch, geometry, plan, cell)
     if plan.strategy.smooth:
         return touches, _ramp_increments(batch, geometry, plan, cell, touches)
+    if plan.only_hits:
+        touches = _hits_first(touches, batch.numbers[touches[:, 0] // batch.ranges.shape[1]])
     update = plan.log_odds_update
-    return touches, np.where(touches[:, 1] == 1, update.hit, update.miss).astype(np.float32)
+    return touches, np.array([update.miss, update.hit, 0.0], dtype=np.float32)[touches[:, 1]]
+
+
+def _hits_first(touches: NDArray[np.int64], scans: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return touches (n, 2) of a cell by the ``scans`` (n,) with those misses outweighed whose scan hits the cell.
+
+    They follow the hits of their scan.
+    """
+    is_miss = touches[:, 1] == 0
+    outweighed = is_miss & np.isin(scans, scans[~is_miss])
+    kinds = np.where(outweighed, OUTWEIGHED, touches[:, 1])
+    return np.column_stack([touches[:, 0], kinds])[np.lexsort((outweighed, scans))]
 
 
 def _in_cones(
@@ -54,7 +70,12 @@ def _on_beams(batch: ScanBatch, geometry: GridGeometry, plan: UpdatePlan, cell: 
     scans = batch.scans_on(geometry)
     sifted, near = np.empty_like(scans.ranges), np.empty(len(scans.ranges), dtype=np.bool_)
     filter_readings_near_cell(scans, geometry.frame, plan.reading_filter, *cell, sifted, near)
-    chosen = scans._replace(ranges=sifted[near], sensors=scans.sensors[near], headings=scans.headings[near])
+    chosen = scans._replace(
+        ranges=sifted[near],
+        sensors=scans.sensors[near],
+        headings=scans.headings[near],
+        numbers=scans.numbers[near],
+    )
     planned = plan_beams(chosen, geometry, plan, 1).planned
     out = np.empty((chosen.ranges.size, 2), dtype=np.int64)
     if plan.exact_rays:

@@ -70,7 +70,7 @@ def update_with_scan(
     written = np.empty(MOST_WRITTEN, dtype=np.uint32)
     count, n = add_scan(
         grid.log_odds, grid.observed, scan.ranges, (x, y, float(np.cos(theta)), float(np.sin(theta))), beams,
-        geometry.frame, plan.reading_filter, plan.log_odds_update, grid.log_odds_prior, box, written,
+        geometry.frame, plan.reading_filter, plan.log_odds_update, plan.only_hits, grid.log_odds_prior, box, written,
     )  # fmt: skip
     return None if count == BEYOND else (count, box, written[:n] if n <= MOST_WRITTEN else None)
 

@@ -56,8 +56,12 @@ class PlannedBatch:
 
     batch: ScanBatch
     plan: UpdatePlan
-    scans: Int64Array
     beams: Int64Array
+
+    @property
+    def scans(self) -> Int64Array:
+        """The number of the scan (n_rows,) that each row of the batch is of."""
+        return self.batch.numbers
 
     def named(self, readings: Int64Array, n_beams: int) -> Int64Array:
         """Return the numbers scan · ``n_beams`` + beam of ``readings`` (n,), numbered row after row."""
@@ -67,9 +71,12 @@ class PlannedBatch:
     def rows(self, first: int, stop: int) -> PlannedBatch:
         """Return the rows [first, stop)."""
         batch = replace(
-            self.batch, ranges=self.batch.ranges[first:stop], sensor_poses=self.batch.sensor_poses[first:stop]
+            self.batch,
+            ranges=self.batch.ranges[first:stop],
+            sensor_poses=self.batch.sensor_poses[first:stop],
+            numbers=self.batch.numbers[first:stop],
         )
-        return PlannedBatch(batch, self.plan, self.scans[first:stop], self.beams[first:stop])
+        return PlannedBatch(batch, self.plan, self.beams[first:stop])
 
 
 def planned_parts(
@@ -142,22 +149,20 @@ def _of_sensors(
         log, plan = order.logs[number], plans[number]
         scans = start + np.flatnonzero(order.part_of_scan[start:stop] == number)
         first = int(order.scan_of_part[scans[0]]) if len(scans) else 0
-        (batch,) = _whole(log, plan, trajectory, first, first + len(scans))
-        parts.append(_of_one(batch, plan, scans, log.n_beams if is_swept[number] else 1))
+        rows_per_scan = log.n_beams if is_swept[number] else 1
+        batch = _whole(log, plan, trajectory, first, np.repeat(scans, rows_per_scan), len(scans))
+        parts.append(PlannedBatch(batch, plan, np.tile(np.arange(rows_per_scan), len(scans))))
     return parts
 
 
-def _whole(log: ScanLog, plan: UpdatePlan, trajectory: str | None, first: int, last: int) -> tuple[ScanBatch]:
-    """Return scans of one sensor, which follow one another there, as one batch."""
-    batches = list(scan_batches_of_log(log, plan, trajectory, first, last))
-    if len(batches) == 1:
-        return (batches[0],)
+def _whole(
+    log: ScanLog, plan: UpdatePlan, trajectory: str | None, first: int, numbers: Int64Array, n_scans: int
+) -> ScanBatch:
+    """Return scans of one sensor, which follow one another there, as one batch; ``numbers`` are those of its rows."""
+    batches = list(scan_batches_of_log(log, plan, trajectory, first, first + n_scans))
     ranges = np.concatenate([batch.ranges for batch in batches])
-    return (replace(batches[0], ranges=ranges, sensor_poses=np.concatenate([one.sensor_poses for one in batches])),)
-
-
-def _of_one(batch: ScanBatch, plan: UpdatePlan, scans: Int64Array, rows_per_scan: int) -> PlannedBatch:
-    return PlannedBatch(batch, plan, np.repeat(scans, rows_per_scan), np.tile(np.arange(rows_per_scan), len(scans)))
+    poses = np.concatenate([batch.sensor_poses for batch in batches])
+    return replace(batches[0], ranges=ranges, sensor_poses=poses, numbers=numbers)
 
 
 def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
@@ -188,10 +193,10 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
         first.fields if same else np.concatenate([one.fields for one in batches]),
         least,
         greatest,
+        np.concatenate([part.scans for part in parts])[order],
     )
     beams = np.concatenate([part.beams - at for at, part in zip(columns, parts, strict=True)])
-    scans = np.concatenate([part.scans for part in parts])
-    return PlannedBatch(batch, replace(parts[0].plan, reading_filter=reading_filter), scans[order], beams[order])
+    return PlannedBatch(batch, replace(parts[0].plan, reading_filter=reading_filter), beams[order])
 
 
 def _measured(part: PlannedBatch) -> NDArray[np.float32]:

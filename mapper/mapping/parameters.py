@@ -76,6 +76,9 @@ MODELS = tuple(STRATEGIES)  #: values of ``model``
 CONES = tuple(name for name, strategy in STRATEGIES.items() if strategy.cone)
 _STEPPED = tuple(name for name, strategy in STRATEGIES.items() if not strategy.smooth)
 _THIN = tuple(name for name, strategy in STRATEGIES.items() if not strategy.cone)
+#: Sums of log-odds in which a thin beam either hits a cell or passes it. A ramp has no border between the two; cones
+#: overlap by their width; and a counting model is about the share of the beams that passed.
+HIT_OR_PASSED = tuple(name for name in _THIN if name in _STEPPED and STRATEGIES[name].statistics == "none")
 _PER_SCAN = tuple(name for name, strategy in STRATEGIES.items() if strategy.per_scan)
 
 
@@ -151,6 +154,11 @@ class MappingConfig:
         "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
         ("per_beam", "per_scan"), only_for=_PER_SCAN,
     )
+    hit_and_passed: str = choice(
+        "Hit and passed", "update", "both_count",
+        "A cell that some beams of one scan hit and others pass: both count, or only the hits. Per beam only.",
+        ("both_count", "only_hits"), only_for=HIT_OR_PASSED,
+    )
     traversal: str = choice(
         "Traversal", "update", "bresenham",
         "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
@@ -212,6 +220,11 @@ class MappingConfig:
     def beam_model(self) -> BeamModel:
         """Return the inverse sensor model that the parameters describe."""
         return self.strategy.build(self)
+
+    @property
+    def only_hits(self) -> bool:
+        """Whether a scan's misses count for nothing in the cells that it hits."""
+        return self.hit_and_passed == "only_hits" and self.model in HIT_OR_PASSED and self.update == "per_beam"
 
     @property
     def p_prior(self) -> float:

@@ -109,7 +109,7 @@ def scan_batch_of_log(log: ScanLog, plan: UpdatePlan, trajectory: str | None, st
     ranges = _covered_ranges(log, plan, trajectory, start, stop)
     if not is_deskewed(log, plan, trajectory):
         poses = compose(base_poses(log, plan, trajectory)[start:stop], log.mounts_at(slice(start, stop)))
-        return _batch(log, ranges, compose(poses, np.array(plan.mount)), plan)
+        return _batch(log, ranges, compose(poses, np.array(plan.mount)), plan, np.arange(start, stop))
     poses = _poses_of_beams(log, plan, trajectory, np.arange(start, stop), np.arange(log.n_beams)[np.newaxis])
     turns = np.zeros((log.n_beams, 3))
     turns[:, 2] = bearings(log, plan)
@@ -123,16 +123,22 @@ def scan_batch_of_log(log: ScanLog, plan: UpdatePlan, trajectory: str | None, st
         cones(ahead, plan.cone.opening),
         plan.reading_filter.range_min,
         plan.reading_filter.range_max,
+        np.repeat(np.arange(start, stop), log.n_beams),
     )
 
 
 def scan_batch_of_scan(scan: RangeScan, sensor_pose: NDArray[np.float64], plan: UpdatePlan) -> ScanBatch:
     """Return one scan, taken at ``sensor_pose`` (3,), ``T_map_laser``, with the corrected mount."""
-    return _batch(scan, scan.ranges[np.newaxis], compose(sensor_pose[np.newaxis], np.array(plan.mount)), plan)
+    pose = compose(sensor_pose[np.newaxis], np.array(plan.mount))
+    return _batch(scan, scan.ranges[np.newaxis], pose, plan, np.zeros(1, dtype=np.int64))
 
 
 def _batch(
-    sensor: RangeScan | ScanLog, ranges: NDArray[np.float32], poses: NDArray[np.float64], plan: UpdatePlan
+    sensor: RangeScan | ScanLog,
+    ranges: NDArray[np.float32],
+    poses: NDArray[np.float64],
+    plan: UpdatePlan,
+    numbers: NDArray[np.int64],
 ) -> ScanBatch:
     angles = bearings(sensor, plan)
     if plan.strategy.cone and not plan.per_scan:
@@ -145,7 +151,7 @@ def _batch(
         else:
             fields = sensor.fields(widest, turned_over=plan.upside_down)
     range_min, range_max = plan.reading_filter.range_min, plan.reading_filter.range_max
-    return ScanBatch(_readings(ranges, plan), poses, angles, fields, range_min, range_max)
+    return ScanBatch(_readings(ranges, plan), poses, angles, fields, range_min, range_max, numbers)
 
 
 @lru_cache(maxsize=32)

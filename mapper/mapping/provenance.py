@@ -18,7 +18,7 @@ from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.cell_statistics import begin, shown
 from mapper.mapping.certainty_update import update_certainties
-from mapper.mapping.contributions import contributions
+from mapper.mapping.contributions import OUTWEIGHED, contributions
 from mapper.mapping.integrate import scans_at_once
 from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, runs_of
 from mapper.mapping.kernels.contributions import running_sum
@@ -39,7 +39,8 @@ class Provenance:
     """The touches of one cell, one entry each, in the order in which the map was made.
 
     ``scans`` and ``beams`` (n,) int64 say which reading it was and ``ranges`` (n,) float32 what it read, in metres
-    (beyond the max range: no return); ``hits`` (n,) bool whether it was a hit; ``increments`` (n,) float32
+    (beyond the max range: no return); ``hits`` (n,) bool whether it was a hit, ``outweighed`` (n,) bool whether a miss
+    that counts for nothing as its scan hits the cell; ``increments`` (n,) float32
     is its evidence (for models that keep statistics: what it changed) and ``log_odds`` (n,) float32 what the cell held
     after it. Before the first of them the cell held ``before``, and before all logs ``prior``; ``cell_statistics`` is
     what such a model goes on from.
@@ -49,6 +50,7 @@ class Provenance:
     beams: NDArray[np.int64]
     ranges: NDArray[np.float32]
     hits: NDArray[np.bool_]
+    outweighed: NDArray[np.bool_]
     increments: NDArray[np.float32]
     log_odds: NDArray[np.float32]
     before: float
@@ -102,14 +104,18 @@ def provenance(
         low, high = plan.log_odds_update.low, plan.log_odds_update.high
         running_sum(increments, np.float32(before.after), low, high, log_odds)
     scans, beams = np.divmod(touches[:, 0], max(1, log.n_beams))
-    ranges, hits = log.ranges[scans, beams], touches[:, 1] == 1
-    return Provenance(scans, beams, ranges, hits, increments, log_odds, before.after, before.prior, cell_statistics)
+    kinds = (touches[:, 1] == 1, touches[:, 1] == OUTWEIGHED)
+    return Provenance(
+        scans, beams, log.ranges[scans, beams], *kinds, increments, log_odds, before.after, before.prior,
+        cell_statistics,
+    )  # fmt: skip
 
 
 def _nothing(prior: float) -> Provenance:
     """Return the provenance of a cell that nothing has touched."""
     none, values = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.float32)
-    return Provenance(none, none, values, np.empty(0, dtype=np.bool_), values, values, prior, prior)
+    neither = np.empty(0, dtype=np.bool_)
+    return Provenance(none, none, values, neither, neither, values, values, prior, prior)
 
 
 @dataclass(frozen=True, slots=True)

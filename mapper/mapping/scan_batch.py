@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ class ScanBatch:
     fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields
     range_min: float  #: m
     range_max: float  #: m
+    numbers: NDArray[np.int64]  #: (n_scans,) of the scan; rows of one scan, its deskewed beams, follow one another
 
     @cached_property
     def sensors(self) -> NDArray[np.float64]:
@@ -46,13 +48,15 @@ class ScanBatch:
 
     def scans_on(self, geometry: GridGeometry) -> Scans:
         """Return all scans as the kernels take them, on the lattice of ``geometry``."""
-        return Scans(self.ranges, self.sensors, self.beams, self.fields, self.headings(geometry))
+        return Scans(self.ranges, self.sensors, self.beams, self.fields, self.headings(geometry), self.numbers)
 
     def chunks_on(self, geometry: GridGeometry) -> list[Scans]:
-        """Return the scans as :meth:`scans_on`, in chunks of at most about half a million readings."""
+        """Return the scans as :meth:`scans_on`, in chunks of about half a million readings, none within a scan."""
         step = max(1, _CHUNK_READINGS // max(1, self.ranges.shape[1]))
-        scans = self.scans_on(geometry)
-        return [part_of(scans, first, first + step) for first in range(0, len(self.ranges), step)]
+        scans, n = self.scans_on(geometry), len(self.ranges)
+        ends = scan_ends(self.numbers)
+        edges = np.unique([0, *ends[np.searchsorted(ends, range(step, n, step))], n])
+        return [part_of(scans, first, stop) for first, stop in pairwise(edges.tolist())]
 
     def bounds(self, reading_filter: ReadingFilter, *, fields: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the least and the greatest x, y (2,), metres in the map, of the sensors and of all that they see.
@@ -79,7 +83,17 @@ def directions(angles: bytes) -> NDArray[np.float64]:
     return np.column_stack([np.cos(radians), np.sin(radians)])
 
 
+def scan_ends(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the row after the last one of each scan; ``numbers`` (n_rows,) as those of :class:`Scans`."""
+    return np.flatnonzero(np.diff(numbers, append=numbers[-1:] - 1)) + 1
+
+
 def part_of(scans: Scans, start: int, stop: int) -> Scans:
     """Return the scans [start, stop) as views."""
     part = slice(start, stop)
-    return scans._replace(ranges=scans.ranges[part], sensors=scans.sensors[part], headings=scans.headings[part])
+    return scans._replace(
+        ranges=scans.ranges[part],
+        sensors=scans.sensors[part],
+        headings=scans.headings[part],
+        numbers=scans.numbers[part],
+    )

@@ -1,4 +1,4 @@
-"""Default parameters per sensor."""
+"""Default parameters by the sensor, and by where its scans come from."""
 
 from __future__ import annotations
 
@@ -28,3 +28,12 @@ def sensor_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -
     if "model" not in given:
         defaults |= {"model": "sonar_cone", "window": SONAR_WINDOW}
     return defaults | dict(given)
+
+
+#: Of a recording, where a map is to hold the walls; a simulated world begins with the step of the sources.
+RECORDED: Mapping[str, Any] = {"hit_and_passed": "only_hits"}
+
+
+def recorded_defaults(beam_width: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return :func:`sensor_defaults` with :data:`RECORDED`, for the scans of a recording."""
+    return {**RECORDED, **sensor_defaults(beam_width, given)}

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import cast
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_model import HitCounting, MoravecElfes
 from mapper.mapping.textbook_traversal import Cell, Point, amanatides_woo, bresenham
 from mapper.sensors.scan import RangeScan
+
+NumberedEvidence: TypeAlias = list[tuple[int, dict[Cell, float]]]  #: what each beam says, with the beam's number
+View: TypeAlias = tuple[RangeScan, ArrayLike]  #: a scan and ``T_map_laser`` (3,) that it was measured from
 
 
 def bayes_filter(log_odds: np.float32, evidence: np.float32, config: MappingConfig) -> np.float32:
@@ -47,6 +50,8 @@ def occupancy_grid_mapping(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Ar
         return count_hits_and_misses(grid, scan, sensor_pose, config)
     if config.update == "per_scan":
         return update_per_scan(grid, scan, sensor_pose, config)
+    if config.only_hits:
+        return update_hits_first(grid, [(scan, sensor_pose)], config)
     return update_per_beam(grid, scan, sensor_pose, config)
 
 
@@ -170,6 +175,46 @@ def cells_along(
     if config.traversal == "amanatides_woo":
         return amanatides_woo(point_at(grid, sensor_pose, bearing, 0.0), point_at(grid, sensor_pose, bearing, z))
     return bresenham(cell_at(grid, sensor_pose, bearing, 0.0), cell_at(grid, sensor_pose, bearing, z))
+
+
+# --- In the cells that a scan hits, only the hits count --------------------------------------------------------------
+
+
+def update_hits_first(grid: OccupancyGrid, views: Sequence[View], config: MappingConfig) -> int:
+    """Update each cell that the beams of one scan cross, hits first. Return the number of updates.
+
+    ``views`` are the scan and its pose; or, where the robot moved meanwhile, each beam and its own.
+    """
+    beams = hits_before_misses(evidence_of_beams(grid, views, config), config)
+    return sum(update(grid, cell, increment, config) for _, evidence in beams for cell, increment in evidence.items())
+
+
+def evidence_of_beams(grid: OccupancyGrid, views: Sequence[View], config: MappingConfig) -> NumberedEvidence:
+    """Return what each beam of one scan says of each cell."""
+    found = []
+    for scan, sensor_pose in views:
+        z_max = min(scan.range_max, config.range_max)
+        for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
+            found.append(evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config))
+    return list(enumerate(found))
+
+
+def hits_before_misses(beams: NumberedEvidence, config: MappingConfig) -> NumberedEvidence:
+    """Return first the hits of all beams of a scan, then their misses, which are 0 in the cells that the scan hits.
+
+    A beam that meets a wall at a grazing angle passes cells in which its neighbours end: the wall is there. Sources:
+    OctoMap, whose ``computeUpdate`` takes the occupied cells of a scan out of its free ones, and Cartographer, whose
+    ``ProbabilityGridRangeDataInserter2D`` gives hits priority. Both update a cell once for each scan; here the hits of
+    all beams add up.
+    """
+    hit = config.beam_model().log_odds_hit
+    hits = [(k, {cell: value for cell, value in evidence.items() if value == hit}) for k, evidence in beams]
+    cells_hit = {cell for _, evidence in hits for cell in evidence}
+    misses = [
+        (k, {cell: 0.0 if cell in cells_hit else value for cell, value in evidence.items() if value != hit})
+        for k, evidence in beams
+    ]
+    return hits + misses
 
 
 # --- Each cell of the perceptual field once (table 9.1) --------------------------------------------------------------
@@ -324,12 +369,20 @@ def provenance(
     grid: OccupancyGrid, scans: Sequence[RangeScan], sensor_poses: ArrayLike, cell: Cell, config: MappingConfig
 ) -> list[tuple[int, int, float, np.float32]]:
     """Return scan, beam, evidence and the log-odds after it of every update that a per-beam map made to ``cell``."""
+    return provenance_of_views(
+        grid, [[view] for view in zip(scans, np.asarray(sensor_poses), strict=True)], cell, config
+    )
+
+
+def provenance_of_views(
+    grid: OccupancyGrid, scans: Sequence[Sequence[View]], cell: Cell, config: MappingConfig
+) -> list[tuple[int, int, float, np.float32]]:
+    """Return :func:`provenance` of scans whose beams may each have a pose of their own."""
     contributions = []
     value = grid.prior()[cell]
-    for t, (scan, pose) in enumerate(zip(scans, np.asarray(sensor_poses), strict=True)):
-        z_max = min(scan.range_max, config.range_max)
-        for k, (z, bearing) in enumerate(zip(readings(scan, config), scan.angles, strict=True)):
-            evidence = evidence_of_beam(grid, pose, bearing, z, scan.range_min, z_max, config)
+    for t, views in enumerate(scans):
+        beams = evidence_of_beams(grid, views, config)
+        for k, evidence in hits_before_misses(beams, config) if config.only_hits else beams:
             if cell in evidence:
                 value = bayes_filter(value, np.float32(evidence[cell]), config)
                 contributions.append((t, k, evidence[cell], value))

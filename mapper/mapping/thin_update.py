@@ -18,7 +18,7 @@ from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
-from mapper.mapping.scan_batch import part_of
+from mapper.mapping.scan_batch import part_of, scan_ends
 from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan
 
@@ -28,6 +28,7 @@ ONE_MISS, ONE_HIT = (
     LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
     for miss in (1.0, 0.0)
 )
+NO_ENDS = np.empty(0, dtype=np.int64)  #: of scans, where hits and misses count alike
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,11 +102,12 @@ def _drawer(
     """Return the function of (row_low, row_high, box, mark) that adds planned beams to rows of ``grid``."""
     cells, frame = _cells(grid), grid.geometry.frame
     smooth, evidence = plan.strategy.smooth, plan.evidence
+    ends = scan_ends(scans.numbers) * scans.ranges.shape[1] if plan.only_hits else NO_ENDS
     if plan.exact_rays:
-        return partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)
+        return partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update, ends)
     if smooth:
         return partial(draw_ramps, cells, beams.planned, scans, frame, plan.reading_filter, evidence, log_odds_update)
-    return partial(draw_lines, cells, beams.planned, log_odds_update, False)
+    return partial(draw_lines, cells, beams.planned, log_odds_update, False, ends)
 
 
 def _hit_drawer(grid: OccupancyGrid, beams: PlannedBeams) -> Draw:
@@ -113,7 +115,7 @@ def _hit_drawer(grid: OccupancyGrid, beams: PlannedBeams) -> Draw:
     cells = _cells(grid)
 
     def draw(row_low: int, row_high: int, box: NDArray[np.int64]) -> int:
-        return int(draw_lines(cells, beams.planned, ONE_HIT, True, row_low, row_high, box, True))
+        return int(draw_lines(cells, beams.planned, ONE_HIT, True, NO_ENDS, row_low, row_high, box, True))
 
     return draw
 

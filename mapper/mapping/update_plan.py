@@ -22,6 +22,7 @@ class UpdatePlan:
     ``no_return`` "free" is part of ``reading_filter``, "hit" is ``no_return_is_hit``. ``clamp`` is (ℓ_min, ℓ_max),
     infinite without a clamp. ``mount`` is the pose (m, m, rad) that is composed onto the sensor's. ``deskew`` is "off"
     for updates that take all beams of a scan together; ``time_offset`` is added to the stamps of the scans, seconds.
+    With ``only_hits`` the misses of a scan count for nothing in the cells that it hits.
     """
 
     strategy: ModelStrategy
@@ -33,6 +34,7 @@ class UpdatePlan:
     update: str
     exact_rays: bool
     no_return_is_hit: bool
+    only_hits: bool
     clamp: tuple[float, float]
     mount: tuple[float, float, float]
     upside_down: bool
@@ -86,6 +88,7 @@ def plan_update(config: MappingConfig, range_min: float, range_max: float) -> Up
         config.update,
         config.traversal == "amanatides_woo",
         config.no_return == "hit",
+        config.only_hits,
         (low, high),
         config.mount,
         config.mount_upside_down,

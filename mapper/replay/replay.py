@@ -18,8 +18,8 @@ from mapper.sensors.scan import ScanLog
 
 #: Parameters that change the values of cells but not which place a log sees. Any other one is part of the key.
 WITHOUT_EFFECT = frozenset({
-    "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "cone_profile", "prior_weight", "traversal", "clamp",
-    "log_odds_min", "log_odds_max", "log_odds_prior",
+    "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "cone_profile", "prior_weight", "hit_and_passed", "traversal",
+    "clamp", "log_odds_min", "log_odds_max", "log_odds_prior",
 })  # fmt: skip
 BOUNDS_KEPT = 8  #: bounds kept
 

@@ -19,6 +19,7 @@ from mapper.core.se2 import compose, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_log, grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import RECORDED
 from mapper.matching.maps import place_map
 from mapper.sensors.joint_log import sensor_numbers, sensors_of
 from mapper.sensors.motion import seconds
@@ -163,7 +164,7 @@ def merge_logs(
 
 def map_along(parts: list[tuple[ScanLog, Float64Array]], config: MappingConfig | None = None) -> OccupancyGrid:
     """Return one map of logs along poses (n_scans, 3) in one frame, all scans of the first log before the next's."""
-    config = config or MappingConfig()
+    config = config or MappingConfig().with_values(RECORDED)
     logs = [replace(log, trajectories={MERGED: Trajectory(poses, "poses corrected by SLAM")}) for log, poses in parts]
     grid = grid_for(logs[0], config, MERGED)
     for log in logs[1:]:

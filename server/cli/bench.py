@@ -37,12 +37,12 @@ def bench_map_command(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Measure the time to compute a log's map, for each kind of update; the shortest of several runs counts."""
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from mapper.tools.bench import bench_map  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters)
     scans = read_log(log, topic)
-    config = configured(sensor_defaults(scans.beam_width, given))
+    config = configured(recorded_defaults(scans.beam_width, given))
     with refusing(log):
         measured = bench_map(scans, config, repeats, trajectory)
     facts = {

@@ -16,6 +16,7 @@ import typer
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
 from mapper.sensors.planar.options import PlanarCut
 from server.version import package_version
@@ -153,7 +154,8 @@ def _option(row: Parameter) -> inspect.Parameter:
     name = "--" + row.name.replace("_", "-")
     names.append(f"{name}/--no-{row.name.replace('_', '-')}" if row.kind == "flag" else name)
     unit = f" {row.unit}" if row.unit else ""
-    initial = row.initial if row.kind != "flag" else ("on" if row.initial else "off")
+    first = RECORDED.get(row.name, row.initial)
+    initial = first if row.kind != "flag" else ("on" if first else "off")
     bounds = f"; {row.low:g} to {row.high:g}{unit}" if row.kind == "number" else ""
     sentence = f"{row.sentence} [{initial}{unit if row.kind == 'number' else ''}{bounds}]"
     # A number comes as it was typed, so that one that is none is refused in the table's own words.

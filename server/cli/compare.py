@@ -53,7 +53,7 @@ def compare(
     from mapper.grid.compare import STATES, difference  # noqa: PLC0415 - start-up
     from mapper.grid.compare import compare as compare_maps  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters, mount)
     changed = _pairs(other or [])
@@ -70,7 +70,7 @@ def compare(
     grids = []
     for path, sensor, poses, wanted in sides:
         scans = read_log(path, sensor, tum_trajectory if path == log else None, tf)
-        config = configured(sensor_defaults(scans.beam_width, wanted))
+        config = configured(recorded_defaults(scans.beam_width, wanted))
         with refusing(path):
             grid = grid_for(scans, config, poses)
             integrate_log(grid, scans, config, poses)

@@ -201,9 +201,9 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
 
 def _config_for(logs: Sequence[ScanLog], given: dict[str, Any]) -> MappingConfig:
     """Return the parameters that suit all sensors; end the command where they need different ones."""
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 
-    configs = {configured(sensor_defaults(one.beam_width, given)) for one in logs}
+    configs = {configured(recorded_defaults(one.beam_width, given)) for one in logs}
     if len(configs) > 1:
         fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
     return configs.pop()

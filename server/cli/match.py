@@ -161,7 +161,7 @@ def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[Occupa
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
     from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 
     if path.suffix.lower() in {".yaml", ".yml"} or not is_log(path):
         with refusing(path):
@@ -169,7 +169,7 @@ def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[Occupa
         return loaded.grid, loaded.notes
     log = read_log(path, topic)
     with refusing(path):
-        config = MappingConfig().with_values(sensor_defaults(log.beam_width, {}))
+        config = MappingConfig().with_values(recorded_defaults(log.beam_width, {}))
         grid = grid_for(log, config, trajectory)
         integrate_log(grid, log, config, trajectory)
     return grid, ()

@@ -49,7 +49,7 @@ def report(
 ) -> None:
     """Write a report on a log: facts, events, findings, maps, drift, a picture, parameters and versions."""
     from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from server.report import make_report, report_page  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters, mount)
@@ -59,7 +59,7 @@ def report(
     with refusing(log), progress_bar("Examining") as bar:
         corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
-        shown = config.with_values(sensor_defaults(scans.beam_width, given))
+        shown = config.with_values(recorded_defaults(scans.beam_width, given))
         made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events))
     try:
         out.write_text(report_page(made), encoding="utf-8")

@@ -11,6 +11,7 @@ import typer
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.sensors.georeference import NO_OFFSET
 from server.cli.common import (
     AsJson,
@@ -96,9 +97,10 @@ def slam(
 
             found = slam_log(scans, config, trajectory=trajectory, progress=report)
         corrected = _with_poses(scans, found)
-        before = None if found.odometry is None else map_figures(scans, found.odometry, MappingConfig())
+        config_of_map = MappingConfig().with_values(recorded_defaults(scans.beam_width))
+        before = None if found.odometry is None else map_figures(scans, found.odometry, config_of_map)
         grid = map_of(corrected, SLAM)
-        after = map_figures(corrected, SLAM, MappingConfig())
+        after = map_figures(corrected, SLAM, config_of_map)
     offset = corrected.trajectory(SLAM).offset
     written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
     loops = found.graph.kind == 1

@@ -46,14 +46,14 @@ def why(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Print the updates of a cell: every beam that changed it, and what each beam added."""
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from mapper.replay import Replay  # noqa: PLC0415 - start-up
 
     point = place(at)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     scans = read_log(log, topic, tum_trajectory, tf)
     notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
-    config = configured(sensor_defaults(scans.beam_width, given))
+    config = configured(recorded_defaults(scans.beam_width, given))
     with refusing(log):
         replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)
@@ -65,14 +65,16 @@ def why(
             "beam": beam,
             "range": round(reading, 3) if reading <= scans.range_max else None,
             "hit": hit,
+            "outweighed": outweighed,
             "increment": round(increment, 6),
             "log_odds": round(log_odds, 6),
         }
-        for scan, beam, reading, hit, increment, log_odds in zip(
+        for scan, beam, reading, hit, outweighed, increment, log_odds in zip(
             why.scans.tolist(),
             why.beams.tolist(),
             why.ranges.tolist(),
             why.hits.tolist(),
+            why.outweighed.tolist(),
             why.increments.tolist(),
             why.log_odds.tolist(),
             strict=True,
@@ -104,6 +106,7 @@ def why(
         reading = "no return" if touch["range"] is None else f"{touch['range']:.3f}"
         typer.echo(
             f"  {touch['scan']:6} {touch['beam']:5} {reading:>10} {touch['increment']:+10.3f} {touch['log_odds']:9.3f}"
+            + ("  passed; the scan hits the cell" if touch["outweighed"] else "")
         )
     for note in notes:
         typer.echo(f"  note: {note}")

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import Limits
+from mapper.mapping.parameters import MappingConfig
 from mapper.puzzles import RECIPES, Puzzle, Spoiled, puzzle_of, shortened, spoil
 from mapper.puzzles.drives import ODOMETRY, TRUE
 from mapper.sensors.joint_log import JointLog
@@ -30,8 +31,13 @@ class PuzzleSource(Protocol):
         """Return the puzzle. Raises as the mapper does, and ``WorkCancelledError`` once ``wanted`` returns False."""
 
 
+def puzzle_config(log: ScanLog) -> MappingConfig:
+    """Return the first parameters of a puzzle of a log: hits and misses both count, as when it was made."""
+    return first_config(log).with_values({"hit_and_passed": "both_count"})
+
+
 def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
-    first = first_config(spoiled.reference)
+    first = puzzle_config(spoiled.reference)
     return puzzle_of(spoiled, cause, first, limits(), wanted, lambda done: tell(MAPPING, done))
 
 

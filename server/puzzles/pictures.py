@@ -18,7 +18,7 @@ from mapper.puzzles import RECIPES
 from mapper.puzzles.puzzle import mapped
 from mapper.replay.overview import SIDE, cells_overview
 from server.library.packs.picture import read_picture
-from server.sources.log_recording import first_config
+from server.puzzles.making import puzzle_config
 
 FOLDER = Path(__file__).parent / "map_pictures"  #: of the files, in the colours of a light page
 
@@ -37,7 +37,7 @@ def picture_of(name: str, *, dark: bool) -> bytes:
 def codes_of(name: str) -> UInt8Array:
     """Return the codes of the picture of a puzzle (rows, cols): its drive is simulated and mapped."""
     spoiled = RECIPES[name].make(lambda _: None)
-    config = first_config(spoiled.reference).with_values(spoiled.start)
+    config = puzzle_config(spoiled.reference).with_values(spoiled.start)
     return picture_codes(mapped(spoiled.log, config, spoiled.trajectory), config.log_odds_min)
 
 

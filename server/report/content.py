@@ -15,6 +15,7 @@ from mapper.diagnosis.figures import MapFigures, map_figures
 from mapper.diagnosis.verdict import map_of
 from mapper.io.logs.summary import path_length, recorded_seconds, start_s
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
@@ -106,7 +107,7 @@ def make_report(
     events = tuple(diagnosis.events)
     names = dict.fromkeys((log.default_trajectory, trajectory))
     maps = tuple(_map(log, name, config, events) for name in names)
-    first = MappingConfig()
+    first = MappingConfig().with_values(recorded_defaults(log.beam_width))
     values = [(row, getattr(config, row.name)) for row in PARAMETERS]
     return Report(
         title=title or log.name,

@@ -94,6 +94,7 @@ def why_message(
         per_scan=config.update == "per_scan",
         total=total,
         hits=sum(int(np.count_nonzero(part.hits)) for part in parts),
+        outweighed=sum(int(np.count_nonzero(part.outweighed)) for part in parts),
         first_scan=first_scan,
         curve=thinned(np.concatenate([np.empty(0, np.float32), *(part.log_odds for part in parts)])),
         contributions=contributions,
@@ -121,6 +122,7 @@ def _contributions(
         np.round(np.where(returned, ranges, 0.0), 3).tolist(),
         returned.tolist(),
         part.hits[inside].tolist(),
+        part.outweighed[inside].tolist(),
         part.increments[inside].tolist(),
         part.log_odds[inside].tolist(),
         strict=True,
@@ -138,8 +140,21 @@ def _contributions(
             increment=round(increment, 6),
             log_odds=round(log_odds, 6),
             sensor=UNSET if sensors is None else sensors[i],
+            outweighed=outweighed or UNSET,
         )
-        for i, (scan, stamp, beam, pose, bearing, reading, is_reading, hit, increment, log_odds) in enumerate(columns)
+        for i, (
+            scan,
+            stamp,
+            beam,
+            pose,
+            bearing,
+            reading,
+            is_reading,
+            hit,
+            outweighed,
+            increment,
+            log_odds,
+        ) in enumerate(columns)
     ]
 
 

@@ -16,7 +16,7 @@ from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.placed_scan import placed_scan
-from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.replay import Replay
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
@@ -41,7 +41,7 @@ def first_config(log: ScanLog) -> MappingConfig:
     """Return the initial parameters for a log."""
     row = BY_NAME["range_max"]
     range_max = float(np.clip(min(log.range_max, row.initial), row.low, row.high))
-    return MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": range_max}))
+    return MappingConfig().with_values(recorded_defaults(log.beam_width, {"range_max": range_max}))
 
 
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
@@ -49,7 +49,8 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
 
     Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
     """
-    config = first_config(log).with_values(view.values or {})
+    # Values are all those of a map: a link that was made before there was a parameter has the table's value of it.
+    config = first_config(log) if view.values is None else MappingConfig().with_values(view.values)
     for resolution in (*(one for one in COARSER if one > config.resolution), None):
         try:
             replay = Replay(log, config, view.trajectory, limits)
@@ -140,7 +141,7 @@ class LogRecording(Recording, Viewed):
         before = asdict(first_config(self.log))
         changed = {name: value for name, value in asdict(old.config).items() if value != before[name]}
         trajectory = old.trajectory if old.trajectory in log.trajectories else None
-        wanted = replace(view, trajectory=trajectory, values=changed)
+        wanted = replace(view, trajectory=trajectory, values=asdict(first_config(log).with_values(changed)))
         self.replay = first_replay(log, wanted, self._host.limits(), old.wanted)
         self.recorded = recorded_seconds(log)
         self._topic, self._cut = view.topic, view.cut

@@ -196,6 +196,9 @@ class Contribution(Part):
     increment: Annotated[float, Meta(description="log-odds added")]
     log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
     sensor: Annotated[str | UnsetType, Meta(description="its topic, where several sensors make the map")] = UNSET
+    outweighed: Annotated[
+        bool | UnsetType, Meta(description="true for a miss that counts for nothing, as its scan hits the cell")
+    ] = UNSET
 
 
 class LayerInfo(Part):

@@ -251,6 +251,7 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
     per_scan: Annotated[bool, Meta(description="whether each scan counts once")]
     total: Annotated[int, Meta(description="beams that updated the cell")]
     hits: Annotated[int, Meta(description="those that raised its log-odds")]
+    outweighed: Annotated[int, Meta(description="those that count for nothing, as their scans hit the cell")]
     first_scan: Annotated[int | None, Meta(description="index of the first scan that updated it")]
     curve: Annotated[
         list[tuple[int, float]],

@@ -51,9 +51,14 @@ def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     return told([textbook.provenance(case.grid(), scans, poses, cell, case.config) for cell in cells_to_ask(case)])
 
 
+def sweeps(case: MappingCase) -> list[list[tuple[LaserScan, np.ndarray]]]:
+    """The beams of each scan, every one by itself, and the pose that it was measured from."""
+    return [textbook_deskew.deskewed(case.log, t, case.config) for t in range(case.log.n_scans)]
+
+
 def beams_and_poses(case: MappingCase) -> list[tuple[LaserScan, np.ndarray]]:
     """Every beam of the log by itself, and the pose that it was measured from."""
-    return [one for t in range(case.log.n_scans) for one in textbook_deskew.deskewed(case.log, t, case.config)]
+    return [one for sweep in sweeps(case) for one in sweep]
 
 
 def provenance_of_sweeps_by_kernel(case: MappingCase) -> tuple[Any, ...]:
@@ -66,10 +71,9 @@ def provenance_of_sweeps_by_kernel(case: MappingCase) -> tuple[Any, ...]:
 
 
 def provenance_of_sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
-    beams, poses = zip(*beams_and_poses(case), strict=True)
-    found = [textbook.provenance(case.grid(), beams, np.array(poses), cell, case.config) for cell in swept_cells(case)]
+    found = [textbook.provenance_of_views(case.grid(), sweeps(case), cell, case.config) for cell in swept_cells(case)]
     names, *values = told(found)
-    return ([[reading for reading, _ in touches] for touches in names], *values)
+    return ([[t * case.log.n_beams + k for t, k in touches] for touches in names], *values)
 
 
 def swept_cells(case: MappingCase) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mapper.core.se2 import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import HIT_OR_PASSED, MappingConfig
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import Placement
 from mapper.sensors.planar.options import PlanarCut
@@ -96,6 +96,8 @@ def configs(draw: st.DrawFn, update: str, models: tuple[str, ...]) -> MappingCon
         "mount_y": some(0.0, low=-1, high=1),
         "mount_yaw": some(0.0, low=-3, high=3),
     }
+    if config.model in HIT_OR_PASSED:
+        mounted["hit_and_passed"] = st.sampled_from(["both_count", "only_hits"])
     return config.with_values({name: draw(values) for name, values in mounted.items()})
 
 

@@ -11,6 +11,7 @@ from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
+from mapper.mapping.thin_update import NO_ENDS
 from tests.agreement.inputs import LineCase, RayCase
 
 
@@ -21,7 +22,7 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
     cells = Cells(drawn.reshape(-1), observed.reshape(-1), cols)
-    draw_lines(cells, line, LogOddsUpdate(one, nothing, low, high), False, 0, rows, box, True)
+    draw_lines(cells, line, LogOddsUpdate(one, nothing, low, high), False, NO_ENDS, 0, rows, box, True)
     return drawn, observed, box if drawn.any() else None
 
 
@@ -42,7 +43,7 @@ def ray_by_kernel(case: RayCase) -> tuple[Any, ...]:
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
     cells, box = Cells(drawn.reshape(-1), observed.reshape(-1), cols), np.array([rows, 0, cols, 0])
     update = LogOddsUpdate(one, nothing, low, high)
-    draw_rays(cells, ray, 1.0, False, Evidence(1.0, 0.0), update, 0, rows, box, True)
+    draw_rays(cells, ray, 1.0, False, Evidence(1.0, 0.0), update, NO_ENDS, 0, rows, box, True)
     for row, col in np.ndindex(case.shape):
         touched[row, col] = contributions_of_rays(ray, 1.0, row, col, np.empty((1, 2), dtype=np.int64))
     return drawn, observed, touched, box if drawn.any() else None

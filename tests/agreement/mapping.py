@@ -12,7 +12,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping import textbook
 from mapper.mapping.integrate import bounds_of_log, geometry_for, integrate_log, integrate_scan
 from mapper.sensors.scan import RangeScan
-from tests.agreement.asking import beams_and_poses
+from tests.agreement.asking import beams_and_poses, sweeps
 from tests.agreement.inputs import MappingCase
 
 
@@ -68,7 +68,10 @@ def statistics_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 
 def sweeps_by_textbook(case: MappingCase) -> tuple[Any, ...]:
     grid = case.grid()
-    count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
+    if case.config.only_hits:
+        count = sum(textbook.update_hits_first(grid, views, case.config) for views in sweeps(case))
+    else:
+        count = sum(textbook.occupancy_grid_mapping(grid, *one, case.config) for one in beams_and_poses(case))
     return grid.log_odds, grid.observed, count
 
 

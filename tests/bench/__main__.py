@@ -32,6 +32,7 @@ from tests.bench.events import events
 from tests.bench.feel import feel
 from tests.bench.fleet import fleet
 from tests.bench.hard import hard
+from tests.bench.held_out import held_out
 from tests.bench.inspecting import inspecting
 from tests.bench.localization import localization
 from tests.bench.matching import matching
@@ -213,6 +214,7 @@ def starting() -> None:
 
 BENCHES: dict[str, Callable[[], None]] = {
     "mapping": mapping,
+    "held-out": lambda: held_out(logs()),
     "statistics": cost_of_statistics,
     "why": cost_of_asking_why,
     "start": starting,

@@ -16,8 +16,8 @@ from mapper.sensors.scan import ScanLog, Trajectory
 
 OTHER: dict[str, Any] = {
     "log_odds_hit": 1.5, "log_odds_miss": -0.1, "p_free": 0.3, "p_occ": 0.9, "cone_profile": "gaussian",
-    "prior_weight": 7.0, "traversal": "amanatides_woo", "clamp": False, "log_odds_min": -4.0, "log_odds_max": 6.0,
-    "log_odds_prior": 0.5,
+    "prior_weight": 7.0, "hit_and_passed": "only_hits", "traversal": "amanatides_woo", "clamp": False,
+    "log_odds_min": -4.0, "log_odds_max": 6.0, "log_odds_prior": 0.5,
 }  # fmt: skip
 MOVING: dict[str, Any] = {
     "range_max": 4.0, "no_return": "hit", "resolution": 0.3, "mount_x": 0.5, "mount_y": -0.5, "mount_yaw": 0.3,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mapper.mapping.kernels.bresenham import MAX_STEPS, draw_lines
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate
 from mapper.mapping.textbook_traversal import bresenham
+from mapper.mapping.thin_update import NO_ENDS
 
 
 def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) -> NDArray[np.float32]:
@@ -18,7 +19,9 @@ def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) 
     line = np.array([[*start, *end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     update = LogOddsUpdate(np.float32(1), np.float32(0), np.float32(-100), np.float32(100))
     box = np.array([shape[0], 0, shape[1], 0])
-    draw_lines(Cells(visits.reshape(-1), observed.reshape(-1), shape[1]), line, update, False, 0, shape[0], box, True)
+    draw_lines(
+        Cells(visits.reshape(-1), observed.reshape(-1), shape[1]), line, update, False, NO_ENDS, 0, shape[0], box, True
+    )
     return visits
 
 

@@ -67,7 +67,7 @@ def test_a_log_is_sent_and_read(client: Client, path: Path) -> None:
 
 
 def test_the_map_is_the_mappers_own_cell_by_cell(client: Client, path: Path) -> None:
-    read, config = open_log(path), MappingConfig()
+    read, config = open_log(path), MappingConfig(hit_and_passed="only_hits")
     expected = grid_for(read, config)
     integrate_log(expected, read, config)
     log = sent(client, path)

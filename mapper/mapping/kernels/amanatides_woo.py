@@ -14,6 +14,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
+from mapper.mapping.kernels.hits_first import _add_hits, _put_back
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.smooth_ramp import _ramp
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate, ReadingFilter, Scans
@@ -82,24 +83,17 @@ def plan_rays(
 
 
 @jit
-def draw_rays(
-    cells: Cells,
-    rays: Float64Array,
-    resolution: float,
-    smooth: bool,
-    evidence: Evidence,
-    log_odds_update: LogOddsUpdate,
-    row_low: int,
-    row_high: int,
-    box: Int64Array,
-    mark: bool,
-) -> int:
-    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+def _draw(
+    cells: Cells, rays: Float64Array, resolution: float, smooth: bool, evidence: Evidence,
+    log_odds_update: LogOddsUpdate, row_low: int, row_high: int, box: Int64Array, mark: bool, hits: Int64Array,
+) -> tuple[int, int]:  # fmt: skip
+    """Add what rays say, as :func:`draw_rays`; or, with room in ``hits``, write there which cells they hit.
 
-    The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
-    cell. With ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
+    Return the number of cell updates and that of the cells written.
     """
     log_odds, observed, cols = cells
+    lists = len(hits) > 0
+    n_hits = 0
     miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: the boxes of two threads share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
@@ -116,7 +110,7 @@ def draw_rays(
         ahead_row, ahead_col = (1 if s_row > 0 else 0), (1 if s_col > 0 else 0)
         t_row = (row + ahead_row - v) / d_v if row != end_row else inf
         t_col = (col + ahead_col - u) / d_u if col != end_col else inf
-        inside = max(row, end_row) >= row_low and min(row, end_row) < row_high
+        inside = max(row, end_row) >= row_low and min(row, end_row) < row_high and not (lists and half == 0.0)
         while inside:
             if row_low <= row < row_high and 0 <= col < cols and (z == inf or row != hit_row or col != hit_col):
                 increment = miss
@@ -127,7 +121,10 @@ def draw_rays(
                     if s >= z - half:
                         increment = np.float32(_ramp(s, z, half, evidence.miss, evidence.hit) + 0.0) if smooth else hit
                         counts = s <= z + half
-                if counts:
+                        if lists and counts:
+                            hits[n_hits] = row * cols + col
+                            n_hits += 1
+                if counts and not lists:
                     cell = row * cols + col
                     log_odds[cell] = min(max(log_odds[cell] + increment, low), high)
                     if mark:
@@ -145,6 +142,10 @@ def draw_rays(
                 t_row = (row + ahead_row - v) / d_v if row != end_row else inf
         if z < inf and row_low <= hit_row < row_high and 0 <= hit_col < cols:
             cell = hit_row * cols + hit_col
+            if lists:
+                hits[n_hits] = cell
+                n_hits += 1
+                continue
             log_odds[cell] = min(max(log_odds[cell] + hit, low), high)
             if mark:
                 observed[cell] = True
@@ -152,6 +153,49 @@ def draw_rays(
             left, right = min(left, hit_col), max(right, hit_col + 1)
             count += 1
     box[0], box[1], box[2], box[3] = top, bottom, left, right
+    return count, n_hits
+
+
+@jit
+def draw_rays(
+    cells: Cells,
+    rays: Float64Array,
+    resolution: float,
+    smooth: bool,
+    evidence: Evidence,
+    log_odds_update: LogOddsUpdate,
+    scan_ends: Int64Array,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+    mark: bool,
+) -> int:
+    """Add what ``rays`` (n, 8) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    The other arguments are those of :func:`mapper.mapping.kernels.bresenham.draw_lines`; ``resolution`` is metres a
+    cell. With ``smooth`` the evidence in the window is the ramp's, which leads from ``evidence``'s miss to its hit.
+    """
+    none = np.empty(0, dtype=np.int64)
+    if len(scan_ends) == 0:
+        count, _ = _draw(
+            cells, rays, resolution, smooth, evidence, log_odds_update, row_low, row_high, box, mark, none
+        )  # fmt: skip
+        return count
+    own = box.copy()  # the boxes of two threads share a cache line (false sharing)
+    first, count = 0, 0
+    for end in scan_ends:
+        part = rays[first:end]
+        room = len(part)
+        for j in range(len(part)):
+            if not isnan(part[j, Z]):
+                room += int(4.0 * part[j, HALF] / resolution) + 8  # more than the window has cells
+        hits = np.empty(room, dtype=np.int64)
+        _, n = _draw(cells, part, resolution, smooth, evidence, log_odds_update, row_low, row_high, own, mark, hits)
+        held = _add_hits(cells.log_odds, hits[:n], log_odds_update)
+        added, _ = _draw(cells, part, resolution, smooth, evidence, log_odds_update, row_low, row_high, own, mark, none)
+        _put_back(cells.log_odds, hits[:n], held)
+        first, count = end, count + added
+    box[:] = own
     return count
 
 

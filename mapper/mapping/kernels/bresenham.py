@@ -20,6 +20,7 @@ from numpy import uint64
 from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
+from mapper.mapping.kernels.hits_first import _add_hits, _put_back
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
 
@@ -244,29 +245,46 @@ def _crossing(lines: Int32Array, row_low: int, row_high: int) -> Int64Array:
 
 
 @jit
-def draw_lines(
-    cells: Cells,
-    lines: Int32Array,
-    log_odds_update: LogOddsUpdate,
-    hits_only: bool,
-    row_low: int,
-    row_high: int,
-    box: Int64Array,
-    mark: bool,
-) -> int:
-    """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+def _hits_of(
+    lines: Int32Array, chosen: Int64Array, row_low: int, row_high: int, cols: int
+) -> Int64Array:  # fmt: skip
+    """Return the cells (row · cols + col) of the rows [row_low, row_high) that the ``chosen`` lines hit, in order."""
+    most = len(chosen)
+    for j in chosen:
+        most += max(int(lines[FAR, j]) - int(lines[NEAR, j]), 0)
+    found = np.empty(most, dtype=np.int64)
+    count = 0
+    for j in chosen:
+        row, col = int(lines[ROW, j]), int(lines[COL, j])
+        end_row, end_col = int(lines[END_ROW, j]), int(lines[END_COL, j])
+        d_row, d_col = abs(end_row - row), abs(end_col - col)
+        s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+        steep = d_row > d_col
+        major, minor = (d_row, d_col) if steep else (d_col, d_row)
+        for i in range(int(lines[NEAR, j]), min(int(lines[FAR, j]), major + 1)):
+            n = (2 * i * minor + major) // max(2 * major, 1)
+            r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
+            if i != lines[AT, j] and row_low <= r < row_high and 0 <= c < cols:
+                found[count] = r * cols + c
+                count += 1
+        r, c = int(lines[HIT_ROW, j]), int(lines[HIT_COL, j])
+        if row_low <= r < row_high and 0 <= c < cols:
+            found[count] = r * cols + c
+            count += 1
+    return found[:count]
 
-    With ``hits_only`` the cells that beams passed are left as they are, and neither counted nor marked.
-    ``cells.observed`` is written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,)
-    int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``log_odds_update``:
-    :mod:`mapper.mapping.kernels.types`.
-    """
+
+@jit
+def _draw_chosen(
+    cells: Cells, lines: Int32Array, chosen: Int64Array, log_odds_update: LogOddsUpdate, hits_only: bool,
+    row_low: int, row_high: int, box: Int64Array, mark: bool,
+) -> int:  # fmt: skip
+    """Add what the ``chosen`` lines say, as :func:`draw_lines`."""
     log_odds, observed, cols = cells
     miss, hit, low, high = _without_minus_zero(log_odds_update)
     # Kept in registers: the boxes of two threads share a cache line (false sharing).
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count = 0
-    chosen = _crossing(lines, row_low, row_high)
     for number in range(len(chosen)):
         j = chosen[number]
         row, col = int(lines[ROW, j]), int(lines[COL, j])
@@ -315,6 +333,47 @@ def draw_lines(
             top, bottom, left, right = min(top, r), max(bottom, r + 1), min(left, c), max(right, c + 1)
             count += 1
     box[0], box[1], box[2], box[3] = top, bottom, left, right
+    return count
+
+
+@jit
+def draw_lines(
+    cells: Cells,
+    lines: Int32Array,
+    log_odds_update: LogOddsUpdate,
+    hits_only: bool,
+    scan_ends: Int64Array,
+    row_low: int,
+    row_high: int,
+    box: Int64Array,
+    mark: bool,
+) -> int:
+    """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
+
+    With ``hits_only`` the cells that beams passed are left as they are, and neither counted nor marked. With
+    ``scan_ends``, the line after the last one of each scan, only the hits count in the cells that a scan hits;
+    updates by misses are counted there as well. Empty: both count.
+    ``cells.observed`` is written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,)
+    int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``log_odds_update``:
+    :mod:`mapper.mapping.kernels.types`.
+    """
+    chosen = _crossing(lines, row_low, row_high)
+    if len(scan_ends) == 0:
+        return _draw_chosen(cells, lines, chosen, log_odds_update, hits_only, row_low, row_high, box, mark)
+    own = box.copy()  # the boxes of two threads share a cache line (false sharing)
+    first, count = 0, 0
+    for end in scan_ends:
+        stop = first
+        while stop < len(chosen) and chosen[stop] < end:
+            stop += 1
+        if first < stop:
+            part = chosen[first:stop]
+            hits = _hits_of(lines, part, row_low, row_high, cells.cols)
+            held = _add_hits(cells.log_odds, hits, log_odds_update)
+            count += _draw_chosen(cells, lines, part, log_odds_update, hits_only, row_low, row_high, own, mark)
+            _put_back(cells.log_odds, hits, held)
+        first = stop
+    box[:] = own
     return count
 
 

@@ -133,7 +133,7 @@ def draw_cones(
     :func:`mapper.mapping.kernels.bresenham.draw_lines`.
     """
     log_odds, observed, cols = cells
-    ranges, sensors, beams, fields, headings = scans
+    ranges, sensors, beams, fields, headings, _ = scans
     _, hit, low, high = log_odds_update
     _, range_max, window, growth, _ = reading_filter
     resolution, n_beams, mark_endpoints = frame.resolution, ranges.shape[1], cone.mark_endpoints
@@ -217,7 +217,7 @@ def contributions_of_cones(
     As :mod:`mapper.mapping.kernels.contributions` writes them; with ``cone.mark_endpoints`` a scan that ended in the
     cell is named by the first beam that did.
     """
-    ranges, sensors, beams, fields, headings = scans
+    ranges, sensors, beams, fields, headings, _ = scans
     _, range_max, window, growth, _ = reading_filter
     resolution, n_beams = frame.resolution, ranges.shape[1]
     count = 0

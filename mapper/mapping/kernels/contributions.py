@@ -119,7 +119,7 @@ def contributions_of_fields(
     A scan that hits the cell is named by the first beam that ended in it, else by the beam whose field contains it. The
     other arguments are those of :func:`mapper.mapping.kernels.perceptual_field.plan_fields`.
     """
-    ranges, sensors, beams, fields, headings = scans
+    ranges, sensors, beams, fields, headings, _ = scans
     range_min, range_max, window, growth, no_return_free = reading_filter
     resolution = frame.resolution
     n_beams = ranges.shape[1]

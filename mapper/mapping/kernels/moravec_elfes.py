@@ -91,7 +91,7 @@ def add_certainties(
     ``contributions`` (≥ n, 2) int64, the reading's number and 1 for occupied or 0 for empty, and to ``certainties`` (≥
     n, 2), what the cell held after it: occupied, empty.
     """
-    ranges, sensors, beams, fields, headings = scans
+    ranges, sensors, beams, fields, headings, _ = scans
     range_max, half = reading_filter.range_max, 0.5 * reading_filter.window
     resolution, n_beams = frame.resolution, ranges.shape[1]
     count, noted = 0, 0

@@ -10,9 +10,22 @@ from numpy import uint32, uint64
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
-from mapper.mapping.kernels.bresenham import _BITS, _HALF, _clip, _line_of, _reading, _slope, reach
+from mapper.mapping.kernels.bresenham import (
+    _BITS,
+    _HALF,
+    LINE_FIELDS,
+    _clip,
+    _crossing,
+    _hits_of,
+    _line_of,
+    _reading,
+    _slope,
+    plan_lines,
+    reach,
+)
+from mapper.mapping.kernels.hits_first import _add_hits, _put_back
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
-from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
@@ -65,6 +78,7 @@ def add_scan(
     frame: Frame,
     reading_filter: ReadingFilter,
     log_odds_update: LogOddsUpdate,
+    only_hits: bool,
     log_odds_prior: float,
     box: Int64Array,
     written: UInt32Array,
@@ -75,6 +89,7 @@ def add_scan(
     ``row · cols + col``, some of them repeatedly; if it is greater than n, not all are listed.
     Where the scan reaches beyond the grid, :data:`BEYOND` is returned, and nothing was written. ``ranges`` (n_beams,)
     metres, ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser``, ``beams`` (n_beams, 2) cosine and sine of the bearings.
+    With ``only_hits`` misses count for nothing in the cells that the scan hits.
     Cells that are not ``observed`` hold ``log_odds_prior``; a cell at the clamp is only read.
     ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched. The same bits as
     :func:`plan_lines` and :func:`draw_lines` of :mod:`mapper.mapping.kernels.bresenham` give; its textbook is theirs.
@@ -97,6 +112,17 @@ def add_scan(
     row, col = int(_cell_of(v)), int(_cell_of(u))
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count, n = 0, 0
+    hits = np.empty(0, dtype=np.int64)
+    if only_hits:
+        lines, rest = np.empty((LINE_FIELDS, n_beams), dtype=np.int32), np.empty((0, 4))
+        scan = Scans(ranges.reshape(1, n_beams), sensors, beams, rest, rest, hits)
+        plan_lines(scan, frame, reading_filter, 0, lines, np.zeros(rows + 1), np.zeros(4, dtype=np.int64))
+        hits = _hits_of(lines, _crossing(lines, 0, rows), 0, rows, cols)
+    held = _add_hits(flat, hits, log_odds_update)
+    for hit_cell in hits:
+        flat_observed[hit_cell] = True
+        written[min(n, len(written) - 1)] = uint32(hit_cell)
+        n += 1
     for k in range(n_beams):
         z, is_used, no_return = _reading(float(ranges[k]), range_min, range_max, no_return_free)
         if not is_used:
@@ -139,5 +165,6 @@ def add_scan(
             top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
             left, right = min(left, hit_col), max(right, hit_col + 1)
             count += 1
+    _put_back(flat, hits, held)
     box[0], box[1], box[2], box[3] = top, bottom, left, right
     return count, n

@@ -74,7 +74,7 @@ def plan_fields(
     (rows + 1,) float64 the differences, from row to row, of the cost of drawing are added. The grid has less than
     MAX_SIDE rows and columns (:mod:`mapper.mapping.kernels.bitmask_fill`).
     """
-    ranges, sensors, beams, fields, headings = scans
+    ranges, sensors, beams, fields, headings, _ = scans
     starts, sure, views = plan
     n = ranges.shape[1]
     rows, resolution = len(work) - 1, frame.resolution

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 
 
 class ReadingFilter(NamedTuple):
@@ -54,6 +54,7 @@ class Scans(NamedTuple):
     beams: Float64Array  #: (n_beams, 2): cosine and sine of the bearings
     fields: Float64Array  #: (n_beams, 4): cosine and sine of each field's right edge, then of its left edge
     headings: Float64Array  #: (n_scans, 2): cosine and sine of the sensor's heading along the lattice
+    numbers: Int64Array  #: (n_scans,): equal for rows that are beams of one scan, which follow one another
 
 
 class Cells(NamedTuple):

@@ -81,12 +81,12 @@ def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
     from mapper.io.maps import occupancy_values  # noqa: PLC0415 - only this process maps
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from mapper.mapping.parameters import BY_NAME, MappingConfig  # noqa: PLC0415
-    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415
+    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415
 
     log = log_in(job.source)
     row = BY_NAME["range_max"]
     reach = min(max(min(log.range_max, row.initial), row.low), row.high)
-    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": reach}))
+    config = MappingConfig().with_values(recorded_defaults(log.beam_width, {"range_max": reach}))
     for resolution in RESOLUTIONS:
         config = config.with_values({"resolution": resolution})
         try:

@@ -21,6 +21,7 @@ from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.georeference import NO_OFFSET
 from server.jobs import process
 from server.jobs.process import BoundedJob
@@ -107,7 +108,7 @@ def _slam(job: SlamJob) -> SlamOutcome:
     if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
-    mapping = MappingConfig().with_values(job.mapping)
+    mapping = MappingConfig().with_values({**RECORDED, **job.mapping})
     result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, from_scans=True, offset=offset)

@@ -222,6 +222,8 @@ export interface Contribution {
   readonly log_odds: number;
   /** its topic, where several sensors make the map */
   readonly sensor?: string;
+  /** true for a miss that counts for nothing, as its scan hits the cell */
+  readonly outweighed?: boolean;
 }
 
 /** [x, y, z] in m */
@@ -765,6 +767,8 @@ export interface WhyMessage {
   readonly total: number;
   /** those that raised its log-odds */
   readonly hits: number;
+  /** those that count for nothing, as their scans hit the cell */
+  readonly outweighed: number;
   /** index of the first scan that updated it */
   readonly first_scan: number | null;
   /** [n, log-odds] over all contributions, at most 600 points; extremes are kept */
@@ -1721,6 +1725,7 @@ const isContribution: Check = isObject({
   increment: isNumber,
   log_odds: isNumber,
   sensor: optional(isText),
+  outweighed: optional(isFlag),
 });
 const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
 const isVolumeChanges: Check = isObject({
@@ -1853,6 +1858,7 @@ const isWhyMessage: Check = isObject({
   per_scan: isFlag,
   total: isInteger,
   hits: isInteger,
+  outweighed: isInteger,
   first_scan: oneOf(isInteger, isNull),
   curve: isListOf(isTuple(isInteger, isNumber)),
   contributions: isListOf(isContribution),
@@ -1999,6 +2005,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     per_scan: isFlag,
     total: isInteger,
     hits: isInteger,
+    outweighed: isInteger,
     first_scan: oneOf(isInteger, isNull),
     curve: isListOf(isTuple(isInteger, isNumber)),
     contributions: isListOf(isContribution),

@@ -22,7 +22,23 @@ from mapper.sensors.scan import ScanLog
 def test_the_number_of_threads_does_not_show(
     office_log: ScanLog, model: str, update: str, window: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = MappingConfig(model=model, update=update, window=window, no_return="free", resolution=0.1, opening=0.1)
+    _same_by_any_number_of_threads(
+        office_log,
+        MappingConfig(model=model, update=update, window=window, no_return="free", resolution=0.1, opening=0.1),
+        monkeypatch,
+    )
+
+
+@pytest.mark.parametrize("traversal", ["bresenham", "amanatides_woo"])
+@pytest.mark.parametrize("window", [0.0, 0.3])
+def test_nor_does_it_where_only_hits_count(
+    office_log: ScanLog, traversal: str, window: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = MappingConfig(hit_and_passed="only_hits", traversal=traversal, window=window, resolution=0.1)
+    _same_by_any_number_of_threads(office_log, config, monkeypatch)
+
+
+def _same_by_any_number_of_threads(office_log: ScanLog, config: MappingConfig, monkeypatch: pytest.MonkeyPatch) -> None:
     geometry = geometry_for(office_log, config)
     maps = []
     for threads in (1, 2, 3, 7):

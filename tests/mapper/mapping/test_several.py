@@ -19,6 +19,7 @@ from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.mapping.sweeping import HALF, off_the_walls, to_the_walls, true_poses
 
+ONLY_HITS = {"hit_and_passed": "only_hits"}
 MOUNTS = {"front": (0.3, 0.1, 0.0), "rear": (-0.4, 0.0, 3.0)}
 
 
@@ -96,6 +97,10 @@ def one_by_one(logs: list[ScanLog], config: MappingConfig, grid: OccupancyGrid) 
         ("other beams", {"model": "sonar_cone", "range_max": 2.0}),
         ("other beams", {"model": "moravec_elfes", "range_max": 2.0}),
         ("other beams, swept", {}),
+        ("swept", ONLY_HITS),
+        ("both swept", ONLY_HITS),
+        ("other beams", ONLY_HITS),
+        ("other beams, swept", ONLY_HITS | {"traversal": "amanatides_woo"}),
         ("other beams, swept", {"no_return": "free", "model": "smooth_ramp"}),
     ],
 )

@@ -21,6 +21,8 @@ from mapper.simulation.live_map import LiveMap
         {"log_odds_prior": -2.0},
         {"no_return": "free", "range_max": 3.0},
         {"log_odds_min": -0.5, "log_odds_max": 0.9},
+        {"hit_and_passed": "only_hits"},
+        {"hit_and_passed": "only_hits", "window": 0.4, "log_odds_min": -0.5, "log_odds_max": 0.9},
     ],
 )
 def test_the_listed_cells_hold_all_that_changed(values: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:

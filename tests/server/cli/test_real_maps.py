@@ -66,6 +66,7 @@ def bresenham_map(path: Path, rows: int, cols: int, origin: list[float]) -> NDAr
 def test_the_written_map_is_that_of_an_independent_program(data_file, tmp_path, monkeypatch, capsys, name):
     log = data_file(f"carmen/{name}.log.gz")
     options = ["--max-range", str(MAX_RANGE), "--resolution", str(RESOLUTION), "--out", str(tmp_path / "out" / name)]
+    options += ["--hit-and-passed", "both_count"]  # that program adds each beam's evidence
     monkeypatch.setattr(sys, "argv", ["gridbloom", "map", str(log), *options])
     with pytest.raises(SystemExit) as ended:
         main()

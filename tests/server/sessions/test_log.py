@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mapper.core.errors import LimitError, WorkCancelledError
+from mapper.core.limits import DEFAULT_LIMITS
 from mapper.diagnosis import Diagnosis
 from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
@@ -31,6 +32,7 @@ from server.sessions import LogView, SessionRegistry
 from server.sessions.delivery import hello_message
 from server.sessions.why import CellAsked, why_message
 from server.sources.log import MAX_GAP_S, play_times
+from server.sources.log_recording import first_replay
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
@@ -383,12 +385,20 @@ async def test_the_path_of_a_long_log_is_thinned_and_noted(
     assert n_scans - every <= (len(way["poses"]) - 1) * every < n_scans
 
 
+def test_a_view_that_names_no_value_keeps_the_tables_and_a_new_one_gets_the_recordings(office_log: ScanLog) -> None:
+    older = asdict(MappingConfig(window=0.3))
+    del older["hit_and_passed"]
+    shown = first_replay(office_log, LogView(values=older), DEFAULT_LIMITS).config
+    assert (shown.window, shown.hit_and_passed) == (0.3, "both_count")
+    assert first_replay(office_log, LogView(), DEFAULT_LIMITS).config.hit_and_passed == "only_hits"
+
+
 async def test_the_intel_log(
     registry: SessionRegistry, obey: Callable[..., Any], data_file: Callable[[str], Path]
 ) -> None:
     log = open_log(data_file("carmen/intel-corrected.log.gz"))
     session = await new_log(registry, "me", log)
     await obey(session, type="seek", index=log.n_scans)
-    expected = whole_map(log, MappingConfig(range_max=30.0, resolution=0.05))
+    expected = whole_map(log, MappingConfig(range_max=30.0, resolution=0.05, hit_and_passed="only_hits"))
     assert view_of(session).geometry == expected.geometry
     np.testing.assert_array_equal(view_of(session).log_odds, expected.log_odds)

@@ -49,11 +49,14 @@ async def test_every_touch_is_the_textbooks(
     await obey(session, type="parameters", values={"resolution": 0.2, "mount_x": 0.1, "range_max": 8.0})
     poses = compose(office_log.sensor_poses()[:12], np.array(session.model.config.mount))
     scans = [office_log.scan(i) for i in range(12)]
+    outweighed = 0
     for row, col in some_cells(session, 3):
         expected = textbook.provenance(session.model.grid, scans, poses, (row, col), session.model.config)
         told = await answer(obey, session, row=row, col=col)
         assert (told["index"], told["total"], told["per_scan"]) == (12, len(expected), False)
         assert told["hits"] == sum(evidence > 0 for _, _, evidence, _ in expected)
+        assert told["outweighed"] == sum(evidence == 0 for _, _, evidence, _ in expected)
+        outweighed += told["outweighed"]
         assert told["first_scan"] == (expected[0][0] if expected else None)
         assert told["log_odds"] == session.model.grid.log_odds[row, col]
         newest = expected[-MAX_CONTRIBUTIONS:]
@@ -64,11 +67,13 @@ async def test_every_touch_is_the_textbooks(
             z = float(scans[scan].ranges[beam])
             assert touch["n"] == n
             assert touch["hit"] is (evidence > 0)
+            assert touch.get("outweighed", False) is (evidence == 0)
             assert touch["increment"] == pytest.approx(evidence, abs=1e-6)
             assert touch["log_odds"] == pytest.approx(float(log_odds), abs=1e-6)
             assert touch["pose"] == pytest.approx(poses[scan], abs=1e-4)
             assert touch["bearing"] == pytest.approx(scans[scan].angles[beam], abs=1e-5)
             assert touch["range"] == pytest.approx(z, abs=1e-3)
+    assert outweighed > 0
 
 
 @pytest.mark.parametrize("update", ["per_beam", "per_scan"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from msgspec import UNSET, Struct
+from msgspec import UNSET, Struct, structs
 
 from server.parts.costmap import messages as costmap_messages
 from server.parts.localization.messages import LocalizationMessage
@@ -100,6 +100,7 @@ _CONTRIBUTION = parts.Contribution(
     increment=-0.4,
     log_odds=-0.4,
 )
+_OUTWEIGHED = structs.replace(_CONTRIBUTION, n=2, increment=0.0, sensor="scan", outweighed=True)
 #: with every type of message, and the fields that are not always sent both there and missing
 MESSAGES: tuple[Struct, ...] = (
     messages.Hello(
@@ -304,6 +305,23 @@ MESSAGES: tuple[Struct, ...] = (
     messages.ErrorMessage("command.x", "Not a number."),
     messages.CellMessage(1, 2, 3, 0.075, 0.125, True, 0.85, 0.7, "occupied", "map"),
     messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second_map"),
-    messages.WhyMessage(1, 2, 3, 10, -0.4, 0.0, None, None, False, 1, 0, 0, [(1, -0.4)], [_CONTRIBUTION], "map"),
+    messages.WhyMessage(
+        1,
+        2,
+        3,
+        10,
+        -0.4,
+        0.0,
+        None,
+        None,
+        False,
+        2,
+        0,
+        1,
+        0,
+        [(1, -0.4), (2, -0.4)],
+        [_CONTRIBUTION, _OUTWEIGHED],
+        "map",
+    ),
     messages.Pong(1, 12.5),
 )

@@ -103,6 +103,7 @@ def _done(job: FleetJob) -> dict[str, Any]:
     from mapper.io.maps import save_map  # noqa: PLC0415
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415
+    from mapper.mapping.sensor_defaults import RECORDED  # noqa: PLC0415
     from server.library.packs.picture import write_picture  # noqa: PLC0415
 
     if job.background:
@@ -112,7 +113,7 @@ def _done(job: FleetJob) -> dict[str, Any]:
     process.note_progress(READ)
     found = examine(log)
     process.note_progress(EXAMINED)
-    config = MappingConfig()
+    config = MappingConfig().with_values(RECORDED)
     grid = grid_for(log, config)
     integrate_log(grid, log, config)
     if job.map is not None:

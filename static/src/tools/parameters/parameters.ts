@@ -13,9 +13,12 @@ export function isShown(row: Parameter, values: Values): boolean {
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }
 
-/** Whether a row has an effect: the clamp's limits only while it is on, the traversal only with the update per beam. */
+/** Rows that have an effect only with the update per beam. */
+const PER_BEAM: readonly string[] = ["hit_and_passed", "traversal"];
+
+/** Whether a row has an effect: the clamp's limits only while it is on, some only with the update per beam. */
 export function isEnabled(row: Parameter, values: Values): boolean {
-  if (row.name === "traversal") return values.update !== "per_scan";
+  if (PER_BEAM.includes(row.name)) return values.update !== "per_scan";
   return !(values.clamp === false && (row.name === "log_odds_min" || row.name === "log_odds_max"));
 }
 

@@ -123,6 +123,7 @@ function StepText({ store, stepping }: { readonly store: Store; readonly steppin
     : valueBeforeFirstUpdate(store, stepping, after);
   const sum = bayesFilter(before, now.evidence, { ...stepping.config, clamp: false });
   const clamped = Math.abs(sum - after) > 1e-4;
+  const outweighed = !now.isHit && now.evidence === 0 && stepping.config.log_odds_miss < 0;
   return (
     <>
       <span>
@@ -134,8 +135,8 @@ function StepText({ store, stepping }: { readonly store: Store; readonly steppin
           : `Error term ∇ ${signed(now.nabla, 0)}: ${now.nabla >= 0 ? "not negative, so the next step is diagonal" : "negative, so the next step is straight"}.`}
       </span>{" "}
       <span class={now.isHit ? "noun-hit" : "noun-miss"}>
-        {now.isHit ? "Hit" : "Passed"}: {signed(before)} {now.evidence < 0 ? "−" : "+"}{" "}
-        {written(Math.abs(now.evidence), 2)} = {clamped && `${signed(sum)}, clamped to `}
+        {now.isHit ? "Hit" : outweighed ? "Passed, but the scan hits the cell" : "Passed"}: {signed(before)}{" "}
+        {now.evidence < 0 ? "−" : "+"} {written(Math.abs(now.evidence), 2)} = {clamped && `${signed(sum)}, clamped to `}
         <b>{signed(after)}</b>.
       </span>
     </>

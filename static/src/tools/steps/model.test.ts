@@ -29,10 +29,10 @@ const frame = {
   range_max: 10,
 } as unknown as Frame;
 
-const steppingOf = (values: Values, done?: number): Stepping => {
+const steppingOf = (values: Values, done?: number, geometry = GEOMETRY): Stepping => {
   const config = lessonConfig(values);
-  const steps = stepsOfScan(frame, POSE, GEOMETRY, config);
-  return { frame, pose: POSE, geometry: GEOMETRY, config, steps, index: 1, done: done ?? steps.length };
+  const steps = stepsOfScan(frame, POSE, geometry, config, values.hit_and_passed === "only_hits");
+  return { frame, pose: POSE, geometry, config, steps, index: 1, done: done ?? steps.length };
 };
 
 test.each([
@@ -52,6 +52,20 @@ test.each([
   for (const { cell } of stepping.steps) {
     expect(held.get(key(cell))).toBeCloseTo(grid.logOdds[indexOf(GEOMETRY, cell)] as number, 6);
   }
+});
+
+test("where only the hits count, a scan adds nothing but hits to the cells that it hits", () => {
+  const coarse = { ...GEOMETRY, resolution: 0.5, rows: 12, cols: 12 }; // several beams end in a cell, others pass it
+  const both = steppingOf(VALUES, 0, coarse).steps;
+  const only = steppingOf({ ...VALUES, hit_and_passed: "only_hits" }, 0, coarse).steps;
+  const cellsHit = new Set(both.filter((one) => one.isHit).map((one) => key(one.cell)));
+  let outweighed = 0;
+  both.forEach((one, n) => {
+    const counts = one.isHit || !cellsHit.has(key(one.cell));
+    expect(only[n]).toEqual(counts ? one : { ...one, evidence: 0 });
+    outweighed += counts ? 0 : 1;
+  });
+  expect(outweighed).toBeGreaterThan(0);
 });
 
 test("a reading that is no return is a hit at the max range where the map takes it so", () => {

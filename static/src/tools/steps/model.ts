@@ -30,8 +30,17 @@ export function lessonConfig(values: Values): MappingConfig {
   return { ...config, log_odds_hit: model.hit, log_odds_miss: model.miss };
 }
 
-/** Every update of one scan, in order. */
-export function stepsOfScan(frame: Frame, pose: Pose, geometry: Geometry, config: MappingConfig): readonly Step[] {
+/**
+ * Every update of one scan, in order of the beams. With `onlyHits` the misses of cells that the scan hits are 0, as
+ * `hits_before_misses` in `mapper/mapping/textbook.py` has them; the order of 0 does not matter.
+ */
+export function stepsOfScan(
+  frame: Frame,
+  pose: Pose,
+  geometry: Geometry,
+  config: MappingConfig,
+  onlyHits: boolean,
+): readonly Step[] {
   const greatest = Math.min(frame.range_max, config.range_max);
   // A no return that counts as a hit is a reading of the max range; null is no return on the wire.
   const none = config.no_return === "hit" ? greatest : Number.POSITIVE_INFINITY;
@@ -51,7 +60,10 @@ export function stepsOfScan(frame: Frame, pose: Pose, geometry: Geometry, config
       steps.push({ beam, place, of: found.length, cell, evidence, isHit, nabla: terms.get(key(cell)) ?? null });
     });
   });
-  return steps;
+  if (!onlyHits) return steps;
+  const hits = (step: Step): boolean => step.evidence === config.log_odds_hit;
+  const cellsHit = new Set(steps.filter(hits).map(({ cell }) => key(cell)));
+  return steps.map((step) => (hits(step) || !cellsHit.has(key(step.cell)) ? step : { ...step, evidence: 0 }));
 }
 
 export const key = ({ row, col }: Cell): string => `${row} ${col}`;

@@ -54,8 +54,9 @@ async function begin(store: Store, onwards: boolean): Promise<Stepping | null> {
   const geometry = store.map.peek()?.geometry;
   const index = store.frame.peek()?.index;
   if (!frame || !pose || !geometry || index === undefined) return null;
-  const config = lessonConfig(store.mapping.values.peek());
-  const steps = stepsOfScan(frame, pose, geometry, config);
+  const values = store.mapping.values.peek();
+  const config = lessonConfig(values);
+  const steps = stepsOfScan(frame, pose, geometry, config, values.hit_and_passed === "only_hits");
   return { frame, pose, geometry, config, steps, index, done: onwards ? 0 : steps.length };
 }
 

@@ -27,6 +27,7 @@ function whyOf(hits: readonly boolean[], more: Partial<WhyMessage> = {}): WhyMes
     per_scan: false,
     total: hits.length,
     hits: hits.filter(Boolean).length,
+    outweighed: 0,
     first_scan: contributions[0]?.scan ?? null,
     curve: contributions.map(({ n, log_odds }) => [n, log_odds]),
     contributions,
@@ -50,6 +51,15 @@ describe("the sentence", () => {
     const silent = { ...(last(why) as Contribution), range: null };
     expect(sentence(why, silent, 0.2)).toBe(
       "Free, p 0.18: 1 beam ended at or near it, 6 passed through; the last, from scan 65, passed through without return.",
+    );
+  });
+
+  it("says how many misses count for nothing, and why the last one does", () => {
+    const why = whyOf([true, false, false], { outweighed: 1 });
+    const after = { ...(last(why) as Contribution), increment: 0, outweighed: true };
+    expect(sentence(why, after, 0)).toContain(
+      "1 beam ended here, 2 passed through (1 of them in scans that hit it, where only the hits count); the last, from " +
+        "scan 25 at 3.2 m, passed through, but other beams of its scan ended here: it counts for nothing.",
     );
   });
 

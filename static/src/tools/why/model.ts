@@ -16,10 +16,18 @@ const beams = (n: number): string => (n === 1 ? "1 beam" : `${n} beams`);
 /**
  * The effect of an update in words: with a hit window, a beam that ends near the cell is also evidence for occupied.
  */
-export function verdict({ hit, range }: Pick<Contribution, "hit" | "range">, window: number): string {
+export function verdict(
+  { hit, range, outweighed }: Pick<Contribution, "hit" | "range" | "outweighed">,
+  window: number,
+): string {
   if (hit) return window > 0 ? "ended at or near it" : "ended here";
-  return range === null ? "passed through without return" : "passed through";
+  const passed = range === null ? "passed through without return" : "passed through";
+  return outweighed ? `${passed}, but other beams of its scan ended here: it counts for nothing` : passed;
 }
+
+/** How many of the misses count for nothing, in words. */
+const outweighed = (why: WhyMessage): string =>
+  why.outweighed > 0 ? ` (${why.outweighed} of them in scans that hit it, where only the hits count)` : "";
 
 /** The explanation in one sentence. `last` is the newest update, null if the answer does not contain it. */
 export function sentence(why: WhyMessage, last: Contribution | null, window: number): string {
@@ -33,7 +41,7 @@ export function sentence(why: WhyMessage, last: Contribution | null, window: num
   const misses = why.total - why.hits;
   const counts = why.per_scan
     ? `each scan counts once, ${why.hits} as a hit, ${misses} as a miss`
-    : `${beams(why.hits)} ${verdict({ hit: true, range: 0 }, window)}, ${misses} passed through`;
+    : `${beams(why.hits)} ${verdict({ hit: true, range: 0 }, window)}, ${misses} passed through${outweighed(why)}`;
   if (!last) return `${head}: ${counts}.`;
   const reading = last.range === null ? "" : ` at ${written(last.range, 1)} m`;
   return `${head}: ${counts}; the last, from scan ${last.scan + 1}${reading}, ${verdict(last, window)}.`;
