@@ -95,7 +95,7 @@ def test_followers_answer_and_two_of_them_follow_into_the_lab(
     page.get_by_role("button", name="Show answers").click()
     expect(lecturers.get_by_role("list", name=result)).to_be_visible()
     expect(phones[0].get_by_role("list", name=f"{followers} answered")).to_have_count(0)  # not before the reveal
-    page.get_by_role("button", name="Reveal").click()
+    lecturers.get_by_role("button", name="Show the result").click()
     for phone in phones:
         expect(phone.get_by_role("list", name=result)).to_be_visible()
     page.get_by_role("button", name="Remove the question").click()
@@ -326,7 +326,7 @@ def test_a_question_leaves_the_pictures_of_the_lab_their_room(page: Page, server
     dialog.get_by_label("Option A").fill("0")
     dialog.get_by_label("Option B").fill("0.5")
     dialog.get_by_role("button", name="Ask").click()
-    expect(page.get_by_role("button", name="Reveal")).to_be_in_viewport(ratio=1)
+    expect(page.get_by_role("button", name="Show the result")).to_be_in_viewport(ratio=1)
     curve = page.locator(".lab-curve").bounding_box()
     assert curve is not None
     for picture in page.locator(".lab-stage .plate-picture").all():

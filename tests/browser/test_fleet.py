@@ -7,6 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
+from mapper.diagnosis.examination import CHECKS
 from tests.browser.looking import await_true
 
 
@@ -58,10 +59,28 @@ def test_drift_and_first_finding_are_shown_and_choose_and_order_the_maps(page: P
     page.get_by_role("combobox", name="Drift").select_option("drift of 0.1 m or more")
     expect(names).to_have_text(["b", "a"])
     page.get_by_role("combobox", name="Drift").select_option("any drift")
-    page.get_by_role("radio", name="clock.gap (1)").check()
+    page.get_by_role("radio", name="gap in the recording (1)").check()
     expect(names).to_have_text(["c"])
     expect(page.get_by_text("1 log found")).to_be_visible()
     expect(cards.get_by_role("link")).to_have_attribute("href", "/logs.html?log=id-c")
+
+
+def test_each_finding_of_the_doctor_is_named_in_words(page: Page, server: str) -> None:
+    checks = sorted({name for check in CHECKS for name in check.names})
+    facts = {"scans": 40, "beams": 3, "rows": 10, "cols": 10, "resolution": 0.1, "contrast": 0.5, "drift_m": None}
+    work = {"trajectory": "odom", "picture": False, "cpu_s": 1.0, "seconds": 1.0, "runs": 1}
+    logs = [
+        {"id": f"id-{check}", "name": check, "state": "done", "fraction": 0.0, "error": None}
+        | {"facts": facts | work | {"findings": [{"check": check, "sentence": "It is.", "possible": False}]}}
+        for check in checks
+    ]
+    counts = dict.fromkeys(("none", "queued", "running", "failed"), 0) | {"done": len(logs)}
+    answer = {"revision": 1, "whole": True, "workers": 1, "cluster": None, "counts": counts, "logs": logs}
+    page.route("**/api/fleet?*", lambda route: route.fulfill(json=answer))
+    page.goto(f"{server}/fleet.html")
+    options = page.get_by_role("combobox", name="First finding").locator("option")
+    expect(options).to_have_count(len(checks) + 1)
+    assert [text for text in options.all_inner_texts() if "." in text] == []
 
 
 def test_without_logs_the_page_says_what_it_does_and_shows_the_sample(page: Page, server: str) -> None:

@@ -216,7 +216,7 @@ def test_a_class_that_is_led_in_chromium(tab: Tab, lecturer: Page, service: Serv
     form.get_by_role("button", name="Ask", exact=True).click()
     tab.click("button", "A Yes…")
     lecturer.get_by_text("1 of 1 answered").wait_for()
-    lecturer.get_by_role("button", name="Reveal").click()
+    lecturer.get_by_role("button", name="Show the result").click()
     tab.says("main, aside, [role=complementary]", "1 answered")
     lecturer.get_by_role("button", name="Remove the question").click()
     # Into the lab, and there with a world of one's own.

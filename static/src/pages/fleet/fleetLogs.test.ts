@@ -72,19 +72,19 @@ test("logs are found by drift and by their first finding, and ordered by drift",
   };
   const logs = [
     log("unmapped"),
-    drifted("straight", 0.1, "clock"),
-    drifted("bent", 1.25, "walls.drift", "clock"),
+    drifted("straight", 0.1, "clock.gap"),
+    drifted("bent", 1.25, "walls.drift", "clock.gap"),
     drifted("unmeasured", null),
     drifted("pushed", 0.3, "walls.drift"),
   ];
   const order = ["bent", "pushed", "straight", "unmeasured", "unmapped"];
   expect(names(chosen(logs, EVERY, "drift"))).toEqual(order);
   expect(names(chosen(logs, { ...EVERY, drift: 0.3 }, "drift"))).toEqual(["bent", "pushed"]);
-  expect(names(chosen(logs, { ...EVERY, finding: "clock" }, "name"))).toEqual(["straight"]);
+  expect(names(chosen(logs, { ...EVERY, finding: "clock.gap" }, "name"))).toEqual(["straight"]);
   expect(firstFindings(logs)).toEqual([
     { value: ANY, label: "any finding" },
-    { value: "clock", label: "clock (1)" },
-    { value: "walls.drift", label: "walls.drift (2)" },
+    { value: "walls.drift", label: "drift (2)" },
+    { value: "clock.gap", label: "gap in the recording (1)" },
   ]);
 });
 

@@ -112,6 +112,27 @@ export const DRIFTS = [
 
 export const ANY = "any";
 
+/** The doctor's findings in a few words. */
+const FINDINGS: Readonly<Record<string, string>> = {
+  "clock.backwards": "time runs backwards",
+  "clock.doubled": "two scans at one time",
+  "clock.dropped": "missing scans",
+  "clock.gap": "gap in the recording",
+  "clock.jitter": "irregular scans",
+  "clock.unit": "wrong unit of time",
+  "mount.between": "mounts of two lidars",
+  "mount.offset": "sensor offset",
+  "mount.turned": "sensor turned",
+  "poses.still": "poses stay in place",
+  "readings.few": "few readings",
+  "readings.itself": "beams hit the robot",
+  "readings.max_range": "no return stored as a range",
+  "timing.delay": "delay",
+  "timing.increment": "motion within a scan",
+  "walls.drift": "drift",
+  "walls.moving": "moving things",
+};
+
 /** The first findings of the logs, by name, each with the number of its logs, as options of a choice. */
 export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly value: string; readonly label: string }[] {
   const found = new Map<string, number>();
@@ -119,11 +140,9 @@ export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly val
     const check = facts?.findings[0]?.check;
     if (check !== undefined) found.set(check, (found.get(check) ?? 0) + 1);
   }
-  const names = [...found].sort(([one], [other]) => one.localeCompare(other, "en"));
-  return [
-    { value: ANY, label: "any finding" },
-    ...names.map(([check, count]) => ({ value: check, label: `${check} (${count})` })),
-  ];
+  const options = [...found].map(([check, count]) => ({ value: check, label: `${FINDINGS[check] ?? check} (${count})` }));
+  options.sort((one, other) => one.label.localeCompare(other.label, "en"));
+  return [{ value: ANY, label: "any finding" }, ...options];
 }
 
 export const ORDERS = [

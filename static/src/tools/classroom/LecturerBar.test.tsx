@@ -56,7 +56,7 @@ test("before the reveal the options and how many have answered are shown, the an
   press("Hide answers");
   expect(listed()).toBe("A YesB No");
   expect(send).not.toHaveBeenCalled();
-  press("Reveal");
+  press("Show the result");
   expect(send).toHaveBeenCalledWith({ type: "reveal" });
 });
 

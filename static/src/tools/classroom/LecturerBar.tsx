@@ -192,7 +192,7 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
                 {isLookedAt ? "Hide answers" : "Show answers"}
               </Button>
               <Button kind="primary" disabled={!room.isConnected.value} onClick={() => room.send({ type: "reveal" })}>
-                Reveal
+                Show the result
               </Button>
             </>
           )}
