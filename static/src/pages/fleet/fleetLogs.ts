@@ -140,7 +140,10 @@ export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly val
     const check = facts?.findings[0]?.check;
     if (check !== undefined) found.set(check, (found.get(check) ?? 0) + 1);
   }
-  const options = [...found].map(([check, count]) => ({ value: check, label: `${FINDINGS[check] ?? check} (${count})` }));
+  const options = [...found].map(([check, count]) => ({
+    value: check,
+    label: `${FINDINGS[check] ?? check} (${count})`,
+  }));
   options.sort((one, other) => one.label.localeCompare(other.label, "en"));
   return [{ value: ANY, label: "any finding" }, ...options];
 }

@@ -89,9 +89,12 @@ const STATUS_LABELS: Readonly<Record<Status, string>> = {
 /** The state of the connection to the session, or its error. */
 export function Connected({ connection }: { readonly connection: Connection | null }) {
   const now = connection?.status.value ?? "connecting";
+  const trouble = connection?.trouble.value ?? null;
+  // A server that keeps the connection and does not answer is as one that is reached again and again.
+  const shown = now === "live" && trouble !== null ? "reconnecting" : now;
   return (
-    <span class={`lab-status ${now}`} role="status">
-      {connection?.trouble.value ?? STATUS_LABELS[now]}
+    <span class={`lab-status ${shown}`} role="status">
+      {trouble ?? STATUS_LABELS[now]}
     </span>
   );
 }

@@ -31,7 +31,7 @@ interface ViewerFrameProps {
 /** The page of one log: head and stage, and beside or below them the dock, whose size is dragged and which can be hidden. */
 export function ViewerFrame({ class: className = "", children, dock }: ViewerFrameProps) {
   const id = useId();
-  const isNarrow = useMedia("(max-width: 74.99rem)").value;
+  const isNarrow = useMedia("(max-width: 61.99rem)").value;
   const share = isNarrow ? below : beside;
   const dockSize = computed(() => `${(1 - share.value) * 100}%`);
   const hidden = isHidden.value;

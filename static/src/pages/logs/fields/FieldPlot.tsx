@@ -152,8 +152,7 @@ function Search({ session, fields }: { readonly session: string; readonly fields
         </ul>
       )}
       {text.value.trim() === "" && (
-        <fieldset class="field-computed">
-          <legend class="visually-hidden">Computed of the log</legend>
+        <fieldset class="field-computed" aria-label="Computed from the log">
           {topics
             .filter(({ computed }) => computed)
             .flatMap(({ topic, fields: own }) => own.map((field) => ({ topic, field })))

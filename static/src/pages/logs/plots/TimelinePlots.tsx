@@ -128,8 +128,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   return (
     <section class="timeline-plots" aria-label="Plots over the log">
       <div class="timeline-plots-head">
-        <fieldset>
-          <legend class="visually-hidden">What is plotted</legend>
+        <fieldset aria-label="What is plotted">
           {columns.map(({ column }) => (
             <SwitchChip
               key={column.label}
