@@ -91,7 +91,8 @@ def check_answer(page: Page, xy: list[float]) -> dict[str, Any]:
     if why["total"] == len(why["contributions"]):
         log_odds = why["prior"]
         for touch in why["contributions"]:
-            assert touch["increment"] == pytest.approx(values["log_odds_hit" if touch["hit"] else "log_odds_miss"])
+            evidence = 0.0 if touch.get("outweighed") else values["log_odds_hit" if touch["hit"] else "log_odds_miss"]
+            assert touch["increment"] == pytest.approx(evidence)
             log_odds = min(max(log_odds + touch["increment"], why["log_odds_min"]), why["log_odds_max"])
         assert log_odds == pytest.approx(cell["log_odds"], abs=step)
         assert why["hits"] == sum(touch["hit"] for touch in why["contributions"])
