@@ -107,6 +107,24 @@ def test_unknown_that_counts_as_free_has_a_note_with_the_remedy(tmp_path: Path, 
     assert ((load_map(cured).values == -1).sum(), load_map(cured).notes) == (2, ())
 
 
+@pytest.mark.parametrize("depth", [np.uint8, np.uint16])
+def test_three_greys_in_mode_scale_have_a_note(tmp_path: Path, depth: type) -> None:
+    """nav2_map_server knows unknown in mode scale only by alpha, and map_saver's PGM has none."""
+    path = written(tmp_path, "room.png", mode="scale")
+    Image.fromarray(GREYS.astype(depth) * (257 if depth is np.uint16 else 1)).save(tmp_path / "room.png")
+    loaded = load_map(path)
+    assert (loaded.values == -1).sum() == 0
+    (note,) = loaded.notes
+    assert "205 says unknown" in note
+    assert "mode: trinary" in note
+    shaded = GREYS.copy()
+    shaded[0, 0] = 120
+    alpha = np.where(GREYS == 205, 0, 255).astype(np.uint8)
+    for pixels in (shaded, np.stack([GREYS, alpha], axis=-1)):
+        Image.fromarray(pixels).save(tmp_path / "room.png")
+        assert load_map(path).notes == ()
+
+
 def test_info_says_what_a_map_is(tmp_path: Path, run: Run) -> None:
     path = written(tmp_path, "/home/anna/room.pgm")
     out = run("info", path).out

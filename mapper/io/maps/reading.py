@@ -35,7 +35,7 @@ from mapper.grid import (
 )
 from mapper.io.maps.bee import is_bee_map, read_bee_map
 from mapper.io.maps.description import MapDescription, image_path, parse_description
-from mapper.io.maps.pixels import GREY_UNKNOWN
+from mapper.io.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
 from mapper.io.maps.plain_images import PLAIN, open_plain_image
 
 #: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
@@ -91,7 +91,7 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
-    notes = (note, _note_on_unknown(sums, n_channels, description))
+    notes = (note, _note_on_unknown(sums, n_channels, description, has_alpha=opaque is not None))
     return LoadedMap(grid_of_values(geometry, values), values, description, tuple(filter(None, notes)))
 
 
@@ -113,9 +113,11 @@ def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
     return LoadedMap(grid_of_values(geometry, values), values, description)
 
 
-def _note_on_unknown(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> str | None:
-    """Return a sentence where pixels of the grey that map_saver writes for unknown count as free."""
-    if description.mode != "trinary" or description.negate:
+def _note_on_unknown(
+    sums: NDArray[np.uint16], n_channels: int, description: MapDescription, *, has_alpha: bool
+) -> str | None:
+    """Return a sentence where pixels of the grey that map_saver writes for unknown count as something that is known."""
+    if description.mode == "raw" or description.negate:
         return None
     # Of four channels, the fourth is an opaque alpha; none stands for one of 16 bits.
     grey, brightest = {
@@ -123,6 +125,14 @@ def _note_on_unknown(sums: NDArray[np.uint16], n_channels: int, description: Map
         4: (3 * GREY_UNKNOWN + 255, 4 * 255),
     }.get(n_channels, (n_channels * GREY_UNKNOWN, n_channels * 255))
     occupancy = 1.0 - grey / brightest
+    if description.mode == "scale":
+        greys = [shade * grey // GREY_UNKNOWN for shade in (GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE)]
+        if has_alpha or not np.any(sums == grey) or not np.isin(sums, greys).all():
+            return None  # of a probability it is one shade among others
+        return (
+            f"The image has the three greys of map_saver, of which {GREY_UNKNOWN} says unknown, but in mode scale only "
+            "an alpha channel does: it counts as known here. State mode: trinary to keep it unknown."
+        )
     if occupancy >= description.free_thresh or not np.any(sums == grey):
         return None
     what = f"Grey {GREY_UNKNOWN}, which map_saver writes for unknown, counts as free here, since"
