@@ -210,6 +210,11 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     handle.press("PageDown")
     await_true(page, f"() => ({VOLUME})().look.values.cut_x_high < {volume['high'][0] + 0.5}")
     page.get_by_label("Clip x to, as a number").fill(f"{middle:.2f}")
+    # What is typed stays while the page is drawn again.
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'volume_look', values: { point_size: 2 } })")
+    await_true(page, f"() => ({VOLUME})().look.values.point_size === 2")
+    expect(page.get_by_role("slider", name="Point size")).to_have_attribute("aria-valuetext", "2.00")
+    expect(page.get_by_label("Clip x to, as a number")).to_have_value(f"{middle:.2f}")
     page.get_by_label("Clip x to, as a number").press("Enter")
     await_true(page, f"() => ({VOLUME})().look.values.cut_x_high === {round(middle, 2)}")
     open_group(page, "Download")

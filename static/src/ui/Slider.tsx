@@ -27,7 +27,7 @@ const POSITIONS = 1000;
 export function Slider(props: SliderProps) {
   const { label, initial, unit = "", sentence, tone = "accent", disabled = false, onInput } = props;
   const id = useId();
-  const field = useRef<HTMLInputElement>(null);
+  const typed = useSignal<string | null>(null); // kept as it is while the page is drawn again
   const held = useSignal<number | null>(null);
   const before = useRef(0); // the value at the start of the drag
   const value = held.value ?? props.value;
@@ -38,10 +38,9 @@ export function Slider(props: SliderProps) {
   const change = (next: number): void => {
     if (next !== value) onInput(next);
   };
-  const commitField = (): void => {
-    const typed = field.current?.valueAsNumber ?? Number.NaN;
-    if (Number.isFinite(typed)) change(Math.min(props.high, Math.max(props.low, typed)));
-    if (field.current) field.current.value = value.toFixed(places);
+  const commitField = (wanted: number): void => {
+    typed.value = null;
+    if (Number.isFinite(wanted)) change(Math.min(props.high, Math.max(props.low, wanted)));
   };
 
   return (
@@ -52,15 +51,17 @@ export function Slider(props: SliderProps) {
       </span>
       <span class="slider-value">
         <input
-          ref={field}
           type="number"
           aria-label={`${label}, as a number`}
-          value={value.toFixed(places)}
+          value={typed.value ?? value.toFixed(places)}
           min={props.low}
           max={props.high}
           step="any"
           disabled={disabled}
-          onChange={commitField}
+          onInput={(event) => {
+            typed.value = event.currentTarget.value;
+          }}
+          onChange={(event) => commitField(event.currentTarget.valueAsNumber)}
         />
         <span class="slider-unit">{unit || null}</span>
       </span>
