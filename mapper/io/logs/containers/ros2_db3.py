@@ -214,7 +214,10 @@ _COPIES = KeptCopies()
 def _looked_into(file: Source, limits: Limits) -> AbstractContextManager[sqlite3.Connection]:
     def connected() -> tuple[sqlite3.Connection, int]:
         connection, notes, _ = _opened(file, limits, None)
-        return connection, 0 if notes is None else _database_bytes(connection)
+        size = 0
+        with contextlib.suppress(sqlite3.Error):  # of a damaged file, of which the look-up says what is wrong
+            size = 0 if notes is None else _database_bytes(connection)
+        return connection, size
 
     return _COPIES.lent(file, connected)
 
