@@ -75,7 +75,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     return (
       <SessionEnded
         what="attempt"
-        left="The puzzle can be begun again."
+        left="You can start the puzzle again."
         again="Begin again"
         onAgain={onGone}
         back="All puzzles"

@@ -209,7 +209,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
       </div>
       <Slider
         label="Distance between the sheets"
-        sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost. The sheet under the pointer is seen whole."
+        sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost. The sheet under the pointer is shown whole."
         unit="px"
         value={Math.round(gaps.value.reduce((a, b) => a + b, 0) / gaps.value.length)}
         initial={first}

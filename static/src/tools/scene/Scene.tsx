@@ -108,7 +108,7 @@ function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { rea
       {hasColumns && (
         <Slider
           label="Height of the columns"
-          sentence="How many times as high as by default the columns of the map are drawn."
+          sentence="Height of the map's columns, relative to the default."
           unit="×"
           value={height}
           initial={1}

@@ -100,7 +100,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
       <figure class="plot" data-plot={plot}>
         <figcaption>{plot}</figcaption>
         <p class="quiet">
-          {Number.isNaN(level) ? "There are no values." : `${Number(level.toFixed(3))} ${unit} all the time.`}
+          {Number.isNaN(level) ? "There are no values." : `${Number(level.toFixed(3))} ${unit} throughout.`}
         </p>
       </figure>
     );

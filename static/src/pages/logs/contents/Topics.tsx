@@ -53,7 +53,7 @@ interface TableProps {
 function Table({ contents, sensor, mapped, onMessages }: TableProps) {
   const { topics, notes } = contents;
   if (topics.length === 0) {
-    return <p class="quiet">A log of this kind contains only scans and poses: there is no list of topics.</p>;
+    return <p class="quiet">This kind of log contains only scans and poses: it has no topics.</p>;
   }
   const lidars = topics.filter(({ mapped: of, type }) => of !== null && /LaserScan|EchoLaserScan/.test(type));
   const together = lidars.map(({ name }) => name);

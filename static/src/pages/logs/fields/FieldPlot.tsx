@@ -148,7 +148,7 @@ function Search({ session, fields }: { readonly session: string; readonly fields
             </li>
           ))}
           {found.length === 0 && <li class="quiet">No field matches.</li>}
-          {found.length === MOST && <li class="quiet">More fields match: write more of the name.</li>}
+          {found.length === MOST && <li class="quiet">More fields match: type more of the name.</li>}
         </ul>
       )}
       {text.value.trim() === "" && (

@@ -14,7 +14,7 @@ const EXAMPLES: readonly Example[] = [
   {
     name: "drift",
     title: "Poses that drift",
-    hint: "Walls appear twice, as the wheels slip a little. Press Heal: SLAM corrects the poses; then compare both maps.",
+    hint: "Walls appear twice because the wheels slip a little. Press Heal: SLAM corrects the poses; then compare both maps.",
   },
   {
     name: "mount",

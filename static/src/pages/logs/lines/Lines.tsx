@@ -134,7 +134,7 @@ function Search({ state, all, onStep, children }: SearchProps) {
           onStep(event.shiftKey ? -1 : 1);
         }}
       />
-      <Button kind="quiet" icon="up" label="Line before (Shift+Enter)" onClick={() => onStep(-1)} />
+      <Button kind="quiet" icon="up" label="Previous line (Shift+Enter)" onClick={() => onStep(-1)} />
       <Button kind="quiet" icon="unfold" label="Next line (Enter)" onClick={() => onStep(1)} />
       {children}
     </search>

@@ -29,7 +29,7 @@ export function InitialPose({ localizing }: { readonly localizing: Localizing })
         <>
           <p role="status">
             {localizing.turns.value
-              ? "Click on the map in the direction in which it looks."
+              ? "Click on the map in the direction that the robot faces."
               : pose
                 ? "Click on the map to place it again."
                 : "Click on the map where it starts."}

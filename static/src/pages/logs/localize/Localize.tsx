@@ -287,7 +287,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
           <Button icon="upload" disabled={isBusy} onClick={() => input.current?.click()}>
             Choose map files
           </Button>
-          <span class="quiet">A yaml together with its image, or a map of CMU’s course.</span>
+          <span class="quiet">A YAML file with its image, or a map of the CMU course.</span>
         </div>
       )}
     </>

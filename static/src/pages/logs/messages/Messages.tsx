@@ -28,7 +28,7 @@ export function Messages({ store, session, topic }: MessagesProps) {
       {({ topics }) => {
         const names = topics.map(({ name }) => name);
         const chosen = names.includes(topic.value) ? topic.value : (names[0] ?? "");
-        if (chosen === "") return <p class="quiet">A log of this kind has no messages of ROS.</p>;
+        if (chosen === "") return <p class="quiet">This kind of log has no ROS messages.</p>;
         return (
           <div class="messages">
             <label class="field">

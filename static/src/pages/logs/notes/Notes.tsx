@@ -217,7 +217,7 @@ function Editor({ store, state, note, onDone }: EditorProps) {
         signal={hasArea}
       />
       {hasArea.value && !area && (
-        <p class="quiet">Take the area tool above the map and click at least three corners.</p>
+        <p class="quiet">Choose the area tool above the map, then click at least three corners.</p>
       )}
       <div class="actions">
         <Button

@@ -197,7 +197,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
             )}
           </div>
         ))}
-        {visible.length === 0 && <p class="quiet">Switch on what is to be plotted.</p>}
+        {visible.length === 0 && <p class="quiet">Choose what to plot.</p>}
       </div>
     </section>
   );

@@ -59,7 +59,7 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
         void sensor.use(topic, stated);
       }}
     >
-      <p class="quiet">The recording is read again to cut its scans; the map then stands at the same time.</p>
+      <p class="quiet">The recording is read again to cut its scans; the map stays at the same time.</p>
       {table.map((row) => (
         <Field
           key={row.name}

@@ -56,7 +56,7 @@ export function UtcSwitch() {
       class="moment-utc"
       role="switch"
       aria-checked={inUtc.value}
-      title="Times in UTC, or from the first scan"
+      title="Times in UTC, or since the first scan"
       onClick={() => {
         inUtc.value = !inUtc.peek();
       }}

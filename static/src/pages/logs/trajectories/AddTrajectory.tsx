@@ -54,7 +54,7 @@ export function AddTrajectory({ session }: { readonly session: string }) {
       <Button icon="upload" disabled={busy.value} onClick={() => input.current?.click()}>
         Add a TUM file
       </Button>
-      <span class="quiet">or drop it here: one more trajectory of this log.</span>
+      <span class="quiet">or drop it here to add a trajectory to this log.</span>
       {said.value && <p role={said.value.isError ? "alert" : "status"}>{said.value.text}</p>}
     </section>
   );

@@ -37,7 +37,7 @@ export function Trajectories({ store, session, isGuest, errors }: TrajectoriesPr
     <>
       <TrajectoryChoice store={store} />
       {!isGuest && log && <AddTrajectory session={session} />}
-      <Panel title="Errors of one against another">
+      <Panel title="Errors of one trajectory against another">
         {trajectories.length < 2 ? (
           <p class="quiet">The log has one trajectory: add another one to compare the two.</p>
         ) : (

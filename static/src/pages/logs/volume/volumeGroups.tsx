@@ -37,7 +37,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "look",
     title: "View",
-    purpose: "What of the map is drawn, and what its colours mean.",
+    purpose: "Which part of the map is drawn, and what the colours mean.",
     content: ({ store, onUp }) => (
       <>
         <LookGroup store={store} />
