@@ -29,11 +29,12 @@ serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloo
 
 setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
 
-# Everything that is installed has its version and hashes in requirements/dev.txt, the build tools too.
+# Everything that is installed has its version and hashes in requirements/dev.txt, the build tools too. Most of it is
+# never imported: Python compiles the rest when it is, in less time than pip compiles all.
 $(VENV)/.installed: pyproject.toml requirements/dev.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Gridbloom needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(PIP) --require-hashes --requirement requirements/dev.txt
+	$(PIP) --no-compile --require-hashes --requirement requirements/dev.txt
 	$(PIP) --no-deps --no-build-isolation --editable .
 	touch $@
 

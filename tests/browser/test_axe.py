@@ -147,7 +147,7 @@ def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
 
 @pytest.mark.parametrize(
     ("context", "dressed", "every"),
-    [(*LOOKS[0], 6), *also_long_rows(*((*look, 1) for look in LOOKS))],
+    [(*LOOKS[0], 10), *also_long_rows(*((*look, 1) for look in LOOKS))],
     indirect=["context", "dressed"],
 )
 def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page], every: int) -> None:
@@ -214,7 +214,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page], ev
 
 
 @pytest.mark.parametrize(
-    ("dressed", "every"), [("dark", 5), *also_long_rows(("dark", 1), ("light", 1))], indirect=["dressed"]
+    ("dressed", "every"), [("dark", 9), *also_long_rows(("dark", 1), ("light", 1))], indirect=["dressed"]
 )
 def test_the_logs_page_in_every_state(dressed: Page, server: str, every: int) -> None:
     """Axe looks at one group of the dock in ``every``."""

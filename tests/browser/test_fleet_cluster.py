@@ -30,6 +30,7 @@ def server(tmp_path_factory: pytest.TempPathFactory, cluster: DaskCluster) -> It
         yield address
 
 
+@pytest.mark.long
 def test_the_page_tells_of_the_cluster_and_loses_no_log(page: Page, server: str, cluster: DaskCluster) -> None:
     page.goto(f"{server}/fleet.html")
     main = page.get_by_role("main")

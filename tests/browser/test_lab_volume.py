@@ -31,7 +31,7 @@ _AS_MANY_POINTS = f"""() => {{
 }}"""
 
 
-@pytest.mark.parametrize("is_drawn", [False, *also_long(True)])
+@pytest.mark.parametrize("is_drawn", also_long(False, True))
 def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(
     page: Page, open_lab: Callable[..., Page], is_drawn: bool
 ) -> None:

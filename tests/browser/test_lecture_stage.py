@@ -89,7 +89,7 @@ def to_scene(page: Page, name: str) -> None:
 
 @pytest.mark.parametrize(
     ("context", "every"),
-    [("desktop", 4), ("phone", 12), *also_long_rows(("desktop", 1), ("phone", 1))],
+    [("desktop", 8), ("phone", 16), *also_long_rows(("desktop", 1), ("phone", 1))],
     indirect=["context"],
 )
 def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str, every: int) -> None:

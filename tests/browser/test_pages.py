@@ -19,17 +19,15 @@ FITS = "() => document.documentElement.scrollWidth <= document.documentElement.c
 
 
 #: A size and a colour scheme, for `context` and `scheme`.
-PHONE, LARGER = ("phone", "light"), (("desktop", "light"), ("laptop", "dark"))
+LOOKS_IN_TURN = (("phone", "light"), ("desktop", "light"), ("phone", "dark"), ("laptop", "dark"))
 PATHS = ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html", "/missing.html"]
 
 
 @pytest.mark.parametrize(
     ("path", "context", "scheme"),
     [
-        # `make test` opens each page on a phone, and every second one in a larger window; `make test-long` in all.
-        pytest.param(
-            path, *look, marks=() if look == PHONE or (n % 2 and look == LARGER[n // 2 % 2]) else pytest.mark.long
-        )
+        # `make test` opens each page in one of these looks, in turn; `make test-long` in all.
+        pytest.param(path, *look, marks=() if look == LOOKS_IN_TURN[n % 4] else pytest.mark.long)
         for n, path in enumerate(PATHS)
         for look in product(SIZES, ("light", "dark"))
     ],

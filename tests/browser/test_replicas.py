@@ -1,8 +1,4 @@
-"""Two services on one PostgreSQL and one bucket behind HAProxy: pages go on when theirs is killed.
-
-``make test`` kills the service of a lab and a log, ``make test-long`` also those of classes, puzzles, sign-ins and
-localizations.
-"""
+"""Two services on one PostgreSQL and one bucket behind HAProxy: pages go on when theirs is killed."""
 
 from __future__ import annotations
 
@@ -30,7 +26,7 @@ from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S
 from tests.server.service import until as eventually
 
-pytestmark = pytest.mark.moving
+pytestmark = [pytest.mark.moving, pytest.mark.long]
 
 BUCKET = "gridbloom"
 TOKEN = "a-token-of-the-tests-0123456789"
@@ -192,7 +188,6 @@ def test_pages_reopen_on_the_other_service_when_theirs_is_killed(
     until("the late upload to be read", is_read)
 
 
-@pytest.mark.long
 def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_is_killed(
     browser: Browser, context: BrowserContext, server: str, replicas: Replicas
 ) -> None:
@@ -231,7 +226,6 @@ def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_
         await_map(phones[0])
 
 
-@pytest.mark.long
 def test_an_attempt_at_a_puzzle_ends_with_its_service_and_is_begun_again(
     context: BrowserContext, replicas: Replicas
 ) -> None:
@@ -251,7 +245,6 @@ def test_an_attempt_at_a_puzzle_ends_with_its_service_and_is_begun_again(
             page.get_by_role("button", name="Begin again").click()
 
 
-@pytest.mark.long
 def test_who_has_signed_out_is_refused_by_the_other_service(
     browser: Browser, context: BrowserContext, server: str, guarded: Replicas
 ) -> None:
@@ -273,7 +266,6 @@ def test_who_has_signed_out_is_refused_by_the_other_service(
     assert status_for(worlds, stays) == 200
 
 
-@pytest.mark.long
 def test_a_localization_is_finished_by_the_other_service(
     context: BrowserContext, replicas: Replicas, tmp_path: Path
 ) -> None:

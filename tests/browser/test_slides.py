@@ -307,7 +307,7 @@ def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
 
 @pytest.mark.parametrize(
     ("every", "axe_every", "turn"),
-    [(9, 3, 0), *(pytest.param(1, 1, turn, marks=pytest.mark.long) for turn in (0, 1))],
+    [(13, 3, 0), *(pytest.param(1, 1, turn, marks=pytest.mark.long) for turn in (0, 1))],
 )
 def test_every_slide_is_large_enough_complete_and_accessible(
     page: Page, server: str, every: int, axe_every: int, turn: int

@@ -46,7 +46,7 @@ def small(page: Page) -> list[object]:
 
 @pytest.mark.usefixtures("mapped_logs")
 @pytest.mark.parametrize(
-    ("context", "every"), [("phone", 3), *also_long_rows(("phone", 1), ("desktop", 1))], indirect=["context"]
+    ("context", "every"), [("phone", 6), *also_long_rows(("phone", 1), ("desktop", 1))], indirect=["context"]
 )
 def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page], every: int) -> None:
     """On every page, and in one group of each dock in ``every``."""

@@ -214,7 +214,7 @@ def moves(fingers: Fingers, slider: ElementHandle) -> bool:
     return False
 
 
-@pytest.mark.parametrize("every", [25, *also_long(1)])
+@pytest.mark.parametrize("every", [40, *also_long(1)])
 def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: str, every: int) -> None:
     """A finger takes one in ``every`` sliders, and scrolls the page over one in ``every`` figures, in turn."""
     page.emulate_media(reduced_motion="reduce")

@@ -24,6 +24,7 @@ from server.library.backup import back_up, restore
 from server.library.store.migrations import HEAD
 from server.library.store.revision import refuse_newer_file
 from server.storage import StorageError
+from tests.marks import also_long
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, once_read
 
@@ -68,7 +69,7 @@ def contents(folder: Path) -> dict[str, tuple[int, str]]:
     }
 
 
-@pytest.mark.parametrize("options", [(), ("--workers", "2")])
+@pytest.mark.parametrize("options", [(), *also_long(("--workers", "2"))])
 def test_what_a_running_service_has_is_read_in_another_folder(tmp_path: Path, options: tuple[str, ...]) -> None:
     file = tmp_path / "kept.tar"
     poses = "".join(f"{1.0 + n} {0.1 * n} 0 0 0 0 0 1\n" for n in range(8))

@@ -44,7 +44,6 @@ def state(library: Library) -> dict[str, Any]:
     return asdict(cluster)
 
 
-@pytest.mark.long  # tests/browser/test_fleet_cluster.py kills them, too
 async def test_a_worker_that_is_killed_loses_no_log(library: Library, cluster: DaskCluster) -> None:
     logs = await uploads(library, 20, 21, 22, 23)
     for log in logs:
@@ -70,7 +69,7 @@ async def test_a_worker_that_is_killed_loses_no_log(library: Library, cluster: D
     assert state(library) == {"workers": 2, "threads": 2, "error": ""}
 
 
-@pytest.mark.long  # tests/browser/test_fleet_cluster.py kills them, too
+@pytest.mark.long
 async def test_logs_wait_for_a_scheduler_that_is_killed(library: Library, cluster: DaskCluster) -> None:
     cluster.begin_scheduler()
     worker = cluster.begin_worker("first")
