@@ -150,6 +150,7 @@ def test_a_plot_is_zoomed_into_finer_values(page: Page, server: str, tmp_path: P
     opened(page, server, tmp_path / "fast.mcap")
     plots = open_group(page, "Plots")
     expect(plots).to_contain_text("Of the 4,000 values in the log the least and the greatest")
+    expect(plots.get_by_role("switch").first).to_be_visible()  # above the plot, once the fields are known
     over = plots.locator('[data-plot="angular velocity"] .u-over')
     box = over.bounding_box()
     assert box is not None

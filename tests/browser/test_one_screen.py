@@ -1,7 +1,7 @@
 """Cause and effect on one screen: what one uses and the part of the map that it changes are in the viewport together.
 
-Of the lab, the log page, the front page and the maps of all logs, at four sizes. ``make test`` uses every 24th
-control of the lab, every ninth one of the log page and every second one of the front page at one of the two sizes with
+Of the lab, the log page, the front page and the maps of all logs, at four sizes. ``make test`` uses every 18th
+control of the lab, every fifth one of the log page and every second one of the front page at one of the two sizes with
 the least room, in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay
 in place and are not covered, and no text of the dock is hidden, is looked at in every group at each of these sizes.
 """
@@ -48,7 +48,7 @@ SHOW_SURFACE = """async () => {
 BEFORE_GROUP = {"Why": EXPLAIN, "3D map": SHOW_SURFACE}
 
 
-def turns_at(looks: Looks, every: int = 9) -> Turns:
+def turns_at(looks: Looks, every: int = 5) -> Turns:
     """Return whose turn it is: at all of the sizes together one in ``every`` controls, at one of them each one."""
     return Turns(len(looks), every=every if len(looks) > 1 else 1)
 
@@ -81,7 +81,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
     prepare(page)
     open_lab(scans=15)
     screen = Screen(page, ".lab .picture", ".dock-group")
-    turns = turns_at(looks, every=24)
+    turns = turns_at(looks, every=18)
     for size, scheme in looks:
         screen.resize(size, scheme)
         profile = page.locator("figure.profile")
