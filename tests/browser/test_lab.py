@@ -179,7 +179,7 @@ def test_hovering_a_cell_reads_it(lab: Page) -> None:
     x, y = frame(lab)["pose"][:2]
     pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", [x, y])
     lab.mouse.move(box["x"] + pixel[0], box["y"] + pixel[1])
-    readout = lab.locator(".readout")
+    readout = lab.locator(".readout dl")
     # Beams start in the robot's own cell, so it is as free as can be: the lower clamp, p = 1 − 1 / (1 + e^−2).
     expect(readout).to_contain_text("free")
     expect(readout).to_contain_text("−2.00")

@@ -211,7 +211,7 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
             if error.code not in ("log.unknown_format", "log.binary") and file.name != METADATA:
                 why_not.append(type(error)(error.code, f"{file.name}: {error.message}"))
     if not kinds and why_not:
-        raise why_not[0]
+        raise min(why_not, key=lambda why: why.code == "log.empty")  # what is wrong with a file that holds something
     if not kinds:
         raise ReadError("log.folder", f"The {where} holds no log of a known kind. {READ_HERE}")
     logs = list(kinds)

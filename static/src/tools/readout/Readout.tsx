@@ -94,7 +94,10 @@ export function Readout({ store }: { readonly store: Store }) {
   const isNowhere = useMemo(() => computed(() => reading.value === NOTHING), [reading]);
   return (
     <div class="readout">
-      {isNowhere.value ? <MapLegend /> : <Values texts={texts} kind={kind} store={store} />}
+      <div class="readout-turns">
+        <MapLegend isShown={isNowhere.value} />
+        <Values texts={texts} kind={kind} store={store} isShown={!isNowhere.value} />
+      </div>
       <CellAnnouncement reading={reading} />
     </div>
   );
@@ -105,11 +108,12 @@ interface ValuesProps {
   /** Class of the state's text. */
   readonly kind: ReadonlySignal<string>;
   readonly store: Store;
+  readonly isShown: boolean;
 }
 
-function Values({ texts, kind, store }: ValuesProps) {
+function Values({ texts, kind, store, isShown }: ValuesProps) {
   return (
-    <>
+    <div class="readout-values" data-shown={isShown}>
       <dl>
         <div>
           <dt>row</dt>
@@ -133,14 +137,14 @@ function Values({ texts, kind, store }: ValuesProps) {
         </div>
       </dl>
       <WhyButton store={store} />
-    </>
+    </div>
   );
 }
 
 /** What the colours of the map mean, while no cell is inspected. */
-function MapLegend() {
+function MapLegend({ isShown }: { readonly isShown: boolean }) {
   return (
-    <div class="readout-legend">
+    <div class="readout-legend" data-shown={isShown}>
       <ul>
         {["occupied", "free", "unknown", "unobserved"].map((name) => (
           <li key={name}>

@@ -167,5 +167,5 @@ def test_a_ring_of_sonars_and_a_single_log_in_an_archive(tmp_path):
     assert open_log(packed(folder)).name == "measurement.txt"
     (folder / "measurement.txt").unlink()
     for path in (folder, packed(folder)):
-        with pytest.raises(ReadError, match="holds no log of a known kind"):
+        with pytest.raises(ReadError, match="poses without readings"):
             open_log(path)
