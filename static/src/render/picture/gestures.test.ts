@@ -61,6 +61,19 @@ test("two quick taps in one place are one and a double tap", () => {
   expect(calls.map(([name]) => name)).toEqual(["tap", "doubleTap"]);
 });
 
+test("two quick taps with a drag between them are two taps", () => {
+  point("pointerdown", 20, 30);
+  point("pointerup", 20, 30);
+  const first = clock;
+  point("pointerdown", 20, 30);
+  point("pointermove", 60, 30);
+  point("pointerup", 60, 30);
+  clock = first - 1900;
+  point("pointerdown", 20, 30);
+  point("pointerup", 20, 30);
+  expect(calls.map(([name]) => name)).toEqual(["tap", "pan", "tap"]);
+});
+
 test("a drag of empty space pans by all of its way and taps nothing", () => {
   point("pointerdown", 20, 30);
   point("pointermove", 30, 30);

@@ -141,7 +141,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
       if (mode === "pressed" && (event.shiftKey || event.altKey)) gestures.explain(at.x, at.y);
       else if (isDouble) gestures.doubleTap();
       else if (mode === "pressed") gestures.tap(at.x, at.y);
-    }
+    } else lastTap.at = Number.NEGATIVE_INFINITY; // taps with a drag between them are two
     if (contacts.size === 0) settle();
   };
 
