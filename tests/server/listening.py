@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -27,16 +28,17 @@ def listening_ports(pid: int) -> set[int]:
 def _with_descendants(pid: int) -> list[int]:
     found = [pid]
     for one in found:
-        for children in Path(f"/proc/{one}/task").glob("*/children"):
-            found += map(int, children.read_text().split())
+        with suppress(FileNotFoundError, ProcessLookupError):  # the process has ended
+            for children in Path(f"/proc/{one}/task").glob("*/children"):
+                with suppress(FileNotFoundError, ProcessLookupError):  # the thread has ended
+                    found += map(int, children.read_text().split())
     return found
 
 
 def _open_files(pid: int) -> list[str]:
     names = []
-    for link in Path(f"/proc/{pid}/fd").iterdir():
-        try:
-            names.append(str(link.readlink()))
-        except FileNotFoundError:  # closed meanwhile
-            continue
+    with suppress(FileNotFoundError, ProcessLookupError):  # the process has ended
+        for link in Path(f"/proc/{pid}/fd").iterdir():
+            with suppress(FileNotFoundError):  # the file is closed
+                names.append(str(link.readlink()))
     return names
