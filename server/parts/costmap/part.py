@@ -149,7 +149,10 @@ class CostmapPart(Part, Costed):
     # -- commands -------------------------------------------------------------------------------------------------
 
     def handle(self, command: CostmapCommand | CostCommand | Nav2Command | UseCosts, result: TickResult) -> None:
-        """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then."""
+        """Carry out a command. Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.
+
+        The answer to a question is no change: a frame that came with it would look like a reason to ask again.
+        """
         costmap = self._costmap
         if isinstance(command, CostmapCommand):
             self._set(command, result)
@@ -163,7 +166,6 @@ class CostmapPart(Part, Costed):
             result.answer(CostMessage(round(x, 4), round(y, 4), said, costmap.why_speed(x, y)))
         else:
             self._exchange(costmap, command, result)
-        result.changed = True
 
     def _set(self, command: CostmapCommand, result: TickResult) -> None:
         if not command.value:
@@ -223,11 +225,13 @@ class CostmapPart(Part, Costed):
     def _end(self, result: TickResult) -> None:
         if self._costmap is not None:
             self._costmap = None
+            result.changed = True
             result.slot(*self.messages())
 
     def _use_terrain(self, terrain: UploadedCosts | None, result: TickResult) -> None:
         """Take the costs of an upload for the terrain's layer."""
         self._uploaded = terrain
+        result.changed = True
         geometry = self._grid().geometry if self._costmap is None else self._costmap.geometry
         if terrain is not None and not _meets(terrain, geometry):
             message = "The terrain has no known cell within the costmap: are both in one frame?"
@@ -258,7 +262,7 @@ class CostmapPart(Part, Costed):
         result.answer(Nav2Message(None))
 
     def _note_change(self, result: TickResult) -> None:
-        self._is_new = True
+        self._is_new = result.changed = True
         result.slot(*self.messages())
 
     def note(self, command: Struct, result: TickResult) -> None:

@@ -51,6 +51,7 @@ class Lab:
         self.model = model
         self.answers: list[dict[str, Any]] = []
         self.notices: list[str] = []
+        self.has_changed = False
 
     def do(self, **command: Any) -> dict[str, Any]:
         result = TickResult()
@@ -58,6 +59,7 @@ class Lab:
         self.model.draw(result)
         self.answers = sent(answer for _, answer in result.answers)
         self.notices = [notice.code for notice in result.notices]
+        self.has_changed = result.changed
         return self.path
 
     def pass_time(self, seconds: float) -> dict[str, Any]:
@@ -298,6 +300,20 @@ async def test_each_layer_says_why_a_cell_has_its_cost(lab: Lab) -> None:
     assert "nearest obstacle" in answer["layers"][-1]["sentence"]
     with pytest.raises(ConfigError, match="not in the costmap"):
         lab.do(type="cost", x=-80.0, y=0.0)
+
+
+async def test_an_answer_comes_without_a_frame_and_a_change_with_one(lab: Lab) -> None:
+    lab.do(type="costmap")
+    assert lab.has_changed
+    for question in ({"type": "cost", "x": 8.5, "y": 7.55}, {"type": "nav2"}):
+        lab.do(**question)
+        assert lab.answers
+        assert not lab.has_changed
+    written = lab.answers[0]["text"]
+    for change in ({"type": "nav2", "text": written}, {"type": "costmap", "values": {"inflation_radius": 0.9}},
+                   {"type": "costmap", "value": False}):  # fmt: skip
+        lab.do(**change)
+        assert lab.has_changed
 
 
 async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:

@@ -1,6 +1,6 @@
 /** Why a cell has its cost: what each layer says of it. */
 
-import { effect, untracked } from "@preact/signals";
+import { effect, untracked, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { nameOfCost } from "../../grid/costs";
 import type { Store } from "../../store/store";
@@ -22,6 +22,7 @@ const LEAST_MS = 500;
 export function WhyCost({ store }: { readonly store: Store }) {
   const { asked, cost, costmap } = costmapOf(store);
   const { path } = pathOf(store);
+  const scans = useComputed(() => store.frame.value?.index);
   const at = asked.value;
   const isOn = costmap.value?.is_on === true;
   useEffect(() => {
@@ -37,7 +38,8 @@ export function WhyCost({ store }: { readonly store: Store }) {
       }, LEAST_MS);
     };
     const stop = effect(() => {
-      void [costmap.value, path.value, store.frame.value]; // what may change a cost, or the sentence of a layer
+      // A cost depends on the parameters, on the costs around it, whose changes plan the path again, and on the scans.
+      void [costmap.value, path.value, scans.value];
       if (timer === undefined) untracked(ask);
       else isStale = true;
     });
@@ -45,7 +47,7 @@ export function WhyCost({ store }: { readonly store: Store }) {
       stop();
       clearTimeout(timer);
     };
-  }, [store, at, isOn]);
+  }, [store, at, isOn, scans]);
   const answer = cost.value;
   if (!at || !answer) return null;
   const last = answer.layers.at(-1);
