@@ -127,6 +127,15 @@ const GROUPS: readonly Group[] = [
     ),
   },
   {
+    id: "notes",
+    title: "Notes",
+    section: "Log",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, session, notes, isGuest }) => (
+      <Notes store={store} session={session} state={notes} isGuest={isGuest} />
+    ),
+  },
+  {
     id: "settings",
     title: "Settings",
     keeps: true,
@@ -198,15 +207,6 @@ const GROUPS: readonly Group[] = [
     title: "Frames",
     section: "Data",
     content: ({ store, session }) => <FrameTree store={store} session={session} />,
-  },
-  {
-    id: "notes",
-    title: "Notes",
-    section: "Data",
-    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
-    content: ({ store, session, notes, isGuest }) => (
-      <Notes store={store} session={session} state={notes} isGuest={isGuest} />
-    ),
   },
   {
     id: "3d",

@@ -39,7 +39,9 @@ export function useFittedFigure(on: boolean) {
     const room = element?.parentElement;
     if (!element || !room || !on || !fitsFigures()) return;
     const controls = element.querySelector<HTMLElement>(".on-stage-controls");
-    const fits = (): boolean => heightOf(element) <= heightOf(room) + 0.5;
+    // The room scrolls what is higher, however little: the scroll bar would make the room narrower, the figure with it,
+    // so that it fits again.
+    const fits = (): boolean => room.scrollHeight <= room.clientHeight && heightOf(element) <= heightOf(room) + 0.5;
     const resize = (): void => {
       const widest = room.clientWidth - 1; // it is rounded, and so are enlarged widths: the border must not be cut
       const setZoom = (zoom: number): void => {
