@@ -203,10 +203,11 @@ class Gizmo(PlacedDrawing):
 
     The gizmo keeps its new pose until the model returns that pose. If the model does not, the gizmo is reset after
     1.5 s. ``axes`` are those of x, y and z along which it can be moved (if ``moves``) and about which it can be
-    rotated (if ``turns``). An arrow is ``scale`` metres long.
+    rotated (if ``turns``). An arrow is ``scale`` metres long, or ``scale`` pixels where ``unit`` is "screen".
     """
 
     scale: float = 1.0
+    unit: Literal["screen", "world"] = "world"
     axes: tuple[bool, bool, bool] = (True, True, True)
     moves: bool = True
     turns: bool = True

@@ -14,7 +14,8 @@ from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
 from mapper.volume.mesh.voxel_normals import painted_directions
 from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.scan_sequence import ScanSequence
-from server.parts.volume.chosen_voxel import HIT, ChosenVoxel, box_edges
+from server.parts.volume.chosen_voxel import HIT, ChosenVoxel
+from server.parts.volume.clip_box import ClipBox
 from server.parts.volume.look import (
     ADDED,
     AXES,
@@ -29,7 +30,7 @@ from server.parts.volume.look import (
     Look,
     ramp_of,
 )
-from server.sessions.drawings import Drawing, Points, Segments, Voxels
+from server.sessions.drawings import Drawing, Points, Voxels
 
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
@@ -48,6 +49,7 @@ class VolumeDrawings:
     def __init__(self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array) -> None:
         self._scans = source if isinstance(source, ScanSequence) else None
         self._low, self._high = low, high
+        self.clip_box = ClipBox(low, high)
         self.faces = VoxelFaces()
         self._classes: tuple[float, Painted] | None = None  #: at a resolution
         self._pending: set[ChunkKey] = set()
@@ -205,14 +207,7 @@ class VolumeDrawings:
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
         found += [one for one in (self._points, self._newest) if one is not None]
-        return [*found, *self._clip_box(look), *self.chosen.drawings, *self._changes]
-
-    def _clip_box(self, look: Look) -> list[Drawing]:
-        """Return the edges of the clip box where it cuts off a part of the map."""
-        low, high = np.maximum(look.low, self._low), np.minimum(look.high, self._high)
-        if (low >= high).any() or ((low == self._low).all() and (high == self._high).all()):
-            return []
-        return [Segments(name="clip", label="Clip box", points=box_edges(low, high), colors=PLAIN, width=1.5)]
+        return [*found, *self.clip_box.drawings(look), *self.chosen.drawings, *self._changes]
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

@@ -58,6 +58,9 @@ class Look:
     cut_y_high: float = _place("Clip y to", FARTHEST_M, "What has a greater y is not drawn.")
     cut_low: float = _place("Cut below", -FARTHEST_M, "What is lower is not drawn.")
     cut_high: float = _place("Cut above", FARTHEST_M, "What is higher is not drawn.")
+    cut_handles: bool = flag(
+        "Handles", "look", False, "Whether each face of the clip box has a handle in the view, which one drags.",
+    )
     band_low: float = _place("Map from", -FARTHEST_M, "Lowest height of the map from above.")
     band_high: float = _place(
         "Map to", FARTHEST_M, "Greatest height of the map from above; equal heights are a slice.",

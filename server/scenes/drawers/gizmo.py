@@ -13,6 +13,8 @@ from server.sessions.drawings import Gizmo, Point, Quaternion
 
 NEAR_M = 1e-3  #: distance, metres, between the model's and the user's position up to which the move is confirmed
 NEAR_TURN = 1e-3
+#: Width of a gizmo's lines, pixels. At a constant size the place that a pointer takes hold of is 4.5 times as wide.
+WORLD_WIDTH, SCREEN_WIDTH = 2.5, 6.0
 
 
 class GizmoDrawer(Drawer[Gizmo, Gizmo]):
@@ -27,7 +29,7 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
 
     def show(self, content: Gizmo) -> None:
         """Show the handles at the model's pose."""
-        form = (content.scale, content.axes, content.moves, content.turns)
+        form = (content.scale, content.unit, content.axes, content.moves, content.turns)
         if self._node is None or form != self._form:
             self._form = form
             self._node = self._add(content)
@@ -51,6 +53,8 @@ class GizmoDrawer(Drawer[Gizmo, Gizmo]):
         node = self.scene.add_transform_controls(
             f"{self.path}/handles",
             content.scale,
+            line_width=SCREEN_WIDTH if content.unit == "screen" else WORLD_WIDTH,
+            fixed=content.unit == "screen",
             active_axes=content.axes,
             disable_axes=not content.moves,
             disable_sliders=not content.moves,

@@ -263,6 +263,20 @@ async def test_a_moved_gizmo_becomes_a_command(service: Service, monkeypatch: py
         assert await shown.drawn(client) == []
 
 
+async def test_a_gizmo_may_have_a_constant_size_on_the_screen(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with showing(service, monkeypatch, Gizmo(name="goal", scale=64.0, unit="screen")) as (shown, client):
+        props = (await client.until(named("TransformControlsMessage", "/goal/handles")))["props"]
+        assert (props["scale"], props["fixed"]) == (64.0, True)
+        wide = props["line_width"]
+        client.forget()
+        shown.show(Gizmo(name="goal", scale=2.0))
+        props = (await client.until(named("TransformControlsMessage", "/goal/handles")))["props"]
+        assert (props["scale"], props["fixed"]) == (2.0, False)
+        assert props["line_width"] < wide
+
+
 async def test_a_gizmo_whose_move_is_refused_returns(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     gizmo = Gizmo(name="goal", position=(1.0, 1.0, 0.0))
     async with showing(service, monkeypatch, gizmo) as (_, client):

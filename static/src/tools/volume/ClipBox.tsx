@@ -13,7 +13,7 @@ const AXES = [
 
 const within = ({ low, high }: Parameter, value: number): number => Math.min(high, Math.max(low, value));
 
-/** The box outside of which nothing is drawn: two handles for each axis, which do not pass each other. */
+/** The box outside of which nothing is drawn: two sliders for each axis, which do not pass each other. */
 export function ClipBox({ look: { rows, values, set } }: { readonly look: Look }) {
   const row = (name: string): Parameter | undefined => rows.find((one) => one.name === name);
   const isWhole = AXES.flat().every((name) => values.value[name] === row(name)?.initial);

@@ -8,6 +8,7 @@ import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
 import type { SceneAnswer } from "../../wire/http";
 import { askScene, sceneAddress } from "../scene/settings";
+import { useLook } from "./useLook";
 import "./volume.css";
 
 interface VolumeStageProps {
@@ -31,8 +32,23 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
           src={sceneAddress(session, `plain/${dark.value ? "?darkMode" : ""}`)}
         />
       )}
-      <Cameras session={session} onFullScreen={() => fullScreen(group.current)} />
+      <div class="volume-buttons">
+        <Cameras session={session} onFullScreen={() => fullScreen(group.current)} />
+        <ClipHandles store={store} />
+      </div>
     </div>
+  );
+}
+
+/** Switches the handles of the clip box in the view; its sliders are in the panel. */
+function ClipHandles({ store }: { readonly store: Store }) {
+  const look = useLook(store);
+  if (!look) return null;
+  const areShown = look.values.value.cut_handles === true;
+  return (
+    <Button icon="box" pressed={areShown} onClick={() => look.set("cut_handles", !areShown)}>
+      Clip
+    </Button>
   );
 }
 
