@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
 
 import structlog
 
@@ -11,7 +10,7 @@ from server.sessions.model import SessionModel
 from server.sessions.tick import TickResult
 from server.stream.hub import Hub
 from server.stream.message_parts import Table
-from server.stream.messages import ErrorMessage, Hello
+from server.stream.messages import ErrorMessage, FrameMessage, Hello
 from server.stream.protocol import SUBPROTOCOL
 
 _log = structlog.get_logger(__name__)
@@ -19,9 +18,9 @@ _log = structlog.get_logger(__name__)
 
 def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
     """Publish the present state of a model; while it plays and is ``watched`` the next tick replaces the frame."""
-    frame, scan = frame_fields_of(model), model.scan()
+    frame, scan = frame_message(model), model.scan()
     running = model.playback.playing and watched
-    hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+    hub.publish(frame, scan, frame.pose[:2], settled=not running)
 
 
 def send_result(
@@ -79,9 +78,19 @@ def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> Hello:
     return hello
 
 
-def frame_fields_of(model: SessionModel) -> dict[str, Any]:
-    """Return the ``frame`` message of a model, without its type, its time and its scan."""
-    playback, (index, count) = model.playback, model.progress
-    at_origin = {"stamp": 0.0, "pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}
-    frame = {"playing": playback.playing, "speed": playback.speed, "index": index, "count": count, "auto": False}
-    return frame | at_origin | model.frame()
+def frame_message(model: SessionModel) -> FrameMessage:
+    """Return the ``frame`` message of a model, without its time and its scan."""
+    index, count = model.progress
+    frame = FrameMessage(
+        t=0.0,
+        playing=model.playback.playing,
+        speed=model.playback.speed,
+        index=index,
+        count=count,
+        stamp=0.0,
+        pose=(0.0, 0.0, 0.0),
+        sensor_pose=(0.0, 0.0, 0.0),
+        auto=False,
+    )
+    model.complete_frame(frame)
+    return frame

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import cast
 
 import msgspec
 import numpy as np
+from msgspec import UNSET
 
 from mapper.core.kernels.decimals import MOST_BYTES, TOO_LARGE, write_thousandths
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
@@ -13,12 +14,10 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from server.sessions.view import Pose, RobotState
 from server.stream.message_parts import CellState
-from server.stream.messages import CellMessage, WorkingMessage
+from server.stream.messages import CellMessage, FrameMessage, ScanFields, WorkingMessage
 
 #: No reading: pages wait for a first scan.
-NO_READINGS: dict[str, Any] = {
-    "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
-}  # fmt: skip
+NO_READINGS = ScanFields(scan_pose=(0.0, 0.0, 0.0), ranges=[], angle_min=0.0, angle_increment=0.0, range_max=0.0)
 
 
 def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> WorkingMessage:
@@ -30,30 +29,28 @@ def working_message(elapsed_s: float | None = None, fraction: float | None = Non
     )
 
 
-def frame_fields(robot_state: RobotState) -> dict[str, Any]:
-    """Return the fields of a ``frame`` message with the robot's pose."""
-    fields: dict[str, Any] = {
-        "stamp": round(robot_state.stamp_s, 4),
-        "pose": _rounded(robot_state.pose),
-        "sensor_pose": _rounded(robot_state.sensor_pose),
-    }
+def set_robot(frame: FrameMessage, robot_state: RobotState) -> None:
+    """Set the fields of a ``frame`` message about the robot's pose."""
+    frame.stamp = round(robot_state.stamp_s, 4)
+    frame.pose = _rounded(robot_state.pose)
+    frame.sensor_pose = _rounded(robot_state.sensor_pose)
     if robot_state.believed_pose is not None:
-        fields["believed_pose"] = _rounded(robot_state.believed_pose)
-    return fields
+        frame.believed_pose = _rounded(robot_state.believed_pose)
 
 
-def scan_fields(robot_state: RobotState, config: MappingConfig) -> dict[str, Any]:
-    """Return the fields of a ``frame`` message with the robot's scan."""
-    scan = robot_state.scan
-    fields: dict[str, Any] = {"scan_pose": _rounded(robot_state.scan_pose)}
-    if robot_state.believed_scan_pose is not None:
-        fields["believed_scan_pose"] = _rounded(robot_state.believed_scan_pose)
-    fields |= {"ranges": _ranges(scan), "range_max": min(scan.range_max, config.range_max)}
-    if scan.beam_width > 0.0:
-        fields["beam_width"] = scan.beam_width
-    if isinstance(scan, SonarScan):
-        return fields | {"angle_min": 0.0, "angle_increment": 0.0, "bearings": np.round(scan.bearings, 5).tolist()}
-    return fields | {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
+def scan_of(robot_state: RobotState, config: MappingConfig) -> ScanFields:
+    """Return the fields of a ``frame`` message about the robot's scan."""
+    scan, believed = robot_state.scan, robot_state.believed_scan_pose
+    return ScanFields(
+        scan_pose=_rounded(robot_state.scan_pose),
+        believed_scan_pose=UNSET if believed is None else _rounded(believed),
+        ranges=_ranges(scan),
+        angle_min=0.0 if isinstance(scan, SonarScan) else scan.angle_min,
+        angle_increment=0.0 if isinstance(scan, SonarScan) else scan.angle_increment,
+        bearings=np.round(scan.bearings, 5).tolist() if isinstance(scan, SonarScan) else UNSET,
+        beam_width=scan.beam_width if scan.beam_width > 0.0 else UNSET,
+        range_max=min(scan.range_max, config.range_max),
+    )
 
 
 def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str) -> CellMessage:
@@ -80,16 +77,17 @@ def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str
     )
 
 
-def _rounded(pose: Pose) -> list[float]:
-    return [round(value, 4) for value in pose]
+def _rounded(pose: Pose) -> Pose:
+    x, y, yaw = (round(value, 4) for value in pose)
+    return (x, y, yaw)
 
 
-def _ranges(scan: RangeScan) -> msgspec.Raw:
-    """Return the scan's readings in metres as JSON, null for no return and for an invalid reading."""
+def _ranges(scan: RangeScan) -> list[float | None]:
+    """Return :func:`readings` as JSON, which the encoder copies, where none is too large for that."""
     text = np.empty(2 + MOST_BYTES * len(scan.ranges), dtype=np.uint8)
     low, high = (float(np.float32(limit)) for limit in (scan.range_min, scan.range_max))  # as NumPy compares them
     size = write_thousandths(scan.ranges, low, high, text)
-    return msgspec.Raw(msgspec.json.encode(readings(scan)) if size == TOO_LARGE else text[:size].tobytes())
+    return readings(scan) if size == TOO_LARGE else cast("list[float | None]", msgspec.Raw(text[:size].tobytes()))
 
 
 def readings(scan: RangeScan) -> list[float | None]:

@@ -25,7 +25,7 @@ from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
-from server.stream.messages import Hello
+from server.stream.messages import FrameMessage, Hello, ScanFields
 from server.stream.protocol import Message, ProtocolError, type_of
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from server.sessions.part import Part
 
 T = TypeVar("T")
-NO_SCAN: dict[str, Any] = {}
+NO_SCAN = ScanFields()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,11 +131,10 @@ class SessionModel(ABC):
         """Return the commands from which the parts of another session get the same, as JSON has them."""
         return [command for part in self.parts for command in part.history()]
 
-    def frame(self) -> dict[str, Any]:
-        """Return the fields of the ``frame`` message that the kind adds or sets."""
-        return {}
+    def complete_frame(self, frame: FrameMessage) -> None:  # noqa: B027 - some kinds have none
+        """Set the fields of ``frame`` that the kind has, except those about the scan."""
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return the fields of ``frame`` about the newest scan: the same object until there is a newer scan."""
         return NO_SCAN
 

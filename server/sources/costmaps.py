@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from msgspec import Struct
@@ -19,7 +19,7 @@ from server.sessions.view import LogView
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
-from server.stream.messages import Hello
+from server.stream.messages import FrameMessage, Hello, ScanFields
 from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
@@ -131,11 +131,11 @@ class CostmapsModel(SessionModel, Costed, Viewed):
             }
         ]
 
-    def frame(self) -> dict[str, Any]:
-        """Return the time of the present costmap."""
-        return {"stamp": round(float(self._times[self._index - 1]), 3)}
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the time of the present costmap."""
+        frame.stamp = round(float(self._times[self._index - 1]), 3)
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return a scan without readings."""
         return NO_READINGS
 

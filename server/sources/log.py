@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from msgspec import Struct
@@ -25,6 +25,7 @@ from server.parts.mapping.part import MappingParameters
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
+from server.sessions.messages import set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
 from server.sessions.playback import Playback
@@ -34,7 +35,7 @@ from server.sessions.view import LogView
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings
-from server.sources.robot_report import RobotReport
+from server.sources.robot_report import ScanReport
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,
@@ -51,7 +52,7 @@ from server.stream.commands import (
 )
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
-from server.stream.messages import Hello, ParametersMessage, Trajectories
+from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields, Trajectories
 from server.stream.messages import Trajectory as TrajectoryMessage
 from server.stream.protocol import Message, ProtocolError, type_of
 
@@ -147,7 +148,7 @@ class LogModel(SessionModel):
         )
         own = (self.parameters, CellQuestions(self._explained), self.comparison, self._updates)
         self.parts = (*own, *parts_of(offers))
-        self._report = RobotReport()
+        self._report = ScanReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
         if view.index:
@@ -293,11 +294,12 @@ class LogModel(SessionModel):
         stamps = np.round(recording.recorded[::every], 3).tolist()
         return TrajectoryMessage(recording.trajectory, trajectory.frame_id, every, path, stamps)
 
-    def frame(self) -> dict[str, Any]:
-        """Return the robot's pose at the newest scan."""
-        return self.parameters.frame() | self._report.frame(self.recording.robot_state())
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the robot's pose at the newest scan."""
+        self.parameters.complete_frame(frame)
+        set_robot(frame, self.recording.robot_state())
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return the newest scan."""
         return self._report.scan(self.recording.robot_state(), self.config)
 

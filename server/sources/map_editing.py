@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from msgspec import Struct
@@ -29,7 +29,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.messages import MapEditsMessage
+from server.stream.messages import FrameMessage, MapEditsMessage, ScanFields
 from server.stream.protocol import Message, fields_of
 from server.stream.tiles import TilePicture, picture_range
 
@@ -116,13 +116,13 @@ class MapModel(SessionModel, EditedFiles):
             )
         ]
 
-    def frame(self) -> dict[str, Any]:
-        """Return the middle of the map as the pose: the cursor of the keyboard starts there."""
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the middle of the map as the pose: the cursor of the keyboard starts there."""
         geometry = self._edited.geometry
         x, y = geometry.cell_to_world(((geometry.rows - 1) // 2, (geometry.cols - 1) // 2)).round(4).tolist()
-        return {"pose": [x, y, 0.0]}
+        frame.pose = (x, y, 0.0)
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return a scan without readings."""
         return NO_READINGS
 

@@ -25,6 +25,7 @@ from server.parts.wire import command_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
+from server.sessions.messages import set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -32,7 +33,7 @@ from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
 from server.sources.map_drawings import map_drawings
-from server.sources.robot_report import RobotReport
+from server.sources.robot_report import ScanReport
 from server.sources.simulation_commands import Action, act
 from server.sources.simulation_messages import world_message
 from server.sources.story import SimulationStory
@@ -53,7 +54,7 @@ from server.stream.commands import (
 )
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import Compared, Table, rows_of
-from server.stream.messages import Hello, ParametersMessage
+from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
 from server.stream.protocol import Message, ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
@@ -90,7 +91,7 @@ class SimulationModel(SessionModel):
         )
         story = SimulationStory(host, mapper, self.playback, max_story_s, self.history)
         self.parts = (self.parameters, CellQuestions(self._explained), story, *parts_of(offers))
-        self._report = RobotReport()
+        self._report = ScanReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
@@ -248,12 +249,13 @@ class SimulationModel(SessionModel):
             compare=None if second is None else Compared(second.values, second.with_faults),
         )
 
-    def frame(self) -> dict[str, Any]:
-        """Return the robot's pose, and whether it explores by itself."""
-        robot = self._report.frame(self.robot_state())
-        return self.parameters.frame() | robot | {"auto": self._mapper.simulation.auto}
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the robot's pose, and whether it explores by itself."""
+        self.parameters.complete_frame(frame)
+        set_robot(frame, self.robot_state())
+        frame.auto = self._mapper.simulation.auto
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return the newest scan."""
         return self._report.scan(self.robot_state(), self.config)
 

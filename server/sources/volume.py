@@ -52,7 +52,7 @@ from server.sources.scan_timeline import ScanTimeline
 from server.stream.commands import CancelCommand, ParametersCommand, RestartCommand, SeekCommand, StepCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import Table, rows_of
-from server.stream.messages import Hello, ParametersMessage
+from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
 from server.stream.protocol import Message, ProtocolError
 
 if TYPE_CHECKING:
@@ -213,11 +213,11 @@ class VolumeModel(SessionModel, Volumetric):
     def _parameters(self) -> ParametersMessage:
         return ParametersMessage(asdict(self._config), None)
 
-    def frame(self) -> dict[str, Any]:
-        """Return the time of the newest scan."""
-        return {"stamp": round(self._timeline.stamp(self._shown.index), 3)}
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the time of the newest scan."""
+        frame.stamp = round(self._timeline.stamp(self._shown.index), 3)
 
-    def scan(self) -> dict[str, Any]:
+    def scan(self) -> ScanFields:
         """Return a scan without readings."""
         return NO_READINGS
 

@@ -13,14 +13,13 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import msgspec
 
 from server.stream.codecs import TILES, join_frame
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
-from server.stream.messages import LayersMessage
+from server.stream.messages import FrameMessage, LayersMessage, ScanFields
 from server.stream.protocol import Message, ProtocolError, encode_text, type_of
 from server.stream.traffic import Traffic
 
@@ -66,9 +65,9 @@ class Hub:
         self.focus_xy = (0.0, 0.0)
         self._ids: dict[Layer, int] = {}
         self._ids_given = 0
-        self._frame_rest = ""
-        self._scan: dict[str, Any] | None = None
-        self._scan_rest = ""
+        self._frame: FrameMessage | None = None
+        self._scan: ScanFields | None = None
+        self._scan_fields = ""
         self._texts: dict[bool, str] = {}  #: the frame message without and with the scan, while it is not settled
         self._text_frames: dict[str, bytes] = {}  #: of text messages that were sent since the last frame
         self.set_layers(layers)
@@ -138,21 +137,19 @@ class Hub:
         for client in self.clients:
             client.send(message)
 
-    def publish(
-        self, frame: dict[str, Any], scan: dict[str, Any], focus_xy: tuple[float, float], *, settled: bool
-    ) -> None:
-        """Set ``frame`` (without ``t``) as the newest frame message, and publish the changes of the layers.
+    def publish(self, frame: FrameMessage, scan: ScanFields, focus_xy: tuple[float, float], *, settled: bool) -> None:
+        """Set ``frame`` (without time and scan) as the newest frame message, and publish the changes of the layers.
 
-        ``scan`` has the fields that are sent only if they are another object than at the client's last frame;
+        ``scan`` has the fields that are sent only if it is another object than at the client's last frame;
         ``focus_xy`` is the point, map metres, whose nearest tiles are sent first.
         """
         for layer in self.layers:
             layer.publish()
         if scan is not self._scan:
             self._scan = scan
-            self._scan_rest = _JSON.encode(scan).decode()[1:-1]
+            self._scan_fields = _JSON.encode(scan).decode()[1:-1]
             self.scan_number += 1
-        self._frame_rest = _JSON.encode(frame).decode()[1:]
+        self._frame = frame
         self.focus_xy = focus_xy
         self.frame_number += 1
         self.published_at = self.clock()
@@ -167,9 +164,11 @@ class Hub:
         """Return the newest frame message, with the time at which it was last true."""
         text = None if self.settled else self._texts.get(with_scan)
         if text is None:
-            t = self.clock() if self.settled else self.published_at
-            scan = f"{self._scan_rest}," if with_scan and self._scan_rest else ""
-            text = f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
+            assert self._frame is not None  # noqa: S101 - asked for once there is a frame message
+            self._frame.t = round(self.clock() if self.settled else self.published_at, 6)
+            text = _JSON.encode(self._frame).decode()
+            if with_scan and self._scan_fields:
+                text = f"{text[:-1]},{self._scan_fields}}}"
             if not self.settled:
                 self._texts[with_scan] = text
         return text

@@ -84,7 +84,29 @@ class Geometry(Struct, tag_field="type", tag="geometry"):
     tile: Annotated[Literal[64], Meta(description="cells along the side of a tile")]
 
 
-class FrameMessage(Struct, tag_field="type", tag="frame"):
+class ScanFields(Struct, kw_only=True):
+    """The fields of :class:`FrameMessage` about the newest scan."""
+
+    scan_pose: Annotated[
+        Pose | UnsetType, Meta(description="T_map_laser at the newest scan, without the mount correction")
+    ] = UNSET
+    believed_scan_pose: Annotated[
+        Pose | UnsetType, Meta(description="estimate of `scan_pose` that the map uses; only while the odometry drifts")
+    ] = UNSET
+    ranges: Annotated[
+        list[float | None] | UnsetType,
+        Meta(description="readings of the newest scan, m; null for no return or no valid reading"),
+    ] = UNSET
+    angle_min: Annotated[float | UnsetType, Meta(description="bearing of the first beam, rad")] = UNSET
+    angle_increment: Annotated[float | UnsetType, Meta(description="angle between two beams, rad")] = UNSET
+    bearings: Annotated[
+        list[float] | UnsetType, Meta(description="bearing of each beam if they are uneven (sonars), rad")
+    ] = UNSET
+    beam_width: Annotated[float | UnsetType, Meta(description="full angle of a sonar's cone, rad")] = UNSET
+    range_max: Annotated[float | UnsetType, Meta(description="largest range that is used, m")] = UNSET
+
+
+class FrameMessage(ScanFields, tag_field="type", tag="frame", kw_only=True):
     """Newest state of the session, sent directly before the tiles of the same instant.
 
     The fields of the scan (`scan_pose`, `believed_scan_pose`, `ranges`, `angle_min`, `angle_increment`, `bearings`,
@@ -106,23 +128,6 @@ class FrameMessage(Struct, tag_field="type", tag="frame"):
     remade_ms: Annotated[
         float | UnsetType, Meta(description="time in which the map was last recomputed with other parameters, ms")
     ] = UNSET
-    scan_pose: Annotated[
-        Pose | UnsetType, Meta(description="T_map_laser at the newest scan, without the mount correction")
-    ] = UNSET
-    believed_scan_pose: Annotated[
-        Pose | UnsetType, Meta(description="estimate of `scan_pose` that the map uses; only while the odometry drifts")
-    ] = UNSET
-    ranges: Annotated[
-        list[float | None] | UnsetType,
-        Meta(description="readings of the newest scan, m; null for no return or no valid reading"),
-    ] = UNSET
-    angle_min: Annotated[float | UnsetType, Meta(description="bearing of the first beam, rad")] = UNSET
-    angle_increment: Annotated[float | UnsetType, Meta(description="angle between two beams, rad")] = UNSET
-    bearings: Annotated[
-        list[float] | UnsetType, Meta(description="bearing of each beam if they are uneven (sonars), rad")
-    ] = UNSET
-    beam_width: Annotated[float | UnsetType, Meta(description="full angle of a sonar's cone, rad")] = UNSET
-    range_max: Annotated[float | UnsetType, Meta(description="largest range that is used, m")] = UNSET
 
 
 class Trajectory(Struct, tag_field="type", tag="trajectory"):

@@ -17,7 +17,7 @@ from server.sessions.tick import TickResult
 from server.stream.commands import ParametersCommand
 from server.stream.hub import Client
 from server.stream.message_parts import Table, rows_of
-from server.stream.messages import ParametersMessage
+from server.stream.messages import FrameMessage, ParametersMessage
 
 
 class MappingParameters(Part):
@@ -91,9 +91,10 @@ class MappingParameters(Part):
         """Return the table for the panel of the 3D view."""
         return ParameterTable("Mapping", self._rows, asdict(self.config), ParametersCommand, ("model",))
 
-    def frame(self) -> dict[str, Any]:
-        """Return the field of ``frame`` about the newest recomputation of the map."""
-        return {} if self._remade_ms is None else {"remade_ms": round(self._remade_ms, 2)}
+    def complete_frame(self, frame: FrameMessage) -> None:
+        """Set the field of ``frame`` about the newest recomputation of the map."""
+        if self._remade_ms is not None:
+            frame.remade_ms = round(self._remade_ms, 2)
 
 
 def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:

@@ -536,6 +536,22 @@ export interface Geometry {
  */
 export interface FrameMessage {
   readonly type: "frame";
+  /** T_map_laser at the newest scan, without the mount correction */
+  readonly scan_pose?: Pose;
+  /** estimate of `scan_pose` that the map uses; only while the odometry drifts */
+  readonly believed_scan_pose?: Pose;
+  /** readings of the newest scan, m; null for no return or no valid reading */
+  readonly ranges?: readonly (number | null)[];
+  /** bearing of the first beam, rad */
+  readonly angle_min?: number;
+  /** angle between two beams, rad */
+  readonly angle_increment?: number;
+  /** bearing of each beam if they are uneven (sonars), rad */
+  readonly bearings?: readonly number[];
+  /** full angle of a sonar's cone, rad */
+  readonly beam_width?: number;
+  /** largest range that is used, m */
+  readonly range_max?: number;
   /** monotonic clock of the server, s; for measuring the age of the frame */
   readonly t: number;
   /** whether the session plays */
@@ -558,22 +574,6 @@ export interface FrameMessage {
   readonly believed_pose?: Pose;
   /** time in which the map was last recomputed with other parameters, ms */
   readonly remade_ms?: number;
-  /** T_map_laser at the newest scan, without the mount correction */
-  readonly scan_pose?: Pose;
-  /** estimate of `scan_pose` that the map uses; only while the odometry drifts */
-  readonly believed_scan_pose?: Pose;
-  /** readings of the newest scan, m; null for no return or no valid reading */
-  readonly ranges?: readonly (number | null)[];
-  /** bearing of the first beam, rad */
-  readonly angle_min?: number;
-  /** angle between two beams, rad */
-  readonly angle_increment?: number;
-  /** bearing of each beam if they are uneven (sonars), rad */
-  readonly bearings?: readonly number[];
-  /** full angle of a sonar's cone, rad */
-  readonly beam_width?: number;
-  /** largest range that is used, m */
-  readonly range_max?: number;
 }
 
 /** Log sessions: the robot's path. Sent at the start and after a change of the trajectory. */
@@ -1896,6 +1896,14 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     tile: isLiteral(64),
   },
   frame: {
+    scan_pose: optional(isPose),
+    believed_scan_pose: optional(isPose),
+    ranges: optional(isListOf(oneOf(isNumber, isNull))),
+    angle_min: optional(isNumber),
+    angle_increment: optional(isNumber),
+    bearings: optional(isListOf(isNumber)),
+    beam_width: optional(isNumber),
+    range_max: optional(isNumber),
     t: isNumber,
     playing: isFlag,
     speed: isNumber,
@@ -1907,14 +1915,6 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     auto: isFlag,
     believed_pose: optional(isPose),
     remade_ms: optional(isNumber),
-    scan_pose: optional(isPose),
-    believed_scan_pose: optional(isPose),
-    ranges: optional(isListOf(oneOf(isNumber, isNull))),
-    angle_min: optional(isNumber),
-    angle_increment: optional(isNumber),
-    bearings: optional(isListOf(isNumber)),
-    beam_width: optional(isNumber),
-    range_max: optional(isNumber),
   },
   trajectory: {
     name: isText,

@@ -17,6 +17,7 @@ import pytest
 import zstandard
 from numpy.typing import NDArray
 
+from server.sessions.delivery import publish_frame
 from server.sources.kinds import KINDS
 from server.stream.codecs import decode_frame
 from server.stream.hub import Hub
@@ -133,9 +134,8 @@ def sent() -> list[dict[str, str]]:
     hub = Hub(model.layers, clock=lambda: 0.0)
     client = hub.join()
     client.subscribe([layer.name for layer in model.layers])
-    clock = {"playing": False, "speed": 1.0, "index": 0, "count": 0, "auto": False}
-    at_origin = {"pose": [0.0, 0.0, 0.0], "sensor_pose": [0.0, 0.0, 0.0]}  # as the host has it for a kind without robot
-    hub.publish(clock | at_origin | model.frame(), {}, (0.0, 0.0), settled=True)
+    model.playback.playing = False
+    publish_frame(model, hub, watched=True)
     return [{"text": one} if isinstance(one, str) else {"hex": one.hex()} for one in client.take()]
 
 

@@ -7,7 +7,7 @@ side is ``static/src/tools/example/waves.ts``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from msgspec import Struct
@@ -21,6 +21,7 @@ from server.sessions.model import Footprint, SessionModel
 from server.sessions.tick import TickResult
 from server.stream.commands import StepCommand
 from server.stream.layers import GridLayer, Layer
+from server.stream.messages import FrameMessage
 from server.stream.protocol import ProtocolError
 from server.stream.whole_layers import TableLayer
 
@@ -89,9 +90,9 @@ class WavesModel(SessionModel):
         self.time_s += command.scans * STEP_S
         result.changed = True
 
-    def frame(self) -> dict[str, Any]:
+    def complete_frame(self, frame: FrameMessage) -> None:
         """The time of the wave, seconds."""
-        return {"stamp": self.time_s}
+        frame.stamp = self.time_s
 
     @property
     def footprint(self) -> Footprint:

@@ -13,6 +13,7 @@ from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.hub import Hub
 from server.stream.layers import GridLayer
+from server.stream.messages import FrameMessage, ScanFields
 from server.stream.tiles import TilePicture
 from tests.server.stream.applied_frames import apply_frame
 
@@ -26,6 +27,14 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
+
+
+def frame_message(index: int) -> FrameMessage:
+    """The frame message of a robot at the origin."""
+    pose = (0.0, 0.0, 0.0)
+    return FrameMessage(
+        t=0.0, playing=True, speed=1.0, index=index, count=0, stamp=0.0, pose=pose, sensor_pose=pose, auto=False
+    )
 
 
 class Source:
@@ -68,7 +77,8 @@ class Source:
         self.layer.update(self.grid, self.config, CellBox(row, row + rows, col, col + cols), whole=False)
 
     def publish(self, *, settled: bool = False) -> None:
-        self.hub.publish({"index": self.hub.frame_number}, {"scan": self.hub.frame_number}, (0.0, 0.0), settled=settled)
+        number = self.hub.frame_number
+        self.hub.publish(frame_message(number), ScanFields(range_max=float(number)), (0.0, 0.0), settled=settled)
 
 
 class Browser:

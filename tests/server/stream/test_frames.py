@@ -9,7 +9,9 @@ from websockets.streams import StreamReader
 
 from server.stream.frames import binary_frame, text_frame
 from server.stream.hub import Hub
+from server.stream.messages import ScanFields
 from server.stream.whole_layers import TableLayer
+from tests.server.stream.simulated_browser import frame_message
 
 
 def parsed(data: bytes) -> Frame:
@@ -39,11 +41,11 @@ def test_a_client_reads_what_was_sent(length):
 
 def test_a_text_is_encoded_once_for_all_clients():
     hub = Hub([TableLayer("points", "Points", "points", ("x", "y"))])
-    hub.publish({"pose": [0.0, 0.0, 0.0]}, {"ranges": [1.0]}, (0.0, 0.0), settled=False)
+    hub.publish(frame_message(0), ScanFields(ranges=[1.0]), (0.0, 0.0), settled=False)
     clients = [hub.join() for _ in range(3)]
     sent = [[hub.text_frame(one) for one in client.take() if isinstance(one, str)] for client in clients]
     assert len(sent[0]) >= 2
     assert all(one is first for others in sent[1:] for one, first in zip(others, sent[0], strict=True))
     before = sent[0][-1]
-    hub.publish({"pose": [1.0, 0.0, 0.0]}, {"ranges": [2.0]}, (0.0, 0.0), settled=False)
+    hub.publish(frame_message(1), ScanFields(ranges=[2.0]), (0.0, 0.0), settled=False)
     assert hub.text_frame(hub.frame_text()) != before

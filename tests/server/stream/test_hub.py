@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 
 from mapper.grid import CellBox
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client
+from server.stream.messages import ScanFields
 from server.stream.protocol import ProtocolError
 from server.stream.tiles import MOST_CHANGES
-from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source
+from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source, frame_message
 
 ACTIONS = st.lists(
     st.one_of(
@@ -164,7 +165,7 @@ def test_tiles_near_the_robot_are_sent_first_in_frames_of_limited_size() -> None
     source.grid.observed[:] = True
     source.layer.update(source.grid, source.config, None, whole=True)
     at = (64 * 30 + 32, 64 * 10 + 32)
-    source.hub.publish({"index": 0}, {"scan": 0}, (at[1] * 0.1, at[0] * 0.1), settled=True)
+    source.hub.publish(frame_message(0), ScanFields(), (at[1] * 0.1, at[0] * 0.1), settled=True)
     browser = Browser(source)
     sizes = []
     for _ in range(1000):

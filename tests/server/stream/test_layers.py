@@ -15,9 +15,10 @@ from mapper.grid import GridGeometry
 from server.stream.codecs import CHANGES, GRAPH, TABLE, TILES, decode_frame
 from server.stream.hub import MIN_BATCH_BYTES, Hub
 from server.stream.layers import GridLayer, Layer
+from server.stream.messages import ScanFields
 from server.stream.whole_layers import GraphLayer, TableLayer
 from tests.server.stream.applied_frames import apply_frame
-from tests.server.stream.simulated_browser import Clock
+from tests.server.stream.simulated_browser import Clock, frame_message
 
 SHAPE = (128, 192)
 GEOMETRY = GridGeometry(0.1, *SHAPE)
@@ -31,7 +32,7 @@ class Shown:
         self.hub = Hub(layers, self.clock)
 
     def publish(self) -> None:
-        self.hub.publish({"index": 0}, {"scan": 0}, (0.0, 0.0), settled=True)
+        self.hub.publish(frame_message(0), ScanFields(), (0.0, 0.0), settled=True)
 
 
 class Page:
