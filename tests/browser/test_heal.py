@@ -34,7 +34,7 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     # The examination begins by itself; the remedy is offered beside the log's name, and nothing moves for it.
     stage = page.locator(".viewer-map")
     before_offer = stage.bounding_box()
-    offer = page.locator(".heal-offer")
+    offer = page.locator(".correction-offer")
     expect(offer).to_contain_text("The poses drift")
     assert stage.bounding_box() == before_offer
     # The doctor's finding offers it too.

@@ -31,7 +31,7 @@ def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> Non
     until("SLAM", lambda: page.evaluate(NODES) > 20 and page.evaluate(ERROR) < 0.15)
     # On a slow machine seconds of the drive pass between two frames, and a turn is corrected some scans later.
     until("its graph to grow", lambda: page.evaluate(NODES) > 60 and page.evaluate(ERROR) < 0.15)
-    expect(page.locator(".slam-facts")).to_contain_text("Scans matched")
+    expect(page.locator(".slam-group .facts-list")).to_contain_text("Scans matched")
     # The layers end with the switch.
     page.get_by_role("switch", name="SLAM while driving").uncheck()
     until("the graph to go", lambda: page.evaluate(NODES) == 0)

@@ -132,7 +132,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     open_group(page, "Localize")
     page.get_by_text("Another log or map").click()
     page.get_by_label("The other log").select_option(label="A better room (map)")
-    expect(page.locator(".heal").get_by_text("8.5 × 4.0 m")).to_be_visible()
+    expect(page.locator(".panel-stack").get_by_text("8.5 × 4.0 m")).to_be_visible()
     # And its costmap lies over it, with the zone.
     open_group(page, "Costmap")
     costs = f"{_STORE}.layers.grid('costmap').map.peek()"

@@ -180,7 +180,7 @@ def test_a_log(tab: Tab, tmp_path: Path) -> None:
     tab.until("(xy) => gridbloom.screen(xy) !== null", xy)
     tab.click_at(*place(tab, xy), "Shift")
     tab.until(f"() => {STORE}.why.peek() !== null")
-    tab.click(".heal-offer button", "Heal its poses")
+    tab.click(".correction-offer button", "Heal its poses")
     until(
         "the log to be healed",
         lambda: (

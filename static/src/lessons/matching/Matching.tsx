@@ -13,12 +13,12 @@ import {
   apart,
   ELSEWHERE,
   endOf,
-  hill,
   judged,
   type Method,
   oneStep,
   STARTS,
   scoreAt,
+  scoreLandscape,
   snapped,
   TRUE_POSE,
   toTheEnd,
@@ -92,7 +92,7 @@ function painted(
 }
 
 /** Scores 0 to 1: the shape relative to the highest one, and the paler the lower that is. */
-function paintHill(scores: Float32Array): Image {
+function paintLandscape(scores: Float32Array): Image {
   const rgb = tokenRgb("--beam-fill");
   const highest = Math.max(1e-6, ...scores);
   const strength = 255 * (0.35 + 0.65 * highest);
@@ -201,7 +201,7 @@ export function Matching() {
   const basin = useBasin(problem, method, startHeading, seen);
 
   const heading = useComputed(() => pose.value[2]);
-  const hillImage = useComputed(() => paintHill(hill(problem.value, heading.value)));
+  const landscapeImage = useComputed(() => paintLandscape(scoreLandscape(problem.value, heading.value)));
   const basinImage = useComputed(() => paintBasin(basin.value.ends));
   const result = useComputed(() => judged(problem.value, pose.value));
 
@@ -239,7 +239,7 @@ export function Matching() {
       <div class="side-by-side">
         <div>
           <h3>Score at this heading</h3>
-          <Stage geometry={GEOMETRY} label="The two scans over the score of every position" colours={hillImage}>
+          <Stage geometry={GEOMETRY} label="The two scans over the score of every position" colours={landscapeImage}>
             {(transform) => (
               <>
                 <Scans

@@ -4,7 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import { compose } from "../../grid/lattice";
 import type { Point, Pose } from "../../wire/protocol";
-import { hill, oneStep } from "./matching";
+import { oneStep, scoreLandscape } from "./matching";
 import { nearestPairs, type PointScan, placed } from "./model";
 import { ransac, wallsOf } from "./ransac";
 import "./sketch.css";
@@ -174,7 +174,7 @@ const BLOCK = 4;
 /** The bounds of a coarse raster, and the cell of the fine one with the best score. */
 function Correlative() {
   const problem = problemIn("room");
-  const scores = hill(problem, problem.truth[2]);
+  const scores = scoreLandscape(problem, problem.truth[2]);
   const { rows, cols, resolution } = GEOMETRY;
   const side = BLOCK * resolution;
   const blocks = Array.from({ length: (rows / BLOCK) * (cols / BLOCK) }, (_, n) => {

@@ -4,11 +4,11 @@ import {
   apart,
   ELSEWHERE,
   endOf,
-  hill,
   judged,
   oneStep,
   STARTS,
   scoreAt,
+  scoreLandscape,
   snapped,
   TRUE_POSE,
   toTheEnd,
@@ -72,9 +72,9 @@ describe("the figure of two scans", () => {
     expect(snapped(problem, "point_to_line", [x - 1.6, y + 0.4, heading])).toBeNull();
   });
 
-  it("has its hill at the true position", () => {
+  it("has its highest score at the true position", () => {
     const problem = problemIn("room");
-    const scores = hill(problem, problem.truth[2]);
+    const scores = scoreLandscape(problem, problem.truth[2]);
     const best = scores.indexOf(Math.max(...scores));
     const [x, y] = centreOf(GEOMETRY, { row: Math.floor(best / GEOMETRY.cols), col: best % GEOMETRY.cols });
     expect(Math.hypot(x - problem.truth[0], y - problem.truth[1])).toBeLessThan(0.1);

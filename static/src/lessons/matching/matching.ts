@@ -82,7 +82,7 @@ export const scoreAt = (problem: Problem, pose: Pose): number =>
   (scoresInWindow(problem.scores, FIELD, problem.moving, pose, [0, 0, 0, 0])[0] ?? 0) / bestSum(problem);
 
 /** The score of every position of the figure at a heading, 0 to 1, by cell. */
-export function hill(problem: Problem, heading: number): Float32Array {
+export function scoreLandscape(problem: Problem, heading: number): Float32Array {
   const [right, up] = [GEOMETRY.cols / 2, GEOMETRY.rows / 2];
   const [x, y] = centreOf(GEOMETRY, { col: right, row: up });
   const around = [right, right - 1, up, up - 1] as const;

@@ -11,8 +11,8 @@ import type { DoctorAnswer, FindingAnswer, LogEvent } from "../../wire/http";
 import type { Making } from "../making";
 import { confidenceLabel, examine, isLongEnough, wellLabel } from "./doctor";
 import "./doctor.css";
-import { standsStill } from "./heal/standsStill";
 import { trajectoryLabel } from "./library/describeLog";
+import { standsStill } from "./slam/standsStill";
 import { shownTime } from "./time/shownTime";
 
 type State =
@@ -108,14 +108,14 @@ interface DoctorProps {
   readonly store: Store;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
-  readonly onHeal?: () => void;
+  readonly onCorrectPoses?: () => void;
 }
 
 /**
  * The log doctor: what happened in a log, its problems, where they are, how certain, and what to do about them. It is
  * the last of its group, so that nothing else moves when the examination, which begins by itself, is over.
  */
-export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
+export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorrectPoses }: DoctorProps) {
   const now = state.value;
   const hasEvents = now.kind === "done" && now.examination.events.length > 0;
   const isWell = now.kind === "done" && now.examination.findings.length === 0 && !hasEvents;
@@ -143,7 +143,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
                   key={`${finding.check} ${finding.sensor}`}
                   finding={finding}
                   store={store}
-                  {...(onHeal ? { onHeal } : {})}
+                  {...(onCorrectPoses ? { onCorrectPoses } : {})}
                 />
               ))}
             </ul>
@@ -158,7 +158,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
         {now.kind !== "cancelled" && now.kind !== "done" && (
           <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
         )}
-        {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
+        {now.kind === "failed" && <p class="failure">{now.why}</p>}
       </div>
       <Notes notes={store.hello.value?.log?.notes ?? []} />
       <p class="quiet">Checks {CHECKED}.</p>
@@ -270,10 +270,10 @@ function Notes({ notes }: { readonly notes: readonly string[] }) {
 interface FindingProps {
   readonly finding: FindingAnswer;
   readonly store: Store;
-  readonly onHeal?: () => void;
+  readonly onCorrectPoses?: () => void;
 }
 
-function FindingItem({ finding, store, onHeal }: FindingProps) {
+function FindingItem({ finding, store, onCorrectPoses }: FindingProps) {
   const { parameters, scans } = finding;
   const values = store.mapping.values.value;
   const tried = parameters !== null && Object.entries(parameters).every(([name, value]) => values[name] === value);
@@ -286,8 +286,8 @@ function FindingItem({ finding, store, onHeal }: FindingProps) {
       </p>
       <p class="quiet">{finding.advice}</p>
       <div class="finding-actions">
-        {finding.check === DRIFT && onHeal && (
-          <Button kind="primary" onClick={onHeal}>
+        {finding.check === DRIFT && onCorrectPoses && (
+          <Button kind="primary" onClick={onCorrectPoses}>
             Heal its poses
           </Button>
         )}

@@ -24,8 +24,6 @@ import { eventsOf, useDoctor } from "./Doctor";
 import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
-import { HealOffer } from "./heal/HealOffer";
-import { useHealing } from "./heal/healing";
 import { useLines } from "./lines/useLines";
 import { useLocalizing } from "./localize/localizing";
 import { NoteCard } from "./notes/NoteCard";
@@ -35,6 +33,8 @@ import { TimelinePlots } from "./plots/TimelinePlots";
 import { useTimelinePlots } from "./plots/timelinePlots";
 import { useSensor } from "./sensor/useSensor";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedView";
+import { CorrectionOffer } from "./slam/CorrectionOffer";
+import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import { showColumn, ViewerFrame } from "./ViewerFrame";
@@ -63,7 +63,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
-  const healing = useHealing(store, session, guest !== undefined);
+  const correction = usePoseCorrection(store, session, guest !== undefined);
   const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store, guest?.shown?.note);
@@ -115,10 +115,10 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   }
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
-  const onHeal = (): void => {
+  const onCorrectPoses = (): void => {
     showColumn();
     openGroup.value = "heal";
-    void healing.begin();
+    void correction.begin();
   };
   const map = () => (
     <div class="viewer-map">
@@ -126,7 +126,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         store={store}
         comparison={comparison}
         takesTap={(point) =>
-          localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+          localizing.takeTap(point) || (correction.takesTap.peek()?.(point) ?? false) || useTool(store, point)
         }
         onPicture={(made) => {
           picture.current = made;
@@ -164,7 +164,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               log,
               comparison,
               doctor,
-              healing,
+              correction,
               localizing,
               sensor,
               notes,
@@ -174,7 +174,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               lines,
               fields,
               zoom: plots.zoom,
-              onHeal,
+              onCorrectPoses,
               sharedView: () => sharedViewOf(store, picture),
               shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
             })}
@@ -184,7 +184,9 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       >
         <Head store={store} onClose={onClose}>
           <LayoutChoice layout={layout} kinds={kinds} />
-          {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
+          {!isGuest && (
+            <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />
+          )}
         </Head>
         <div class="viewer-stage" ref={stage}>
           <Stage

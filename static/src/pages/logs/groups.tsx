@@ -20,8 +20,6 @@ import { Topics } from "./contents/Topics";
 import { type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import type { FieldsState } from "./fields/useFields";
-import { Heal } from "./heal/Heal";
-import type { Healing } from "./heal/healing";
 import { Lines } from "./lines/Lines";
 import type { LinesState } from "./lines/lines";
 import { Localize } from "./localize/Localize";
@@ -34,6 +32,8 @@ import { Settings } from "./Settings";
 import type { SensorState } from "./sensor/useSensor";
 import type { Shown } from "./share/links";
 import { Share } from "./share/Share";
+import { CorrectPoses } from "./slam/CorrectPoses";
+import type { PoseCorrection } from "./slam/poseCorrection";
 import { TerrainChoice } from "./TerrainChoice";
 import { Trajectories } from "./trajectories/Trajectories";
 
@@ -49,7 +49,7 @@ export interface LogView {
   readonly log: LogInfo | null;
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
-  readonly healing: Healing;
+  readonly correction: PoseCorrection;
   readonly localizing: Localizing;
   readonly sensor: SensorState;
   /** The id of the open group. */
@@ -60,8 +60,8 @@ export interface LogView {
   readonly fields: FieldsState;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
-  /** Begin to heal the log's poses, and open the group that shows it. */
-  readonly onHeal: () => void;
+  /** Begin SLAM of the log, and open the group that shows it. */
+  readonly onCorrectPoses: () => void;
   readonly notes: NotesState;
   /** The errors whose paths are on the map. */
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
@@ -95,8 +95,8 @@ const GROUPS: readonly Group[] = [
     title: "Overview",
     section: "Log",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor, onHeal, isGuest }) => (
-      <Overview store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
+    content: ({ store, doctor, onCorrectPoses, isGuest }) => (
+      <Overview store={store} doctor={doctor} {...(isGuest ? {} : { onCorrectPoses })} />
     ),
   },
   {
@@ -104,9 +104,9 @@ const GROUPS: readonly Group[] = [
     title: "Heal",
     section: "Log",
     isThere: ({ log }) => log !== null,
-    badge: ({ healing }) => healing.badge.value,
-    content: ({ store, session, healing, comparison, isGuest }) => (
-      <Heal store={store} session={session} healing={healing} comparison={comparison} isGuest={isGuest} />
+    badge: ({ correction }) => correction.badge.value,
+    content: ({ store, session, correction, comparison, isGuest }) => (
+      <CorrectPoses store={store} session={session} correction={correction} comparison={comparison} isGuest={isGuest} />
     ),
   },
   {

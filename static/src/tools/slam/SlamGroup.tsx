@@ -7,7 +7,7 @@ import { written } from "../../ui/numbers";
 import { Toggle } from "../../ui/Toggle";
 import { FAULTS } from "../faults/model";
 import { turnFault } from "../faults/turn";
-import "../heal/poseGraph";
+import "./poseGraph";
 import "./slam.css";
 import "./truePath";
 
@@ -21,15 +21,15 @@ const loopsOf = (content: LayerContent | null): number =>
 
 export function SlamGroup({ store }: { readonly store: Store }) {
   const faults = store.faults.value ?? {};
-  const [drifts, heals] = [faults.drift === true, faults.drift === true && faults.slam === true];
+  const [drifts, corrects] = [faults.drift === true, faults.drift === true && faults.slam === true];
   const isSonar = store.sensor.values.value.kind === "sonar_ring";
   useEffect(() => {
-    if (!heals) return;
+    if (!corrects) return;
     const ends = [GRAPH, PATH].map((name) => store.layers.subscribe(name));
     return () => {
       for (const end of ends) end();
     };
-  }, [store, heals]);
+  }, [store, corrects]);
   if (!DRIFT) return null;
   const turn = (drift: boolean, slam: boolean): void => void turnFault(store, DRIFT, drift, { slam });
   return (
@@ -42,31 +42,31 @@ export function SlamGroup({ store }: { readonly store: Store }) {
         label="Drifting wheels"
         sentence="Make the map with the poses that the wheels report."
         checked={drifts}
-        onChange={(wanted) => turn(wanted, wanted && heals)}
+        onChange={(wanted) => turn(wanted, wanted && corrects)}
       />
       <Toggle
         label="SLAM while driving"
         sentence={isSonar ? "Sonar readings are too wide to be matched." : "Correct these poses as the robot drives."}
-        checked={heals}
+        checked={corrects}
         disabled={isSonar}
         onChange={(wanted) => turn(wanted || drifts, wanted)}
       />
-      {drifts && <Readout store={store} heals={heals} />}
+      {drifts && <Readout store={store} corrects={corrects} />}
     </div>
   );
 }
 
-function Readout({ store, heals }: { readonly store: Store; readonly heals: boolean }) {
+function Readout({ store, corrects }: { readonly store: Store; readonly corrects: boolean }) {
   const frame = store.frame.value;
   const graph = store.layers.content(GRAPH).value;
   const believed = frame?.believed_pose;
   const off = frame && believed ? Math.hypot(frame.pose[0] - believed[0], frame.pose[1] - believed[1]) : 0;
   return (
     <>
-      <dl class="slam-facts">
+      <dl class="facts-list">
         <dt>The believed pose is off by</dt>
         <dd class="slam-off">{off < 1 ? `${written(100 * off, 0)} cm` : `${written(off, 1)} m`}</dd>
-        {heals && graph && (
+        {corrects && graph && (
           <>
             <dt>Scans matched</dt>
             <dd>{graph.columns[0]?.length ?? 0}</dd>
@@ -75,7 +75,7 @@ function Readout({ store, heals }: { readonly store: Store; readonly heals: bool
           </>
         )}
       </dl>
-      {heals && (
+      {corrects && (
         <p class="quiet legend">
           <span>
             <span class="slam-line believed" /> believed path

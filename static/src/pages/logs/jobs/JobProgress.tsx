@@ -24,14 +24,14 @@ export function JobProgress<S extends JobStatus>({ of, label, stage, figures }: 
   if (!job || !of.isUnderWay.value) return null;
   const found = figures?.(job);
   return (
-    <div class="heal-progress">
+    <div class="job-progress">
       <ProgressBar fraction={job.fraction} label={label} />
       <p role="status">{job.state === "queued" ? waiting(job.ahead) : stage(job)} …</p>
       <p class="quiet">
         {Math.floor(100 * job.fraction)} %{found && <> · {found}</>}
         {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
       </p>
-      <div class="heal-actions">
+      <div class="actions">
         <Button icon="close" disabled={of.isBusy.value} onClick={() => void of.cancel()}>
           Cancel
         </Button>

@@ -20,7 +20,7 @@ export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
   const first = history.first_converged;
   return (
     <Panel title="Along the way">
-      <div class="heal">
+      <div class="panel-stack">
         <p>
           In <b>{history.map.title}</b>.{" "}
           {first === null
@@ -28,7 +28,7 @@ export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
             : `The particles agree on one place from scan ${first + 1} on.`}
         </p>
         {first !== null && (
-          <div class="heal-actions">
+          <div class="actions">
             <Button onClick={() => store.goTo(first + 1)}>Show that scan</Button>
             <Button kind="quiet" onClick={() => store.goTo(1)}>
               Show the start

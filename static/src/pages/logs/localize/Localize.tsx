@@ -76,7 +76,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const sources = names.filter((name) => name !== found);
   return (
     <Panel title="Localize in a map">
-      <div class="heal">
+      <div class="panel-stack">
         {!isUnderWay && (
           <>
             <p class="quiet">
@@ -85,7 +85,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             <Outcome store={store} localizing={localizing} />
             <MapChoice store={store} localizing={localizing} />
             {doing !== null && (
-              <div class="heal-progress">
+              <div class="job-progress">
                 <ProgressBar fraction={null} label={doing} />
                 <p role="status">{doing} …</p>
               </div>
@@ -148,12 +148,12 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
           }
         />
         {localizing.failure.value !== null && (
-          <p class="heal-failed" role="alert">
+          <p class="failure" role="alert">
             {localizing.failure.value}
           </p>
         )}
         {map && !isUnderWay && (
-          <div class="heal-actions">
+          <div class="actions">
             <Button
               kind="primary"
               disabled={doing !== null || (localizing.hasPose.value && localizing.pose.value === null)}
@@ -308,7 +308,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
     return <p role="status">Localization was cancelled. The poses are those from before.</p>;
   if (job?.state === "failed")
     return (
-      <p class="heal-failed" role="alert">
+      <p class="failure" role="alert">
         {job.error?.message}
       </p>
     );
@@ -325,7 +325,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             ? `${result.is_sure ? "Found" : "Perhaps found"}: the poses in the map are the trajectory “localized” of this log.`
             : "Found and lost again: at the end the particles do not agree."}
       </p>
-      <dl class="heal-facts">
+      <dl class="facts-list">
         <dt>In the map</dt>
         <dd>{result.map_title}</dd>
         <dt>Converged</dt>
@@ -345,7 +345,7 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         <dd>{result.cpu_s.toFixed(1)} s</dd>
       </dl>
       {isThere && store.trajectory.value?.name !== result.trajectory && (
-        <div class="heal-actions">
+        <div class="actions">
           <Button onClick={() => store.send({ type: "trajectory", name: result.trajectory })}>
             Show the poses in the map
           </Button>

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { Store } from "../../../store/store";
-import { Healing } from "../heal/healing";
+import { PoseCorrection } from "../slam/poseCorrection";
 import { Localizing } from "./localizing";
 
 const MAP = { title: "drive.log, scan", rows: 2, cols: 3, resolution: 0.05, origin: [0, 0, 0], notes: [] };
@@ -79,7 +79,7 @@ it("asks for the map again, while the group is open, until the server answers", 
 
 it.each([
   { name: "localization", jobs: () => new Localizing(new Store(() => true), "s") },
-  { name: "heal", jobs: () => new Healing(new Store(() => true), "s") },
+  { name: "heal", jobs: () => new PoseCorrection(new Store(() => true), "s") },
 ])("follows a job ($name) that was begun while its state was asked for", async ({ name, jobs }) => {
   const followed = jobs();
   const looked = followed.look();

@@ -94,7 +94,7 @@ export function Saving({ store, session }: SavingProps) {
           </div>
         )}
         {failure.value !== null && (
-          <p class="heal-failed" role="alert">
+          <p class="failure" role="alert">
             {failure.value}
           </p>
         )}

@@ -6,15 +6,15 @@ interface OverviewProps {
   readonly store: Store;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
-  readonly onHeal?: () => void;
+  readonly onCorrectPoses?: () => void;
 }
 
 /** What a log opens on: what it is, and what happened in it. */
-export function Overview({ store, doctor, onHeal }: OverviewProps) {
+export function Overview({ store, doctor, onCorrectPoses }: OverviewProps) {
   return (
     <>
       <Facts store={store} />
-      <Doctor store={store} doctor={doctor} {...(onHeal ? { onHeal } : {})} />
+      <Doctor store={store} doctor={doctor} {...(onCorrectPoses ? { onCorrectPoses } : {})} />
     </>
   );
 }

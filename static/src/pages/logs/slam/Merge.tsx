@@ -60,7 +60,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
   };
   return (
     <Panel title="Merge with another log">
-      <div class="heal">
+      <div class="panel-stack">
         <p class="quiet">
           Another log of the same place: SLAM corrects both, one map is laid on the other, and all scans are joined in
           one graph. The corrections of mount and clock in this map's parameters are used for both logs.
@@ -75,7 +75,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
                 chosen.value = choice;
               }}
             />
-            <div class="heal-actions">
+            <div class="actions">
               <Button disabled={chosen.value === null} onClick={() => void begin()}>
                 Merge the two logs
               </Button>
@@ -101,7 +101,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
         )}
         {now?.state === "cancelled" && <p role="status">Merging was cancelled. Both logs are as before.</p>}
         {(merging.failure.value ?? now?.error?.message) && (
-          <p class="heal-failed" role="alert">
+          <p class="failure" role="alert">
             {merging.failure.value ?? now?.error?.message}
           </p>
         )}

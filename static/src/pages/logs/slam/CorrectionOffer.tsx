@@ -1,31 +1,32 @@
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { type DoctorState, findsDrift } from "../Doctor";
-import type { Healing } from "./healing";
+import type { PoseCorrection } from "./poseCorrection";
 import { standsStill } from "./standsStill";
 
-interface HealOfferProps {
+interface CorrectionOfferProps {
   readonly store: Store;
   readonly doctor: DoctorState;
-  readonly healing: Healing;
-  readonly onHeal: () => void;
+  readonly correction: PoseCorrection;
+  readonly onCorrectPoses: () => void;
 }
 
 /**
  * Beside the title of a log: that it is examined; if its poses drift or never change, as those of a log that states none,
  * that they do, with the button that corrects it.
  */
-export function HealOffer({ store, doctor, healing, onHeal }: HealOfferProps) {
+export function CorrectionOffer({ store, doctor, correction, onCorrectPoses }: CorrectionOfferProps) {
   const isStill = standsStill(store.trajectory.value?.poses ?? []);
   if (!isStill && doctor.state.value.kind === "busy") {
     const share = doctor.progress.value?.fraction ?? null;
     return <p class="examination-note quiet">Examining …{share !== null && ` ${Math.floor(100 * share)} %`}</p>;
   }
-  if (!(isStill || findsDrift(doctor)) || healing.isUnderWay.value || healing.job.value?.state === "done") return null;
+  if (!(isStill || findsDrift(doctor)) || correction.isUnderWay.value || correction.job.value?.state === "done")
+    return null;
   return (
-    <div class="heal-offer" role="status">
+    <div class="correction-offer" role="status">
       <span>{isStill ? "No motion in the poses: all scans are drawn from one place" : "The poses drift"}</span>
-      <Button kind="primary" onClick={onHeal}>
+      <Button kind="primary" onClick={onCorrectPoses}>
         {isStill ? "Find its poses" : "Heal its poses"}
       </Button>
     </div>

@@ -76,7 +76,7 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
   }, [chosen, trajectory, session, isBusy, failure, score]);
   return (
     <Panel title="Score its poses">
-      <div class="heal">
+      <div class="panel-stack">
         <p class="quiet">
           A file of relations states measured motions between places of a log (Kümmerle and others 2009). The score is
           how far the poses are from them on average.
@@ -91,14 +91,14 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
             event.currentTarget.value = "";
           }}
         />
-        <div class="heal-actions">
+        <div class="actions">
           <Button icon="upload" disabled={isBusy.value} onClick={() => input.current?.click()}>
             {chosen ? "Another file of relations" : "Choose a file of relations"}
           </Button>
         </div>
         {isBusy.value && <p role="status">Scoring {trajectoryLabel(trajectory ?? "")} …</p>}
         {failure.value !== null && (
-          <p class="heal-failed" role="alert">
+          <p class="failure" role="alert">
             {failure.value}
           </p>
         )}

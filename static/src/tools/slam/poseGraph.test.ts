@@ -2,7 +2,7 @@
 import { expect, test } from "vitest";
 import type { LayerContent } from "../../render/picture/overlays";
 import type { TriedLoop } from "../../wire/http";
-import { edgeAt, loopAt, residualLabel, whyNone } from "./model";
+import { edgeAt, loopAt, residualLabel, whyNone } from "./poseGraph";
 
 const graph: LayerContent = {
   kind: "graph",

@@ -1,10 +1,10 @@
-/** Healing of a log's poses on the page: the job on the server, the pose graph, and what of it is selected. */
+/** SLAM of a log on its page: the job on the server, the pose graph, and what of it is selected. */
 
 import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
-import { type HillPlace, pairAt } from "../../../tools/heal/hill";
-import { edgeAt, loopAt } from "../../../tools/heal/model";
+import { edgeAt, loopAt } from "../../../tools/slam/poseGraph";
+import { type LandscapePlace, pairAt } from "../../../tools/slam/scoreLandscape";
 import type { EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear } from "../../../wire/http";
 import type { Point } from "../../../wire/protocol";
 import { JobParameters } from "../jobs/jobParameters";
@@ -16,12 +16,12 @@ export const LAYER = "graph";
 /** A pointer that rests so long on an edge asks for its scans. */
 const REST_MS = 60;
 
-export class Healing extends LogJob<api.SlamStatus> {
+export class PoseCorrection extends LogJob<api.SlamStatus> {
   /** The pose graph of the trajectory in use; null where it has none. */
   readonly graph = signal<PoseGraphAnswer | null>(null);
   readonly edge = signal<EdgeAnswer | null>(null);
   /** The scores around the selected loop; null until they are there. */
-  readonly hill = signal<ScoreLandscape | null>(null);
+  readonly landscape = signal<ScoreLandscape | null>(null);
   /** The edge under the pointer. */
   readonly hovered = signal<EdgeAnswer | null>(null);
   readonly candidate = signal<TriedLoopScans | null>(null);
@@ -29,7 +29,7 @@ export class Healing extends LogJob<api.SlamStatus> {
   readonly place = signal<{ readonly at: Point; readonly found: TriedNear } | null>(null);
   /** What takes a click on the map while the graph is shown. */
   readonly takesTap = signal<((point: Point) => boolean) | null>(null);
-  /** The trajectory of the map before it was healed. */
+  /** The trajectory of the map before SLAM. */
   readonly before: Signal<string | null> = signal(null);
   /** The parameters that the next job is begun with. */
   readonly parameters = new JobParameters(api.slamParameters);
@@ -42,13 +42,13 @@ export class Healing extends LogJob<api.SlamStatus> {
     );
   }
 
-  /** Heal the log's poses; a job that is under way is followed. */
+  /** Correct the log's poses with SLAM; a job that is under way is followed. */
   begin(): Promise<void> {
     const trajectory = this.store.trajectory.peek()?.name ?? null;
     if (this.graph.peek() === null && !this.isUnderWay.peek()) this.before.value = trajectory;
     this.#deselect();
     this.graph.value = null;
-    return this.follow(() => api.heal(this.session, this.parameters.changed()));
+    return this.follow(() => api.correctPoses(this.session, this.parameters.changed()));
   }
 
   /** Show the graph of the trajectory in use, where it has one. */
@@ -67,23 +67,23 @@ export class Healing extends LogJob<api.SlamStatus> {
       this.#deselect();
       this.edge.value = found;
       this.store.scanPair.value = found;
-      void this.#loadHill(edge);
+      void this.#loadLandscape(edge);
     });
 
-  async #loadHill(edge: number): Promise<void> {
+  async #loadLandscape(edge: number): Promise<void> {
     try {
-      const hill = await api.landscapeOf(this.session, edge);
-      if (this.edge.peek()?.edge === edge) this.hill.value = hill;
+      const landscape = await api.landscapeOf(this.session, edge);
+      if (this.edge.peek()?.edge === edge) this.landscape.value = landscape;
     } catch {
-      // A scan without points has no hill.
+      // A scan without points has no landscape.
     }
   }
 
-  /** Show the later scan of the selected loop where a place of the hill puts it; null for where the loop puts it. */
-  tryPlace(place: HillPlace | null): void {
+  /** Show the later scan of the selected loop where a place of the landscape puts it; null for where the loop puts it. */
+  tryPlace(place: LandscapePlace | null): void {
     const edge = this.edge.peek();
-    const hill = this.hill.peek();
-    if (edge && hill) this.store.scanPair.value = place ? pairAt(edge, hill, place) : edge;
+    const landscape = this.landscape.peek();
+    if (edge && landscape) this.store.scanPair.value = place ? pairAt(edge, landscape, place) : edge;
   }
 
   readonly selectCandidate = (candidate: number): Promise<void> =>
@@ -104,7 +104,7 @@ export class Healing extends LogJob<api.SlamStatus> {
 
   #deselect(): void {
     this.edge.value = null;
-    this.hill.value = null;
+    this.landscape.value = null;
     this.candidate.value = null;
     this.place.value = null;
     this.#endHover();
@@ -179,13 +179,13 @@ export class Healing extends LogJob<api.SlamStatus> {
   }
 }
 
-/** The healing of a session's log. A guest only sees the graph. */
-export function useHealing(store: Store, session: string, isGuest: boolean): Healing {
-  const healing = useMemo(() => new Healing(store, session), [store, session]);
+/** The correction of a session's log. A guest only sees the graph. */
+export function usePoseCorrection(store: Store, session: string, isGuest: boolean): PoseCorrection {
+  const correction = useMemo(() => new PoseCorrection(store, session), [store, session]);
   const log = store.hello.value?.log?.id ?? null;
   useEffect(() => {
-    if (!isGuest && log !== null) healing.start();
-    return () => healing.stop();
-  }, [healing, log, isGuest]);
-  return healing;
+    if (!isGuest && log !== null) correction.start();
+    return () => correction.stop();
+  }, [correction, log, isGuest]);
+  return correction;
 }

@@ -12,33 +12,33 @@ import { ParameterDetails } from "../jobs/ParameterDetails";
 import { trajectoryLabel } from "../library/describeLog";
 import type { SlamStatus } from "./api";
 import { Graph } from "./Graph";
-import type { Healing } from "./healing";
-import "./heal.css";
+import type { PoseCorrection } from "./poseCorrection";
+import "./slam.css";
 import { Merge } from "./Merge";
 import { Score } from "./Score";
 
-interface HealProps {
+interface CorrectPosesProps {
   readonly store: Store;
   readonly session: string;
-  readonly healing: Healing;
+  readonly correction: PoseCorrection;
   readonly comparison: Comparison;
   readonly isGuest: boolean;
 }
 
-export function Heal({ store, session, healing, comparison, isGuest }: HealProps) {
-  const job = healing.job.value;
+export function CorrectPoses({ store, session, correction, comparison, isGuest }: CorrectPosesProps) {
+  const job = correction.job.value;
   const trajectory = store.trajectory.value?.name ?? null;
-  const isUnderWay = healing.isUnderWay.value;
-  useEffect(() => healing.show(), [healing]);
+  const isUnderWay = correction.isUnderWay.value;
+  useEffect(() => correction.show(), [correction]);
   useEffect(() => {
-    if (!isUnderWay && trajectory !== null) void healing.load();
-  }, [healing, trajectory, isUnderWay]);
-  const graph = healing.graph.value;
+    if (!isUnderWay && trajectory !== null) void correction.load();
+  }, [correction, trajectory, isUnderWay]);
+  const graph = correction.graph.value;
   return (
     <>
       {!isGuest && (
         <Panel title="Heal its poses">
-          <div class="heal">
+          <div class="panel-stack">
             {!isUnderWay && (
               <p class="quiet">
                 SLAM finds where the robot was from the scans themselves: it aligns each scan with those before it,
@@ -46,41 +46,41 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
               </p>
             )}
             <JobProgress
-              of={healing}
+              of={correction}
               label="Healing"
               stage={(now) => STAGES[now.stage ?? ""] ?? beginning(now)}
               figures={(now) => (
                 <>
                   {now.scans} of {store.frame.value?.count ?? 0} scans ·{" "}
-                  <span class="heal-closed" key={now.loops}>
+                  <span class="loops-closed" key={now.loops}>
                     {now.loops} {now.loops === 1 ? "loop" : "loops"} closed
                   </span>
                 </>
               )}
             />
             {job && !isUnderWay && <Outcome job={job} />}
-            {healing.failure.value !== null && (
-              <p class="heal-failed" role="alert">
-                {healing.failure.value}
+            {correction.failure.value !== null && (
+              <p class="failure" role="alert">
+                {correction.failure.value}
               </p>
             )}
-            {!isUnderWay && <ParameterDetails parameters={healing.parameters} name="SLAM" titles={TITLES} />}
+            {!isUnderWay && <ParameterDetails parameters={correction.parameters} name="SLAM" titles={TITLES} />}
             {!isUnderWay && (
-              <div class="heal-actions">
+              <div class="actions">
                 <Button
                   kind={job?.state === "done" ? undefined : "primary"}
-                  disabled={healing.isBusy.value}
-                  onClick={() => void healing.begin()}
+                  disabled={correction.isBusy.value}
+                  onClick={() => void correction.begin()}
                 >
                   {job?.state === "done" ? "Heal again" : "Heal its poses"}
                 </Button>
-                <Results store={store} session={session} job={job} comparison={comparison} healing={healing} />
+                <Results store={store} session={session} job={job} comparison={comparison} correction={correction} />
               </div>
             )}
           </div>
         </Panel>
       )}
-      {graph && <Graph store={store} healing={healing} graph={graph} isGuest={isGuest} />}
+      {graph && <Graph store={store} correction={correction} graph={graph} isGuest={isGuest} />}
       {!isGuest && <Merge store={store} session={session} comparison={comparison} />}
       {!isGuest && <Score store={store} session={session} />}
       {!graph && isGuest && <p class="quiet">The poses of this map have no pose graph.</p>}
@@ -113,7 +113,7 @@ function Outcome({ job }: { readonly job: SlamStatus }) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
   if (job.state === "failed")
     return (
-      <p class="heal-failed" role="alert">
+      <p class="failure" role="alert">
         {job.error?.message}
       </p>
     );
@@ -122,7 +122,7 @@ function Outcome({ job }: { readonly job: SlamStatus }) {
   return (
     <>
       <p role="status">Healed: the poses are the trajectory {trajectoryLabel(result.trajectory)} of this log.</p>
-      <dl class="heal-facts">
+      <dl class="facts-list">
         <Figure name="drift" title="Drift of the walls" values={result.drift_m} form={metres} />
         <Figure name="contradicted" title="Contradicted readings" values={result.contradicted} form={percent} />
         <Figure
@@ -179,21 +179,21 @@ function Figure({ name, title, values, form }: FigureProps) {
   );
 }
 
-interface ResultsProps extends Omit<HealProps, "isGuest"> {
+interface ResultsProps extends Omit<CorrectPosesProps, "isGuest"> {
   readonly job: SlamStatus | null;
 }
 
-/** Look at the healed map, alone or beside the one from before. */
-function Results({ store, session, job, comparison, healing }: ResultsProps) {
+/** Look at the map along the corrected poses, alone or beside the one from before. */
+function Results({ store, session, job, comparison, correction }: ResultsProps) {
   const failure = useSignal<string | null>(null);
-  const healed = job?.state === "done" ? (job.result?.trajectory ?? null) : null;
+  const corrected = job?.state === "done" ? (job.result?.trajectory ?? null) : null;
   const names = (store.hello.value?.log?.trajectories ?? []).map((one) => one.name);
-  if (healed === null || !names.includes(healed)) return null;
+  if (corrected === null || !names.includes(corrected)) return null;
   const now = store.trajectory.value?.name;
-  const before = healing.before.value ?? job?.result?.odometry ?? names.find((name) => name !== healed);
-  if (now !== healed)
-    return <Button onClick={() => store.send({ type: "trajectory", name: healed })}>Show the healed map</Button>;
-  if (before === undefined || before === healed || !names.includes(before)) return null;
+  const before = correction.before.value ?? job?.result?.odometry ?? names.find((name) => name !== corrected);
+  if (now !== corrected)
+    return <Button onClick={() => store.send({ type: "trajectory", name: corrected })}>Show the healed map</Button>;
+  if (before === undefined || before === corrected || !names.includes(before)) return null;
   return (
     <>
       <Button
@@ -209,7 +209,7 @@ function Results({ store, session, job, comparison, healing }: ResultsProps) {
         Show {trajectoryLabel(before)}
       </Button>
       {failure.value !== null && (
-        <p class="heal-failed" role="alert">
+        <p class="failure" role="alert">
           {failure.value}
         </p>
       )}

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import type { ScoreLandscape } from "../../wire/http";
-import { pairAt, placeAt, presentIn, summitOf } from "./hill";
+import { pairAt, placeAt, presentIn, summitOf } from "./scoreLandscape";
 
-const HILL: ScoreLandscape = {
+const LANDSCAPE: ScoreLandscape = {
   edge: 4,
   cell_m: 0.5,
   turn_deg: 90,
@@ -15,14 +15,14 @@ const HILL: ScoreLandscape = {
 };
 
 test("a cell has a score, and the distance and turn from the loop's measurement", () => {
-  expect(placeAt(HILL, 1, 1)).toMatchObject({ score: 50, dx: 0, dy: 0, turnDeg: 0 });
-  expect(placeAt(HILL, 9, -3)).toMatchObject({ col: 2, row: 0, score: 30, dx: 0.5, dy: -0.5, turnDeg: 90 });
-  expect(summitOf(HILL)).toMatchObject({ col: 2, row: 1, score: 95 });
-  expect(presentIn(HILL)).toEqual([1.5, 0]);
+  expect(placeAt(LANDSCAPE, 1, 1)).toMatchObject({ score: 50, dx: 0, dy: 0, turnDeg: 0 });
+  expect(placeAt(LANDSCAPE, 9, -3)).toMatchObject({ col: 2, row: 0, score: 30, dx: 0.5, dy: -0.5, turnDeg: 90 });
+  expect(summitOf(LANDSCAPE)).toMatchObject({ col: 2, row: 1, score: 95 });
+  expect(presentIn(LANDSCAPE)).toEqual([1.5, 0]);
 });
 
 test("the later scan is moved and turned about where the loop puts it", () => {
   const pair = { poses: [], points: { i: [], j: [], aligned: [[11, 20]] as const } };
-  const [[x, y] = [0, 0]] = pairAt(pair, HILL, placeAt(HILL, 2, 1)).points.aligned ?? [];
+  const [[x, y] = [0, 0]] = pairAt(pair, LANDSCAPE, placeAt(LANDSCAPE, 2, 1)).points.aligned ?? [];
   expect([x, y]).toEqual([expect.closeTo(10.5), expect.closeTo(21)]);
 });

@@ -3,11 +3,11 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { tokenRgb } from "../../../style/colour";
-import { type HillPlace, placeAt, presentIn, summitOf } from "../../../tools/heal/hill";
+import { type LandscapePlace, placeAt, presentIn, summitOf } from "../../../tools/slam/scoreLandscape";
 import { isDark } from "../../../ui/browser/theme";
 import { signed } from "../../../ui/numbers";
 import type { ScoreLandscape } from "../../../wire/http";
-import type { Healing } from "./healing";
+import type { PoseCorrection } from "./poseCorrection";
 
 const KEYS: Record<string, readonly [col: number, row: number]> = {
   ArrowLeft: [-1, 0],
@@ -32,35 +32,41 @@ function paint(canvas: HTMLCanvasElement, { size, scores }: ScoreLandscape): voi
   context.putImageData(image, 0, 0);
 }
 
-const sentence = ({ score, dx, dy, turnDeg }: HillPlace): string =>
+const sentence = ({ score, dx, dy, turnDeg }: LandscapePlace): string =>
   `${score} % at ${signed(dx, 2)} m, ${signed(dy, 2)} m, ${signed(turnDeg, 0)}°`;
 
-export function ScoreHill({ healing, hill }: { readonly healing: Healing; readonly hill: ScoreLandscape }) {
+export function LandscapePicture({
+  correction,
+  landscape,
+}: {
+  readonly correction: PoseCorrection;
+  readonly landscape: ScoreLandscape;
+}) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const probe = useSignal<HillPlace | null>(null);
+  const probe = useSignal<LandscapePlace | null>(null);
   useSignalEffect(() => {
     void isDark.value;
-    const now = healing.hill.value;
+    const now = correction.landscape.value;
     if (canvas.current && now) paint(canvas.current, now);
   });
-  const show = (place: HillPlace | null): void => {
+  const show = (place: LandscapePlace | null): void => {
     probe.value = place;
-    healing.tryPlace(place);
+    correction.tryPlace(place);
   };
-  const at = (event: PointerEvent): HillPlace => {
+  const at = (event: PointerEvent): LandscapePlace => {
     const box = (event.currentTarget as Element).getBoundingClientRect();
-    const col = ((event.clientX - box.left) / box.width) * hill.size - 0.5;
-    return placeAt(hill, col, hill.size - 0.5 - ((event.clientY - box.top) / box.height) * hill.size);
+    const col = ((event.clientX - box.left) / box.width) * landscape.size - 0.5;
+    return placeAt(landscape, col, landscape.size - 0.5 - ((event.clientY - box.top) / box.height) * landscape.size);
   };
-  const middle = hill.size / 2;
-  const [col, row] = presentIn(hill);
+  const middle = landscape.size / 2;
+  const [col, row] = presentIn(landscape);
   const mark = probe.value;
-  const best = summitOf(hill);
-  const reach = (((hill.size - 1) / 2) * hill.cell_m).toFixed(0);
+  const best = summitOf(landscape);
+  const reach = (((landscape.size - 1) / 2) * landscape.cell_m).toFixed(0);
   return (
-    <figure class="score-hill">
+    <figure class="landscape">
       <div
-        class="score-hill-picture"
+        class="landscape-picture"
         role="slider"
         tabIndex={0}
         aria-label="Score of the poses around the loop"
@@ -76,39 +82,41 @@ export function ScoreHill({ healing, hill }: { readonly healing: Healing; readon
           const step = KEYS[event.key];
           if (!step) return;
           event.preventDefault();
-          const from = probe.peek() ?? placeAt(hill, middle - 0.5, middle - 0.5);
-          show(placeAt(hill, from.col + step[0], from.row + step[1]));
+          const from = probe.peek() ?? placeAt(landscape, middle - 0.5, middle - 0.5);
+          show(placeAt(landscape, from.col + step[0], from.row + step[1]));
         }}
       >
-        <canvas ref={canvas} width={hill.size} height={hill.size} />
-        <svg viewBox={`0 0 ${hill.size} ${hill.size}`} aria-hidden="true">
-          <path class="score-hill-measured" d={`M${middle - 2} ${middle}h4M${middle} ${middle - 2}v4`} />
-          <circle class="score-hill-present" cx={col + 0.5} cy={hill.size - row - 0.5} r={1.4} />
-          {mark && <rect class="score-hill-probe" x={mark.col} y={hill.size - 1 - mark.row} width={1} height={1} />}
+        <canvas ref={canvas} width={landscape.size} height={landscape.size} />
+        <svg viewBox={`0 0 ${landscape.size} ${landscape.size}`} aria-hidden="true">
+          <path class="landscape-measured" d={`M${middle - 2} ${middle}h4M${middle} ${middle - 2}v4`} />
+          <circle class="landscape-present" cx={col + 0.5} cy={landscape.size - row - 0.5} r={1.4} />
+          {mark && <rect class="landscape-probe" x={mark.col} y={landscape.size - 1 - mark.row} width={1} height={1} />}
         </svg>
       </div>
       <figcaption class="quiet">
-        <span class="score-hill-text">{mark ? sentence(mark) : `Best: ${sentence(best)}`}</span>
+        <span class="landscape-text">{mark ? sentence(mark) : `Best: ${sentence(best)}`}</span>
         <span>
           Score of the later scan within {reach} m of where the loop puts it (+), at the best angle; the ring is its
           pose. Point at a place to see the scan there on the map.
         </span>
-        <Turns hill={hill} />
+        <Turns landscape={landscape} />
       </figcaption>
     </figure>
   );
 }
 
 /** The greatest score at each angle. */
-function Turns({ hill }: { readonly hill: ScoreLandscape }) {
-  const n = hill.by_turn.length;
-  const path = hill.by_turn.map((score, k) => `${k ? "L" : "M"}${(100 * k) / (n - 1)} ${30 - 0.28 * score}`).join("");
-  const end = ((n - 1) / 2) * hill.turn_deg;
+function Turns({ landscape }: { readonly landscape: ScoreLandscape }) {
+  const n = landscape.by_turn.length;
+  const path = landscape.by_turn
+    .map((score, k) => `${k ? "L" : "M"}${(100 * k) / (n - 1)} ${30 - 0.28 * score}`)
+    .join("");
+  const end = ((n - 1) / 2) * landscape.turn_deg;
   return (
-    <span class="score-hill-turns">
+    <span class="landscape-turns">
       <svg viewBox="0 0 100 30" preserveAspectRatio="none" role="img" aria-label="Greatest score at each angle">
         <path d="M50 0V30" />
-        <path class="score-hill-curve" d={path} />
+        <path class="landscape-curve" d={path} />
       </svg>
       <span>−{end}°</span>
       <span>angle</span>

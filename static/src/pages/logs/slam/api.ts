@@ -15,7 +15,7 @@ import type { Parameter, Values } from "../../../wire/protocol";
 
 export type { MergeStatus, PoseScore, SlamStatus };
 
-export const heal = (id: string, parameters: Values): Promise<SlamStatus> =>
+export const correctPoses = (id: string, parameters: Values): Promise<SlamStatus> =>
   ask("POST /api/sessions/{session_id}/heal", { session_id: id }, { body: { parameters } });
 
 export const slamParameters = async (): Promise<readonly Parameter[]> =>
