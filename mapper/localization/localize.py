@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError, WorkCancelledError
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
+from mapper.localization.confidence import is_jump
 from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
 from mapper.localization.parameters import LocalizationConfig
@@ -25,7 +25,6 @@ Float64Array = NDArray[np.float64]
 
 LOCALIZED = "localized"  #: name of the trajectory
 SETTLED = 20  #: scans after convergence, of which the most certain one's pose is carried back
-JUMP_M, JUMP_RAD = 0.5, math.radians(20.0)  #: of an estimate beside the odometry, from which on it is another place
 BEFORE_JUMP = 5  #: scans before such a jump at which the robot may have been elsewhere already
 
 
@@ -148,10 +147,8 @@ def confirmed(
     robot may have been elsewhere for some scans before.
     """
     out = np.zeros(len(poses), dtype=np.bool_)
-    told, found = (compose(inverse(path[:-1]), path[1:]) for path in (odometry, poses))
-    off = compose(inverse(told), found)
-    is_jump = (np.hypot(off[:, 0], off[:, 1]) > JUMP_M) | (np.abs(wrap_angle(off[:, 2])) > JUMP_RAD)
-    ends = np.flatnonzero(is_jump | (converged[1:] != converged[:-1])) + 1
+    expected = compose(poses[:-1], compose(inverse(odometry[:-1]), odometry[1:]))
+    ends = np.flatnonzero(is_jump(expected, poses[1:]) | (converged[1:] != converged[:-1])) + 1
     for first, stop in pairwise([0, *ends.tolist(), len(poses)]):
         if not converged[first]:
             continue

@@ -19,7 +19,7 @@ from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
 from mapper.localization.alternative import SHARE as ALTERNATIVE_SHARE
 from mapper.localization.alternative import Alternative, alternative_config, alternative_particles, near
-from mapper.localization.confidence import Confidence, unexplained_shares
+from mapper.localization.confidence import Confidence, is_jump, unexplained_shares
 from mapper.localization.estimate import Estimate, estimate_of, find_clusters
 from mapper.localization.map_model import MapModel, check_pose, map_model
 from mapper.localization.motion import anywhere, around, key_of, motion_between, move
@@ -161,21 +161,25 @@ class MonteCarloLocalizer:
             if math.hypot(moved[0], moved[1]) >= self.config.update_min_d or abs(moved[2]) >= self.config.update_min_a:
                 self._due = dict.fromkeys(self._due, True)
             if not self._due.get(sensor, True):
-                return self._carried(moved)
+                return self._carried(moved, scan)
             self.predict(np.array(self._odometry), now)
         self._due[sensor] = False
         self._odometry = here
         self.correct(scan)
         return self.estimate
 
-    def _carried(self, moved: tuple[float, float, float]) -> Estimate:
+    def _carried(self, moved: tuple[float, float, float], scan: ScanBeams) -> Estimate:
         pose = np.array(compose_one(self._base, moved))
         self.estimate = replace(self.estimate, pose=pose, is_updated=False)
+        if self.config.reset_below > 0.0:  # a scan that weighs nothing tells too that the robot was carried away
+            self._confidence.glance(*unexplained_shares(self.model, scan, pose))
+            self._tell_confidence()
         return self.estimate
 
     def predict(self, before: Float64Array, after: Float64Array) -> None:
         """Move the particles as the odometry moved from ``before`` to ``after``, both (3,), with errors."""
         self._steps += 1
+        self._base = compose_one(self._base, between_one(before.tolist(), after.tolist()))
         move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
         if self._alternative is not None:
             self._alternative.robot.predict(before, after)
@@ -192,7 +196,7 @@ class MonteCarloLocalizer:
         was_converged = self.estimate.is_converged
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, fit, was_converged=was_converged, is_updated=True)
-        self._base = tuple(self.estimate.pose.tolist())
+        expected, self._base = np.array(self._base), tuple(self.estimate.pose.tolist())
         self.weighed = self.particles, self.weights
         if self._is_time():
             self._resample()
@@ -205,16 +209,24 @@ class MonteCarloLocalizer:
             if self._recovery.wants_comparison():
                 self._compare(scan, fit)
         if self.config.reset_below > 0.0:
-            self._judge(scan)
+            self._judge(scan, expected)
 
-    def _judge(self, scan: ScanBeams) -> None:
-        """Say whether the filter is sure of its place."""
+    def _judge(self, scan: ScanBeams, expected: Float64Array) -> None:
+        """Say whether the filter is sure of its place, of which the odometry led to ``expected`` (3,)."""
         confidence, found = self._confidence, self.estimate
         confidence.look(*unexplained_shares(self.model, scan, found.pose))
-        if self._alternative is not None:
-            confidence.wait(self._alternative.n_scans)
-        if not found.is_converged or self._recovery.is_searched:
+        other = self._alternative
+        if other is None:
+            confidence.wait()
+        else:
+            confidence.wait(other.n_scans, other.log_ratio)
+        is_elsewhere = bool(is_jump(expected[np.newaxis], found.pose[np.newaxis])[0])
+        if is_elsewhere or not found.is_converged or self._recovery.is_searched:
             confidence.doubt()
+        self._tell_confidence()
+
+    def _tell_confidence(self) -> None:
+        found, confidence = self.estimate, self._confidence
         is_sure = found.is_converged and confidence.is_confirmed
         self.estimate = replace(found, is_sure=is_sure, contradicted=confidence.contradicted)
 

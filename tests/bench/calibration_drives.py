@@ -87,10 +87,13 @@ class Drive:
     start: np.ndarray | None
 
 
-def names() -> Iterator[Name]:
-    """Yield all combinations of worlds, sensors, odometry and cases; from a known start with worn odometry only."""
+def names(before: int = 0) -> Iterator[Name]:
+    """Yield all combinations of worlds, sensors, odometry and cases; from a known start with worn odometry only.
+
+    Their seeds are those after ``before``.
+    """
     combinations = itertools.product(DRIVEN, SENSORS, CASES, ODOMETRY)
-    for seed, (world, sensor, case, odometry) in enumerate(combinations, 1):
+    for seed, (world, sensor, case, odometry) in enumerate(combinations, before + 1):
         if (case, odometry) != ("known", "good"):
             yield Name(world, sensor, odometry, case, seed)
 

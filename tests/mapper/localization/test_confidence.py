@@ -10,15 +10,24 @@ import pytest
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
-from mapper.localization.confidence import MOST_UNEXPLAINED, SOON, WANTED, Confidence, unexplained_shares
+from mapper.localization.confidence import (
+    CHANGED,
+    MOST_UNEXPLAINED,
+    SOON,
+    WANTED,
+    WANTED_IN_CHANGED,
+    Confidence,
+    unexplained_shares,
+)
 from mapper.localization.localize import BEFORE_JUMP, confirmed
 from mapper.localization.scan_beams import scan_beams
-from mapper.sensors.scan import LaserScan
-from mapper.simulation.lidar import SensorConfig
+from mapper.sensors.scan import LaserScan, ScanLog
+from mapper.simulation.floor_plans import WORLDS
+from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.shapes import outer_walls, wall
 from mapper.simulation.worlds import World
 from tests.mapper.localization.rooms import model_of, office, two_rooms
-from tests.mapper.slam.worlds import along, drive
+from tests.mapper.slam.worlds import SENSOR, along, drive
 
 CONFIG = LocalizationConfig(global_particles=8000)
 
@@ -61,6 +70,44 @@ def test_a_start_that_the_scans_contradict_is_not_believed() -> None:
     assert not any(one.is_sure for one, m in zip(found, off, strict=True) if m > 1.0)
 
 
+@pytest.fixture
+def sure() -> tuple[MonteCarloLocalizer, ScanLog, int]:
+    """Return a filter that is sure in the office, its log, and the scan that it is at."""
+    grid, log = office()
+    robot = MonteCarloLocalizer(grid, CONFIG, range_max=log.range_max, seed=2)
+    wheels = log.trajectory("odometry").poses
+    for i in range(log.n_scans):
+        if robot.update(wheels[i], log.scan(i)).is_sure:
+            return robot, log, i
+    raise AssertionError("it is never sure")
+
+
+def test_a_scan_that_is_not_used_tells_that_the_robot_was_carried_away(
+    sure: tuple[MonteCarloLocalizer, ScanLog, int],
+) -> None:
+    robot, log, i = sure
+    wheels, true = (log.trajectory(name).poses for name in ("odometry", "true"))
+    far = int(np.argmax(np.hypot(*(true - true[i])[:, :2].T)))
+    here, elsewhere, back = (robot.update(wheels[i], log.scan(k)) for k in (i, far, i))
+    assert not any(found.is_updated for found in (here, elsewhere, back))
+    assert (here.is_sure, elsewhere.is_sure, back.is_sure) == (True, False, True)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.radians(30.0)])
+def test_where_the_estimate_jumps_beside_the_odometry_the_place_has_to_be_confirmed_again(
+    sure: tuple[MonteCarloLocalizer, ScanLog, int], turn: float
+) -> None:
+    """The particles and the robot are turned, and the wheels do not notice: the scan fits as well as before."""
+    robot, log, i = sure
+    wheels, true = (log.trajectory(name).poses for name in ("odometry", "true"))
+    robot.particles[:, 2] += turn
+    pose = compose(true[i] + [0.0, 0.0, turn], compose(inverse(true[i]), true[i + 1]))
+    found = robot.update(wheels[i + 1], measure(WORLDS["office"], SENSOR, pose, np.random.default_rng(1)))
+    assert found.is_updated
+    assert found.is_converged
+    assert found.is_sure == (turn == 0.0)
+
+
 def test_beams_that_go_on_behind_a_wall_and_such_as_end_before_it_are_not_explained() -> None:
     model = model_of(two_rooms())
     pose = np.array([1.5, 1.0, 0.0])
@@ -88,6 +135,10 @@ def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
     assert confirms(one)
     one.wait(SOON)
     assert confirms(one)
+    one.wait(1, 0.1)
+    assert not confirms(one)  # the present one explains the scans better
+    one.wait()
+    assert confirms(one)
     one.wait(SOON + 1)
     assert not confirms(one)
     for _ in range(WANTED):
@@ -97,7 +148,7 @@ def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
         one.rule_out(SOON)
     one.look(1.0, 0.0)
     assert not confirms(one)
-    for _ in range(10):
+    for _ in range(20):
         one.look(0.0, 0.0)
     assert confirms(one)  # people passed by
     one.look(0.0, MOST_UNEXPLAINED + 0.01)
@@ -109,6 +160,23 @@ def test_other_places_must_be_ruled_out_soon_and_one_after_the_other() -> None:
     for _ in range(10):
         one.look(0.0, 0.0)
     assert not confirms(one)  # it has to be confirmed again
+
+
+def test_in_a_map_that_is_out_of_date_more_other_places_must_be_ruled_out() -> None:
+    one, late = Confidence(), Confidence()
+    late.rule_out(1)
+    for _ in range(40):
+        late.look(2.0 * CHANGED, 0.0)
+        one.look(2.0 * CHANGED, 0.0)  # nothing speaks for its place, so that this says nothing of the map
+    for place in (one, late):
+        place.doubt()
+        for _ in range(WANTED):
+            place.rule_out(1)
+    assert confirms(one)
+    for _ in range(WANTED_IN_CHANGED - WANTED):
+        assert not confirms(late)
+        late.rule_out(1)
+    assert confirms(late)
 
 
 @pytest.mark.parametrize("jump", [None, 20])
