@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
+from itertools import starmap
 from pathlib import Path
 
 from mapper.core.atomic_file import atomic_write
 from server.fleet.run import Fleet, Result
+from server.library.processing.fleet.fleet_job import MapFacts
 
 PAGE = "index.html"
 REFRESH_S = 3  #: how often the page loads itself again while logs are being done
@@ -34,7 +36,7 @@ def write_page(fleet: Fleet, *, running: bool) -> None:
 
 def page(results: Sequence[Result], total: int, *, running: bool) -> str:
     """Return the page, which loads itself again while the fleet is ``running``."""
-    made = sorted((one for one in results if not one.failed), key=lambda one: one.log)
+    made = sorted(((one, one.facts) for one in results if one.facts is not None), key=lambda entry: entry[0].log)
     failed = sorted((one for one in results if one.failed), key=lambda one: one.log)
     refresh = f'<meta http-equiv="refresh" content="{REFRESH_S}">' if running else ""
     state = "running" if running else "ended"
@@ -47,7 +49,7 @@ def page(results: Sequence[Result], total: int, *, running: bool) -> str:
         f'<meta name="viewport" content="width=device-width"><title>{len(results)} of {total} logs</title>'
         f"<style>{STYLE}</style></head><body><h1>{len(results)} of {total} logs, {state}</h1>"
         f'<progress value="{len(results)}" max="{max(total, 1)}" aria-label="Logs done"></progress>{failures}'
-        f'<h2>Maps: {len(made)}</h2><ol class="wall">{"".join(map(_card, made))}</ol></body></html>'
+        f'<h2>Maps: {len(made)}</h2><ol class="wall">{"".join(starmap(_card, made))}</ol></body></html>'
     )
 
 
@@ -55,18 +57,16 @@ def _name(result: Result) -> str:
     return Path(result.log).name
 
 
-def _card(result: Result) -> str:
-    facts = result.facts or {}
-    first, *others = [escape(one["sentence"]) for one in facts["findings"]] or ["No findings"]
-    drift = facts.get("drift_m")
+def _card(result: Result, facts: MapFacts) -> str:
+    first, *others = [escape(one.sentence) for one in facts.findings] or ["No findings"]
     file = f"maps/{result.key}.png"
     image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
-    picture = image if facts["picture"] else ""
+    picture = image if facts.picture else ""
     said = "".join(f"<li>{one}</li>" for one in others)
     title = f"{len(others)} more finding{'' if len(others) == 1 else 's'}"
     more = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if others else ""
-    drifted = "Drift not measured" if drift is None else f"Drift {drift:.2f} m"
+    drifted = "Drift not measured" if facts.drift_m is None else f"Drift {facts.drift_m:.2f} m"
     return (
         f'<li>{picture}<div class="text"><p><b>{escape(_name(result))}</b></p>'
-        f"<p>{drifted}, {facts['scans']} scans</p><p>{first}</p>{more}</div></li>"
+        f"<p>{drifted}, {facts.scans} scans</p><p>{first}</p>{more}</div></li>"
     )

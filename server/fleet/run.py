@@ -14,9 +14,10 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+
+import msgspec
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
@@ -24,19 +25,27 @@ from server.jobs.process import JobLimits
 from server.jobs.workers import PoolWorker, Worker
 from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.cluster_worker import ClusterWorker
-from server.library.processing.fleet.fleet_job import DIED, LIMITS, RUNS, ClusterLostError, FleetJob, fleet_facts
+from server.library.processing.fleet.fleet_job import (
+    DIED,
+    LIMITS,
+    RUNS,
+    ClusterLostError,
+    FleetJob,
+    MapFacts,
+    fleet_facts,
+)
 from server.storage import StorageError, claimed
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of one log: ``facts`` as :func:`do_fleet_job` of the library returns them, or an error."""
+    """Result of one log: ``facts`` what is known of it, or an error."""
 
     key: str
     log: str
     seconds: float
     runs: int
-    facts: dict[str, Any] | None = None
+    facts: MapFacts | None = None
     code: str = ""
     message: str = ""
 
@@ -45,10 +54,11 @@ class Result:
         """Whether there is no map of it."""
         return self.facts is None
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> dict[str, object]:
         """Return what its file holds."""
         error = {"code": self.code, "message": self.message} if self.failed else None
-        return {"log": self.log, "seconds": self.seconds, "runs": self.runs, "error": error, "facts": self.facts}
+        facts = None if self.facts is None else asdict(self.facts)
+        return {"log": self.log, "seconds": self.seconds, "runs": self.runs, "error": error, "facts": facts}
 
 
 class Fleet:
@@ -79,8 +89,9 @@ class Fleet:
         try:
             found = json.loads((self.folder / "results" / f"{key}.json").read_text(encoding="utf-8"))
             error = found["error"] or {"code": "", "message": ""}
-            self.results[key] = Result(key, found["log"], found["seconds"], found["runs"], found["facts"], **error)
-        except (OSError, ValueError, KeyError, TypeError):
+            facts = msgspec.convert(found["facts"], MapFacts | None)
+            self.results[key] = Result(key, found["log"], found["seconds"], found["runs"], facts, **error)
+        except (OSError, ValueError, KeyError, TypeError, msgspec.ValidationError):
             return  # none yet
 
     def run(self, workers: Sequence[Worker], done: Callable[[Result], None], *, again: bool = False) -> None:

@@ -75,7 +75,7 @@ def _run(paths: Sequence[Path], out: Path, workers: Sequence[Worker]) -> float:
     facts = [one.facts for one in whole.results.values() if one.facts is not None]
     if len(facts) < len(paths):
         raise RuntimeError(next(one.message for one in whole.results.values() if one.failed))
-    return float(sum(one["cpu_s"] for one in facts))
+    return float(sum(one.cpu_s for one in facts))
 
 
 def _empty_task_s(cluster: LocalCluster) -> tuple[float, float]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Future
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,25 @@ from mapper.core.errors import ConfigError
 from mapper.io.maps import load_map
 from server.fleet import Fleet, Result, workers_at
 from server.fleet.page import write_page
+from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
 from tests.server.library.small_logs import carmen
+
+FACTS = MapFacts(
+    scans=3,
+    beams=2,
+    trajectory="odometry",
+    rows=10,
+    cols=20,
+    resolution=0.05,
+    contrast=None,
+    drift_m=0.456,
+    findings=(
+        FleetFinding("time", "The time <runs> backwards.", possible=False),
+        FleetFinding("drift", "The poses drift.", possible=True),
+    ),
+    picture=False,
+    cpu_s=0.1,
+)
 
 
 class StandIn:
@@ -36,9 +56,7 @@ class StandIn:
         if self.dies(job.source):
             out.set_exception(BrokenExecutor("killed"))
         else:
-            found = [{"sentence": "The time <runs> backwards."}, {"sentence": "The poses drift."}]
-            facts = {"scans": 3, "findings": found, "picture": False, "drift_m": 0.456, "source": job.source}
-            out.set_result(facts)
+            out.set_result(FACTS)
         return out
 
     def end(self) -> None:
@@ -95,6 +113,21 @@ def test_an_interrupted_run_goes_on_and_failures_are_done_again_when_asked(tmp_p
     assert run(Fleet(paths, tmp_path / "out"), StandIn()) == []
     mended = run(Fleet(paths, tmp_path / "out"), StandIn(), again=True)
     assert [(one.log, one.failed) for one in mended] == [(str(paths[8]), False), (str(paths[9]), False)]
+
+
+def test_a_later_run_reads_the_results_that_are_there_also_those_of_versions_without_drift(tmp_path: Path) -> None:
+    paths = logs(tmp_path, 2)
+    fleet = Fleet(paths, tmp_path / "out")
+    run(fleet, StandIn(lambda source: source.endswith("1.log")))
+    later = Fleet(paths, tmp_path / "out")
+    with later.held():
+        assert later.results == fleet.results
+    file = tmp_path / "out" / "results" / f"{next(iter(fleet.logs))}.json"
+    stored = json.loads(file.read_text())
+    del stored["facts"]["drift_m"]
+    file.write_text(json.dumps(stored))
+    with later.held():
+        assert later.results[file.stem].facts == replace(FACTS, drift_m=None)
 
 
 def test_a_folder_is_held_by_one_run(tmp_path: Path) -> None:
@@ -154,7 +187,7 @@ def test_logs_are_read_examined_and_mapped_on_a_cluster_with_tls(
     assert results["none.log"].failed
     facts = results["good.log"].facts
     assert facts is not None
-    assert (facts["scans"], facts["beams"]) == (30, 3)
+    assert (facts.scans, facts.beams) == (30, 3)
     made = load_map(tmp_path / "out" / "maps" / f"{results['good.log'].key}.yaml")
-    assert made.grid.geometry.rows == facts["rows"]
+    assert made.grid.geometry.rows == facts.rows
     assert threading.active_count() < 100

@@ -222,11 +222,7 @@ export interface FindingAnswer {
   readonly seconds: readonly number[];
 }
 
-/**
- * What is known of a log that was mapped; the map has cells of `resolution` metres, `contrast` of its walls. `drift_m`
- * is that of `MapFigures`: null where it could not be measured, and in results of versions without it. `cpu_s` and
- * `seconds` are processor and elapsed time, `runs` how many it took.
- */
+/** The facts, the elapsed time in `seconds`, and how many `runs` it took. */
 export interface FleetFacts {
   readonly scans: number;
   readonly beams: number;
@@ -235,12 +231,12 @@ export interface FleetFacts {
   readonly cols: number;
   readonly resolution: number;
   readonly contrast: number | null;
+  readonly drift_m: number | null;
   readonly findings: readonly FleetFinding[];
   readonly picture: boolean;
   readonly cpu_s: number;
   readonly seconds: number;
   readonly runs: number;
-  readonly drift_m: number | null;
 }
 
 /** What the log doctor found: its `check`, in a `sentence`; `possible` where it may be something else. */

@@ -23,7 +23,7 @@ import structlog
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError, ReadError
-from server.library.processing.fleet.fleet_job import ClusterLostError, FleetJob, WorkerLostError
+from server.library.processing.fleet.fleet_job import ClusterLostError, FleetJob, MapFacts, WorkerLostError
 from server.storage import StorageError, disk_full
 from server.version import package_version
 
@@ -82,7 +82,7 @@ class Cluster:
         self._looked.wait(CONNECT_S + 2 * ANSWER_S)
         return self.state
 
-    def submit(self, job: FleetJob, tell: Callable[[float], None]) -> Future[dict[str, Any]]:
+    def submit(self, job: FleetJob, tell: Callable[[float], None]) -> Future[MapFacts]:
         """Have a log mapped, and its files written here; ``tell`` is called with the fraction done.
 
         The future raises what the job raises, :class:`BrokenExecutor` where its process was ended,
@@ -183,7 +183,7 @@ class Cluster:
 
     # -- a job ----------------------------------------------------------------------------------------------------
 
-    async def _mapped(self, job: FleetJob, tell: Callable[[float], None]) -> dict[str, Any]:
+    async def _mapped(self, job: FleetJob, tell: Callable[[float], None]) -> MapFacts:
         client, address = await self._free_worker()
         self._jobs[address] += 1
         try:

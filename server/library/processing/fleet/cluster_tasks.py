@@ -13,12 +13,12 @@ import shutil
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from distributed import get_worker
 
 from server.jobs.workers import do_in_process
-from server.library.processing.fleet.fleet_job import FleetJob
+from server.library.processing.fleet.fleet_job import FleetJob, MapFacts
 from server.version import package_version
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ _expiring: set[asyncio.Task[None]] = set()
 class Mapped:
     """What came of a job: its facts, and the files that it has made, by name."""
 
-    facts: dict[str, Any]
+    facts: MapFacts
     files: dict[str, bytes]
 
 

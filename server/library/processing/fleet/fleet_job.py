@@ -7,7 +7,6 @@ import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.jobs import process
@@ -34,6 +33,36 @@ LIMITS = JobLimits(timeout_s=1800.0, cpu_s=1800.0)  #: of one log
 
 
 @dataclass(frozen=True, slots=True)
+class FleetFinding:
+    """What the log doctor found: its ``check``, in a ``sentence``; ``possible`` where it may be something else."""
+
+    check: str
+    sentence: str
+    possible: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapFacts:
+    """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
+
+    ``drift_m`` is that of ``MapFigures``: None where it could not be measured, and in results of versions without it.
+    ``cpu_s`` is processor time.
+    """
+
+    scans: int
+    beams: int
+    trajectory: str
+    rows: int
+    cols: int
+    resolution: float
+    contrast: float | None
+    drift_m: float | None = None
+    findings: tuple[FleetFinding, ...]
+    picture: bool
+    cpu_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class FleetJob:
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
@@ -57,7 +86,7 @@ class FleetJob:
         return self.limits.memory_bytes
 
     @property
-    def work(self) -> Callable[[FleetJob], dict[str, Any]]:
+    def work(self) -> Callable[[FleetJob], MapFacts]:
         """The function that does it."""
         return do_fleet_job
 
@@ -66,8 +95,8 @@ class FleetJob:
         return process.time_error(self.timeout_s, DOING, "fleet")
 
 
-def do_fleet_job(job: FleetJob) -> dict[str, Any]:
-    """Do the job; return what is known of the log, for JSON.
+def do_fleet_job(job: FleetJob) -> MapFacts:
+    """Do the job; return what is known of the log.
 
     Raises :class:`mapper.core.errors.MapperError` for a log that is not read or mapped, and for limits.
     """
@@ -76,7 +105,7 @@ def do_fleet_job(job: FleetJob) -> dict[str, Any]:
 
 async def fleet_facts(
     worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
-) -> tuple[dict[str, Any], int]:
+) -> tuple[MapFacts, int]:
     """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`outcome_of`.
 
     A job whose worker is gone is begun again by another one. Raises :class:`ClusterLostError` where there is none.
@@ -96,7 +125,7 @@ async def fleet_facts(
             run += 1
 
 
-def _done(job: FleetJob) -> dict[str, Any]:
+def _done(job: FleetJob) -> MapFacts:
     from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
     from mapper.diagnosis.figures import map_figures  # noqa: PLC0415
     from mapper.io.logs import open_log  # noqa: PLC0415
@@ -121,16 +150,16 @@ def _done(job: FleetJob) -> dict[str, Any]:
     process.note_progress(MAPPED)
     picture = write_picture(log, Path(job.picture))
     geometry, figures = grid.geometry, map_figures(log, None, config, grid)
-    return {
-        "scans": log.n_scans,
-        "beams": log.n_beams,
-        "trajectory": log.default_trajectory,
-        "rows": geometry.rows,
-        "cols": geometry.cols,
-        "resolution": geometry.resolution,
-        "contrast": round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
-        "drift_m": None if figures.drift_m is None else round(figures.drift_m, 3),
-        "findings": [{"check": one.check, "sentence": one.sentence, "possible": one.possible} for one in found],
-        "picture": picture,
-        "cpu_s": round(time.process_time() - began, 3),
-    }
+    return MapFacts(
+        scans=log.n_scans,
+        beams=log.n_beams,
+        trajectory=log.default_trajectory,
+        rows=geometry.rows,
+        cols=geometry.cols,
+        resolution=geometry.resolution,
+        contrast=round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
+        drift_m=None if figures.drift_m is None else round(figures.drift_m, 3),
+        findings=tuple(FleetFinding(one.check, one.sentence, one.possible) for one in found),
+        picture=picture,
+        cpu_s=round(time.process_time() - began, 3),
+    )

@@ -11,10 +11,8 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, get_args
-
-import msgspec
+from dataclasses import dataclass, fields
+from typing import Literal, get_args
 
 from mapper.core.errors import LimitError
 from server.jobs.leases import Leases
@@ -27,42 +25,18 @@ from server.library.logs.errors import LogNotFoundError
 from server.library.logs.records import Record
 from server.library.processing.fleet.cluster import Cluster, ClusterState
 from server.library.processing.fleet.cluster_worker import ClusterWorker
-from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, fleet_facts
+from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, MapFacts, fleet_facts
 
 MOST = 20_000  #: logs that wait at once, of all visitors
 LOOK_S = 0.5  #: how often the size of the cluster is looked at
 
 
-@dataclass(frozen=True, slots=True)
-class FleetFinding:
-    """What the log doctor found: its ``check``, in a ``sentence``; ``possible`` where it may be something else."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FleetFacts(MapFacts):
+    """The facts, the elapsed time in ``seconds``, and how many ``runs`` it took."""
 
-    check: str
-    sentence: str
-    possible: bool
-
-
-@dataclass(frozen=True, slots=True)
-class FleetFacts:
-    """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
-
-    ``drift_m`` is that of ``MapFigures``: None where it could not be measured, and in results of versions without it.
-    ``cpu_s`` and ``seconds`` are processor and elapsed time, ``runs`` how many it took.
-    """
-
-    scans: int
-    beams: int
-    trajectory: str
-    rows: int
-    cols: int
-    resolution: float
-    contrast: float | None
-    findings: tuple[FleetFinding, ...]
-    picture: bool
-    cpu_s: float
     seconds: float
     runs: int
-    drift_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,14 +210,13 @@ class FleetJobs:
                     one.end()
         await self._catalogue.publish(log.id)
         seconds = round(time.monotonic() - began, 3)
-        return msgspec.convert(facts | {"seconds": seconds, "runs": runs}, FleetFacts)
+        given = {field.name: getattr(facts, field.name) for field in fields(facts)}
+        return FleetFacts(**given, seconds=seconds, runs=runs)
 
     def _new_worker(self) -> Worker:
         return self._make_worker() if self._cluster is None else ClusterWorker(self._cluster)
 
-    async def _facts(
-        self, worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]]
-    ) -> tuple[dict[str, Any], int]:
+    async def _facts(self, worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]]) -> tuple[MapFacts, int]:
         """Return the facts and the number of runs; while the cluster is away the job waits."""
         while True:
             if self._cluster is None or self._cluster.state.threads:

@@ -15,6 +15,7 @@ from mapper.diagnosis.figures import MapFigures
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes
+from server.library.processing.fleet.fleet_job import MapFacts
 from server.library.processing.merging import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
 from server.library.processing.merging import GRAPH as MERGED_GRAPH
 from server.library.processing.slam import GRAPH, TUM, SlamJob, SlamOutcome
@@ -24,10 +25,10 @@ PATIENCE_S = 60.0
 SECOND_START = 100  #: of the second log of a merge
 Y = 5.0  #: of the poses that a stand-in has found, metres
 #: What the mapping of one of many logs returns.
-FACTS = {
-    "scans": 1, "beams": 3, "trajectory": "scan", "rows": 2, "cols": 3, "resolution": 0.1, "contrast": None,
-    "findings": [], "picture": False, "cpu_s": 0.5,
-}  # fmt: skip
+FACTS = MapFacts(
+    scans=1, beams=3, trajectory="scan", rows=2, cols=3, resolution=0.1, contrast=None, findings=(), picture=False,
+    cpu_s=0.5,
+)  # fmt: skip
 
 
 def chain(scans: int) -> tuple[PoseGraph, LoopCandidates]:

@@ -6,7 +6,6 @@ import asyncio
 import threading
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,7 +13,7 @@ from mapper.core.errors import LimitError, ReadError
 from server.jobs.record import Failure
 from server.library.library import Library
 from server.library.processing.fleet import fleet_job as fleet_jobs
-from server.library.processing.fleet.fleet_job import FleetJob
+from server.library.processing.fleet.fleet_job import FleetJob, MapFacts
 from server.settings import Settings
 from tests.server.library.conftest import Make
 from tests.server.library.processing import slam_stand_ins as stand_ins
@@ -34,7 +33,7 @@ class Doing:
         self.may_go_on.set()
         self._lock = threading.Lock()
 
-    def __call__(self, job: FleetJob) -> dict[str, Any]:
+    def __call__(self, job: FleetJob) -> MapFacts:
         text = Path(job.source).read_bytes()
         with self._lock:
             self.at_once += 1
