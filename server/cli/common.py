@@ -6,7 +6,7 @@ import inspect
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -138,7 +138,7 @@ def _instead_of(path: Path, code: str) -> str | None:
     return wanted.format(path=path) if is_log(path) else None
 
 
-def print_json(values: dict[str, Any]) -> None:
+def print_json(values: Mapping[str, object]) -> None:
     """Print one object on one line; numbers that JSON lacks must have been replaced."""
     typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))
 

@@ -9,81 +9,112 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
+from msgspec import Struct, to_builtins
 
-from server.cli.common import print_json, progress_bar, refusing
+from server.cli.common import print_json, print_notes, progress_bar, refusing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from mapper.io.clouds.describe import CloudDescription
     from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
     from mapper.sensors.streams import CloudStream, ImuStream
 
 
+class CloudFacts(Struct):
+    """What the clouds of one topic are, by the first of them."""
+
+    topic: str
+    count: int
+    frame: str
+    height: int
+    width: int
+    fields: list[str]
+    has_times: bool
+    mount: list[float] | None
+
+
+class ImuFacts(Struct):
+    """What an IMU is, by the first messages of its topic."""
+
+    topic: str
+    count: int
+    frame: str
+    has_orientation: bool
+    mount: list[float] | None
+
+
 def print_held(path: Path, held: Held, *, as_json: bool) -> None:
     """Print a recording that has no scans."""
-    facts: dict[str, Any] = {
-        "name": path.name,
-        "format": held.format,
-        "scans": 0,
-        "contents": contents_facts(held.contents.topics),
-        "clouds": clouds_facts(held.clouds),
-        "imus": imus_facts(held.imus),
-        "notes": [*([held.no_scans] if held.no_scans else []), *held.contents.notes],
-    }
+    clouds, imus = clouds_facts(held.clouds), imus_facts(held.imus)
+    notes = [*([held.no_scans] if held.no_scans else []), *held.contents.notes]
     if as_json:
-        print_json(facts)
+        print_json(
+            {
+                "name": path.name,
+                "format": held.format,
+                "scans": 0,
+                "contents": contents_facts(held.contents.topics),
+                "clouds": to_builtins(clouds),
+                "imus": to_builtins(imus),
+                "notes": notes,
+            }
+        )
         return
     typer.echo(f"{path.name}: {held.format}")
     typer.echo("  no scans of which a map can be made")
-    for one in facts["contents"]:
-        typer.echo(f"    {held_line(one)}")
-    for one in [*facts["clouds"], *facts["imus"]]:
-        typer.echo(f"  {stream_line(one)}")
-    for note in facts["notes"]:
-        typer.echo(f"  note: {note}")
+    for topic in held.contents.topics:
+        typer.echo(f"    {topic_line(topic)}")
+    for line in (*map(stream_line, clouds), *map(stream_line, imus)):
+        typer.echo(f"  {line}")
+    print_notes(notes)
 
 
-def contents_facts(topics: Sequence[TopicContents]) -> list[dict[str, Any]]:
+def contents_facts(topics: Sequence[TopicContents]) -> list[dict[str, object]]:
     """Return what is known of every topic, for JSON."""
-    return [asdict(one) | {"span_s": one.span_s, "rate_hz": one.rate_hz} for one in topics]
+    return [asdict(topic) | {"span_s": topic.span_s, "rate_hz": topic.rate_hz} for topic in topics]
 
 
-def held_line(topic: dict[str, Any]) -> str:
+def topic_line(topic: TopicContents) -> str:
     """Say what one topic holds, how much, how often and for how long."""
-    return f"{topic['name']}: {topic['messages']} × {topic['type']}{size_line(topic)}"
+    return f"{topic.name}: {topic.messages} × {topic.type}{size_line(topic)}"
 
 
-def clouds_facts(clouds: Mapping[str, CloudStream]) -> list[dict[str, Any]]:
+def clouds_facts(clouds: Mapping[str, CloudStream]) -> list[CloudFacts]:
     """Return what the clouds of a recording are, by the first of each topic."""
-    found = []
+    facts = []
     for stream in clouds.values():
         first = next(iter(stream), None)
         if first is None:
             continue
-        said = {"height": first.shape[0], "width": first.shape[1]} if first.shape else {}
-        fields = {"fields": list(first.fields), "has_times": first.times is not None}
-        mount = _place(stream.mounts(first.frame_id, np.array([first.stamp_ns])))
-        found.append(
-            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id, **said, **fields, "mount": mount}
+        height, width = first.shape or (1, len(first))
+        facts.append(
+            CloudFacts(
+                topic=stream.topic,
+                count=stream.count,
+                frame=first.frame_id,
+                height=height,
+                width=width,
+                fields=list(first.fields),
+                has_times=first.times is not None,
+                mount=_place(stream.mounts(first.frame_id, np.array([first.stamp_ns]))),
+            )
         )
-    return found
+    return facts
 
 
-def imus_facts(imus: Mapping[str, ImuStream]) -> list[dict[str, Any]]:
+def imus_facts(imus: Mapping[str, ImuStream]) -> list[ImuFacts]:
     """Return what the IMUs of a recording are, by the first messages of each topic."""
-    found = []
+    facts = []
     for stream in imus.values():
         first = next(iter(stream), None)
         if first is None:
             continue
         has_orientation = bool(np.isfinite(first.orientation).any())
         mount = _place(stream.mounts(first.frame_id, first.stamps_ns[:1]))
-        found.append(
-            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id,
-             "has_orientation": has_orientation, "mount": mount}
-        )  # fmt: skip
-    return found
+        facts.append(ImuFacts(stream.topic, stream.count, first.frame_id, has_orientation, mount))
+    return facts
 
 
 def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
@@ -91,27 +122,26 @@ def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
     return None if mounts is None else [round(float(value), 6) for value in mounts[0, :3, 3]]
 
 
-def stream_line(one: dict[str, Any]) -> str:
+def stream_line(stream: CloudFacts | ImuFacts) -> str:
     """Say what the clouds or the IMU of one topic are."""
-    at = "" if one["mount"] is None else f" at {', '.join(f'{value:g}' for value in one['mount'])} m"
-    said = f"frame {one['frame']}{at}"
-    if "fields" not in one:
-        return f"IMU {one['topic']}: {one['count']} messages, {said}" + (
-            ", with orientation" if one["has_orientation"] else ""
-        )
-    times = ", a time for each point" if one["has_times"] else ""
-    fields = ", ".join(["x, y, z", *one["fields"]])
-    return f"clouds {one['topic']}: {one['count']} of {one['width']} × {one['height']} points ({fields}){times}, {said}"
+    at = "" if stream.mount is None else f" at {', '.join(f'{value:g}' for value in stream.mount)} m"
+    said = f"frame {stream.frame}{at}"
+    if isinstance(stream, ImuFacts):
+        oriented = ", with orientation" if stream.has_orientation else ""
+        return f"IMU {stream.topic}: {stream.count} messages, {said}{oriented}"
+    times = ", a time for each point" if stream.has_times else ""
+    fields = ", ".join(["x, y, z", *stream.fields])
+    return f"clouds {stream.topic}: {stream.count} of {stream.width} × {stream.height} points ({fields}){times}, {said}"
 
 
-def size_line(topic: dict[str, Any], *, with_rate: bool = True) -> str:
+def size_line(topic: TopicContents, *, with_rate: bool = True) -> str:
     """Say how large a topic is, over which time, and how often it comes."""
-    size, unit = float(topic["bytes"]), "B"
+    size, unit = float(topic.bytes), "B"
     for larger in ("kB", "MB", "GB"):
         if size >= 1000.0:
             size, unit = size / 1000.0, larger
-    rate = f", {topic['rate_hz']:.1f} Hz" if with_rate and topic["rate_hz"] is not None else ""
-    return f"{rate}, {size:.{0 if unit == 'B' else 1}f} {unit} in {topic['span_s']:.1f} s"
+    rate = f", {topic.rate_hz:.1f} Hz" if with_rate and topic.rate_hz is not None else ""
+    return f"{rate}, {size:.{0 if unit == 'B' else 1}f} {unit} in {topic.span_s:.1f} s"
 
 
 def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
@@ -122,38 +152,38 @@ def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
 
     with refusing(path), progress_bar("Reading") as bar:
         scans = sum(1 for _ in read_scan_graph(path)) if kind == "scan graph" else None
-        facts: dict[str, Any] = {"name": path.name, "format": kind, "scans": scans}
         cloud = read_cloud(path, progress=bar)
-        facts |= description(cloud)
+        facts = description(cloud)
     offset = offset_of(cloud.points[cloud.finite]) if cloud.finite.any() else None
     if offset is not None and offset.any():
         place = ", ".join(f"{value:,.0f}" for value in offset)
-        facts["notes"].append(f"The coordinates are far from 0: a 3D map of them has its origin at {place} m.")
+        facts.notes.append(f"The coordinates are far from 0: a 3D map of them has its origin at {place} m.")
     if as_json:
-        print_json(facts)
+        print_json({"name": path.name, "format": kind, "scans": scans} | asdict(facts))
         return
     typer.echo(f"{path.name}: {kind}" + ("" if scans is None else f" of {scans} scan{'s' if scans != 1 else ''}"))
     for line in cloud_lines(facts):
         typer.echo(f"  {line}")
+    print_notes(facts.notes)
 
 
-def cloud_lines(facts: dict[str, Any]) -> list[str]:
+def cloud_lines(facts: CloudDescription) -> list[str]:
     """Say what is known of a cloud, a line for each fact."""
-    rows = "" if facts["organised"] is None else f", {facts['organised'][1]} × {facts['organised'][0]}"
-    said = [f"{facts['points']} points{rows}"]
-    if facts["low"] is not None:
-        size = " × ".join(f"{high - low:.2f}" for low, high in zip(facts["low"], facts["high"], strict=True))
-        said.append(f"box {_point(facts['low'])} to {_point(facts['high'])}: {size} m")
-    if facts["spacing_m"] is not None:
-        said.append(f"spacing {facts['spacing_m']:.3g} m, the median distance to the nearest point")
-    fields = ["x, y, z", *(_field(name, kind) for name, kind in facts["fields"].items())]
-    said.append(f"fields {', '.join(fields)}" + (", a time for each point" if facts["has_times"] else ""))
-    if facts["sensor"] is not None:
-        said.append(f"sensor at {_point(facts['sensor'])}")
-    return said + [f"note: {note}" for note in facts["notes"]]
+    rows = "" if facts.organised is None else f", {facts.organised[1]} × {facts.organised[0]}"
+    said = [f"{facts.points} points{rows}"]
+    if facts.low is not None and facts.high is not None:
+        size = " × ".join(f"{high - low:.2f}" for low, high in zip(facts.low, facts.high, strict=True))
+        said.append(f"box {_point(facts.low)} to {_point(facts.high)}: {size} m")
+    if facts.spacing_m is not None:
+        said.append(f"spacing {facts.spacing_m:.3g} m, the median distance to the nearest point")
+    fields = ["x, y, z", *(_field(name, kind) for name, kind in facts.fields.items())]
+    said.append(f"fields {', '.join(fields)}" + (", a time for each point" if facts.has_times else ""))
+    if facts.sensor is not None:
+        said.append(f"sensor at {_point(facts.sensor)}")
+    return said
 
 
-def _field(name: str, kind: list[Any]) -> str:
+def _field(name: str, kind: list[str | int]) -> str:
     return f"{name} ({' × '.join(map(str, [*kind[1:], kind[0]]))})"
 
 
@@ -169,26 +199,28 @@ def print_depth_folder(path: Path, *, as_json: bool) -> None:
         folder = read_depth_folder(path)
         first = folder.frames[0].read()
     places = np.array([frame.pose[:3, 3] for frame in folder.frames])
-    facts: dict[str, Any] = {
-        "name": path.name,
-        "format": "folder of depth images",
-        "frames": len(folder),
-        "camera": asdict(folder.camera),
-        "way_m": float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum()),
-        "first_depth_m": _range_of(first),
-        "notes": list(folder.notes),
-    }
+    length = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+    camera, depths = folder.camera, _range_of(first)
     if as_json:
-        print_json(facts)
+        print_json(
+            {
+                "name": path.name,
+                "format": "folder of depth images",
+                "frames": len(folder),
+                "camera": asdict(camera),
+                "way_m": length,
+                "first_depth_m": depths,
+                "notes": list(folder.notes),
+            }
+        )
         return
-    camera, seen = folder.camera, facts["first_depth_m"]
-    typer.echo(f"{path.name}: {facts['format']}")
-    typer.echo(f"  {len(folder)} images of {camera.width} × {camera.height} pixels, along {facts['way_m']:.2f} m")
+    typer.echo(f"{path.name}: folder of depth images")
+    typer.echo(f"  {len(folder)} images of {camera.width} × {camera.height} pixels, along {length:.2f} m")
     typer.echo(f"  focal lengths {camera.fx:g}, {camera.fy:g}, centre {camera.cx:g}, {camera.cy:g} pixels")
-    if seen is not None:
-        typer.echo(f"  depths of the first image {seen[0]:.2f} to {seen[1]:.2f} m, {100 * seen[2]:.0f} % of its pixels")
-    for note in folder.notes:
-        typer.echo(f"  note: {note}")
+    if depths is not None:
+        low, high, share = depths
+        typer.echo(f"  depths of the first image {low:.2f} to {high:.2f} m, {100 * share:.0f} % of its pixels")
+    print_notes(folder.notes)
 
 
 def _range_of(depth: np.ndarray[Any, np.dtype[np.float32]]) -> list[float] | None:

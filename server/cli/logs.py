@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from msgspec import to_builtins
 
 from mapper.core.errors import ReadError
 from server.cli.common import (
@@ -25,6 +26,7 @@ from server.cli.common import (
     fail,
     given_parameters,
     print_json,
+    print_notes,
     progress_bar,
     read_joint,
     refusing,
@@ -35,13 +37,13 @@ from server.cli.common import (
 from server.cli.held import (
     clouds_facts,
     contents_facts,
-    held_line,
     imus_facts,
     print_cloud,
     print_depth_folder,
     print_held,
     size_line,
     stream_line,
+    topic_line,
 )
 from server.cli.map_files import describe_map
 from server.version import package_version
@@ -49,8 +51,9 @@ from server.version import package_version
 if TYPE_CHECKING:
     from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
+    from mapper.io.logs.summary import TimeSummary
     from mapper.sensors.robot_log import RobotLog
-    from mapper.sensors.scan import ScanLog
+    from mapper.sensors.scan import ScanLog, Topic
 
 
 REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
@@ -100,38 +103,37 @@ def info(
         return
     robot, topics = read
     scans = with_tum(robot.first, tum_trajectory)
-    facts = asdict(summarise(scans))
-    facts["notes"] = [*facts["notes"], *_causes(scans, trajectory, given_parameters(parameters, mount))]
-    facts["contents"] = contents_facts(topics)
-    facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
+    summary = summarise(scans)
+    notes = [*summary.notes, *_causes(scans, trajectory, given_parameters(parameters, mount))]
+    clouds, imus = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
-        print_json(facts)
+        more = {"contents": contents_facts(topics), "clouds": to_builtins(clouds), "imus": to_builtins(imus)}
+        print_json(asdict(summary) | {"notes": notes} | more)
         return
-    typer.echo(f"{facts['name']}: {facts['format']}")
+    typer.echo(f"{summary.name}: {summary.format}")
     typer.echo(
-        f"  {facts['scans']} scans of {facts['beams']} beams over {facts['field_of_view_deg']:.1f}°, "
-        f"{facts['duration_s']:.1f} s"
+        f"  {summary.scans} scans of {summary.beams} beams over {summary.field_of_view_deg:.1f}°, "
+        f"{summary.duration_s:.1f} s"
     )
-    typer.echo(f"  {_time_line(facts['time'])}")
-    n = facts["readings"]
-    typer.echo(f"  {n['measured']} readings measured, {n['no_return']} without return, {n['invalid']} invalid")
+    typer.echo(f"  {_time_line(summary.time)}")
+    n = summary.readings
+    typer.echo(f"  {n.measured} readings measured, {n.no_return} without return, {n.invalid} invalid")
     typer.echo(
-        f"  sensor on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)"
-        + (", upside-down" if facts["upside_down"] else "")
+        f"  sensor on the robot at {', '.join(f'{value:g}' for value in summary.mount)} (m, m, rad)"
+        + (", upside-down" if summary.upside_down else "")
     )
-    for way in facts["trajectories"]:
-        typer.echo(f"  trajectory {way['name']}: {way['length_m']:.1f} m, {way['description']}")
-    held = {one["name"]: one for one in facts["contents"]}
-    for one in facts["topics"]:
-        more = held.pop(one["name"], None)
-        size = "" if more is None else size_line(more, with_rate=one["rate_hz"] is None)
-        typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}{size}")
-    for one in held.values():
-        typer.echo(f"    {held_line(one)}")
-    for one in [*facts["clouds"], *facts["imus"]]:
-        typer.echo(f"  {stream_line(one)}")
-    for note in facts["notes"]:
-        typer.echo(f"  note: {note}")
+    for path in summary.trajectories:
+        typer.echo(f"  trajectory {path.name}: {path.length_m:.1f} m, {path.description}")
+    others = {topic.name: topic for topic in topics}
+    for topic_of_scans in summary.topics:
+        contents_of = others.pop(topic_of_scans.name, None)
+        size = "" if contents_of is None else size_line(contents_of, with_rate=topic_of_scans.rate_hz is None)
+        typer.echo(f"  {'*' if topic_of_scans.chosen else ' '} {_sensor_line(topic_of_scans)}{size}")
+    for other in others.values():
+        typer.echo(f"    {topic_line(other)}")
+    for line in (*map(stream_line, clouds), *map(stream_line, imus)):
+        typer.echo(f"  {line}")
+    print_notes(notes)
 
 
 def _write_report(path: Path) -> None:
@@ -150,7 +152,7 @@ def _write_report(path: Path) -> None:
     )
 
 
-def _causes(log: ScanLog, trajectory: str | None, given: dict[str, Any]) -> list[str]:
+def _causes(log: ScanLog, trajectory: str | None, given: dict[str, object]) -> list[str]:
     """Return the note of ``map`` on what makes the log's map bad, if it is known."""
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from server.cli.drift import cause_and_drift  # noqa: PLC0415 - start-up
@@ -203,32 +205,28 @@ def _read(
         return robot, contents.topics
 
 
-def _time_line(time: dict[str, Any]) -> str:
+def _time_line(time: TimeSummary | None) -> str:
     """Say when the scans of a log were made."""
-    if time["rate_hz"] is None:
+    if time is None or time.rate_hz is None:
         return "no times"
-    said = (
-        []
-        if time["start_s"] is None
-        else [f"from {datetime.fromtimestamp(time['start_s'], UTC):%Y-%m-%d %H:%M:%S} UTC"]
-    )
-    said.append(f"{time['rate_hz']:.1f} scans a second")
-    gaps = f"{time['gaps']} gap{'s' if time['gaps'] != 1 else ''}"
-    at = f", the longest of {time['longest_gap_s']:.1f} s at {time['longest_gap_at_s']:.1f} s" if time["gaps"] else ""
+    said = [] if time.start_s is None else [f"from {datetime.fromtimestamp(time.start_s, UTC):%Y-%m-%d %H:%M:%S} UTC"]
+    said.append(f"{time.rate_hz:.1f} scans a second")
+    gaps = f"{time.gaps} gap{'s' if time.gaps != 1 else ''}"
+    at = f", the longest of {time.longest_gap_s:.1f} s at {time.longest_gap_at_s:.1f} s" if time.gaps else ""
     return ", ".join(said) + f", {gaps}{at}"
 
 
-def _topic_line(topic: dict[str, Any]) -> str:
+def _sensor_line(topic: Topic) -> str:
     """Say what is known of one topic of a log."""
-    said = [f"{topic['name']}: {topic['count']} × {topic['type']}"]
-    if topic["beams"] is not None:
-        said.append(f"{topic['beams']} beam{'s' if topic['beams'] != 1 else ''} over {topic['field_of_view_deg']:.1f}°")
-    if topic["rate_hz"] is not None:
-        said.append(f"{topic['rate_hz']:.1f} Hz")
-    if topic["frame"]:
-        said.append(f"frame {topic['frame']}")
-    if topic["mount"] is not None:
-        said.append(f"at {', '.join(f'{value:g}' for value in topic['mount'])}")
+    said = [f"{topic.name}: {topic.count} × {topic.type}"]
+    if topic.beams is not None:
+        said.append(f"{topic.beams} beam{'s' if topic.beams != 1 else ''} over {topic.field_of_view_deg:.1f}°")
+    if topic.rate_hz is not None:
+        said.append(f"{topic.rate_hz:.1f} Hz")
+    if topic.frame:
+        said.append(f"frame {topic.frame}")
+    if topic.mount is not None:
+        said.append(f"at {', '.join(f'{value:g}' for value in topic.mount)}")
     return ", ".join(said)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from msgspec import Struct, to_builtins
 
 from mapper.core.errors import ConfigError, MapperError
 from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
@@ -152,18 +153,20 @@ def map3d(
     if projection is not None:
         files += _write_projection(volume, projection, heights, inputs[0], offset.value)
     notes += offset_notes(offset.value)
-    facts: dict[str, Any] = {
-        "inputs": [str(path) for path in inputs],
-        "scans": scans.scans,
-        "points": scans.points,
-        "left_out": scans.left_out,
-        **tree_facts(tree, config),
-        "cpu_seconds": round(time.process_time() - began, 3),
-        "files": [str(path) for path in files],
-        "notes": notes,
-    }
+    facts, cpu_s = TreeFacts.of(tree, config), time.process_time() - began
     if as_json:
-        print_json(facts)
+        print_json(
+            {
+                "inputs": [str(path) for path in inputs],
+                "scans": scans.scans,
+                "points": scans.points,
+                "left_out": scans.left_out,
+                **to_builtins(facts),
+                "cpu_seconds": round(cpu_s, 3),
+                "files": [str(path) for path in files],
+                "notes": notes,
+            }
+        )
         return
     if rest:
         typer.echo(
@@ -173,11 +176,10 @@ def map3d(
     else:
         typer.echo(f"{inputs[0].name}: an octree, without scans of its own")
     print_tree(facts)
-    typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
+    typer.echo(f"  {cpu_s:.1f} s of processor time")
     for path in files:
         typer.echo(f"  wrote {path}")
-    for note in notes:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenPoses:
@@ -246,32 +248,44 @@ def _write_projection(
     return save(georeferenced(grid, offset), prefix, "trinary", "map")
 
 
-def tree_facts(tree: Octree, config: VolumeConfig) -> dict[str, Any]:
-    """Return the numbers of an octree: its nodes, and the space that its leaves take."""
-    import numpy as np  # noqa: PLC0415 - start-up
+class TreeFacts(Struct):
+    """The numbers of an octree: its nodes, the voxels that its leaves take, and the corners of the box around them."""
 
-    keys, depths, values = tree.leaves()
-    sides = np.int64(1) << (16 - depths.astype(np.int64))
-    occupied = values >= config.log_odds_occupied
-    voxels = sides.astype(np.float64) ** 3
-    low, high = (keys.min(axis=0), (keys + sides[:, None]).max(axis=0)) if len(keys) else (np.full(3, 32768),) * 2
-    return {
-        "resolution": tree.resolution,
-        "nodes": tree.n_nodes,
-        "leaves": tree.n_leaves,
-        "occupied": int(voxels[occupied].sum()),
-        "free": int(voxels[~occupied].sum()),
-        "low": [round(float(k - 32768) * tree.resolution, 6) for k in low],
-        "high": [round(float(k - 32768) * tree.resolution, 6) for k in high],
-    }
+    resolution: float
+    nodes: int
+    leaves: int
+    occupied: int
+    free: int
+    low: list[float]
+    high: list[float]
+
+    @classmethod
+    def of(cls, tree: Octree, config: VolumeConfig) -> TreeFacts:
+        """Return the numbers of ``tree``, whose leaves are occupied as ``config`` says."""
+        import numpy as np  # noqa: PLC0415 - start-up
+
+        keys, depths, values = tree.leaves()
+        sides = np.int64(1) << (16 - depths.astype(np.int64))
+        occupied = values >= config.log_odds_occupied
+        voxels = sides.astype(np.float64) ** 3
+        low, high = (keys.min(axis=0), (keys + sides[:, None]).max(axis=0)) if len(keys) else (np.full(3, 32768),) * 2
+        return cls(
+            resolution=tree.resolution,
+            nodes=tree.n_nodes,
+            leaves=tree.n_leaves,
+            occupied=int(voxels[occupied].sum()),
+            free=int(voxels[~occupied].sum()),
+            low=[round(float(k - 32768) * tree.resolution, 6) for k in low],
+            high=[round(float(k - 32768) * tree.resolution, 6) for k in high],
+        )
 
 
-def print_tree(facts: dict[str, Any]) -> None:
+def print_tree(facts: TreeFacts) -> None:
     """Print the numbers of an octree in words."""
-    typer.echo(f"  {facts['nodes']} nodes, {facts['leaves']} of them leaves, voxels of {facts['resolution']:g} m")
-    typer.echo(f"  {facts['occupied']} voxels occupied, {facts['free']} free")
-    corners = (", ".join(f"{value:g}" for value in facts[end]) for end in ("low", "high"))
-    typer.echo(f"  from {next(corners)} m to {next(corners)} m")
+    typer.echo(f"  {facts.nodes} nodes, {facts.leaves} of them leaves, voxels of {facts.resolution:g} m")
+    typer.echo(f"  {facts.occupied} voxels occupied, {facts.free} free")
+    low, high = (", ".join(f"{value:g}" for value in corner) for corner in (facts.low, facts.high))
+    typer.echo(f"  from {low} m to {high} m")
 
 
 def describe_octree(path: Path, *, as_json: bool) -> bool:
@@ -283,12 +297,12 @@ def describe_octree(path: Path, *, as_json: bool) -> bool:
         return False
     with refusing(path):
         config = VolumeConfig()
-        facts = {"name": path.name, "format": f"OctoMap {read.kind}", **tree_facts(read.tree, config)}
-        facts["notes"] = [*read.notes, *offset_notes(read.offset)]
+        facts = TreeFacts.of(read.tree, config)
+    kind, notes = f"OctoMap {read.kind}", [*read.notes, *offset_notes(read.offset)]
     if as_json:
-        print_json(facts)
+        print_json({"name": path.name, "format": kind} | to_builtins(facts) | {"notes": notes})
         return True
-    typer.echo(f"{facts['name']}: {facts['format']}")
+    typer.echo(f"{path.name}: {kind}")
     print_tree(facts)
-    print_notes(facts["notes"])
+    print_notes(notes)
     return True

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+from msgspec import Struct, to_builtins
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.volume.surface.parameters import TSDF_PARAMETERS, TsdfConfig
-from server.cli.common import fail, print_json, progress_bar, refusing, value_of
+from server.cli.common import fail, print_json, print_notes, progress_bar, refusing, value_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,29 +61,32 @@ def map_surface(
         did.notes.clear()
     mesh = surface_mesh(volume)
     notes += offset_notes(offset.value)
-    facts: dict[str, Any] = {
-        "inputs": [str(path) for path in inputs],
-        "scans": did.scans,
-        "used": did.used,
-        "resolution": config.resolution,
-        "truncation": round(float(config.band), 6),
-        "blocks": volume.blocks.count,
-        **mesh_facts(mesh),
-        "files": [str(write_mesh_file(mesh, path, offset.value)) for path in out],
-        "cpu_seconds": round(time.process_time() - began, 3),
-        "notes": notes,
-    }
+    facts, files = MeshFacts.of(mesh), [str(write_mesh_file(mesh, path, offset.value)) for path in out]
+    cpu_s = time.process_time() - began
     if as_json:
-        print_json(facts)
+        print_json(
+            {
+                "inputs": [str(path) for path in inputs],
+                "scans": did.scans,
+                "used": did.used,
+                "resolution": config.resolution,
+                "truncation": round(float(config.band), 6),
+                "blocks": volume.blocks.count,
+                **to_builtins(facts),
+                "files": files,
+                "cpu_seconds": round(cpu_s, 3),
+                "notes": notes,
+            }
+        )
         return
     typer.echo(f"{did.scans} scans, {did.used} depths used")
-    typer.echo(f"  {facts['blocks']} blocks of voxels of {config.resolution:g} m, truncation {facts['truncation']:g} m")
+    blocks, band = volume.blocks.count, round(float(config.band), 6)
+    typer.echo(f"  {blocks} blocks of voxels of {config.resolution:g} m, truncation {band:g} m")
     print_mesh(facts)
-    typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
-    for name in facts["files"]:
+    typer.echo(f"  {cpu_s:.1f} s of processor time")
+    for name in files:
         typer.echo(f"  wrote {name}")
-    for note in notes:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) -> Path:
@@ -94,24 +98,29 @@ def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) 
     return path
 
 
-def mesh_facts(mesh: Mesh) -> dict[str, Any]:
-    """Return the numbers of a mesh: vertices, triangles, their area in m², and the box around them in metres."""
-    some = len(mesh.vertices) > 0
-    return {
-        "vertices": len(mesh.vertices),
-        "triangles": len(mesh.triangles),
-        "area_m2": round(mesh.area, 4),
-        "low": [round(float(v), 6) for v in mesh.vertices.min(axis=0)] if some else None,
-        "high": [round(float(v), 6) for v in mesh.vertices.max(axis=0)] if some else None,
-    }
+class MeshFacts(Struct):
+    """The numbers of a mesh: vertices, triangles, their area, and the corners of the box around them in metres."""
+
+    vertices: int
+    triangles: int
+    area_m2: float
+    low: list[float] | None
+    high: list[float] | None
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> MeshFacts:
+        """Return the numbers of ``mesh``; one without vertices has no corners."""
+        corners = (mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) if len(mesh.vertices) else ()
+        low, high = ([round(float(v), 6) for v in corner] for corner in corners) if corners else (None, None)
+        return cls(len(mesh.vertices), len(mesh.triangles), round(mesh.area, 4), low, high)
 
 
-def print_mesh(facts: dict[str, Any]) -> None:
+def print_mesh(facts: MeshFacts) -> None:
     """Print the numbers of a mesh in words."""
-    typer.echo(f"  {facts['triangles']} triangles of {facts['vertices']} vertices, {facts['area_m2']:.2f} m²")
-    if facts["low"] is not None:
-        corners = [", ".join(f"{value:.2f}" for value in facts[end]) for end in ("low", "high")]
-        typer.echo(f"  from {corners[0]} m to {corners[1]} m")
+    typer.echo(f"  {facts.triangles} triangles of {facts.vertices} vertices, {facts.area_m2:.2f} m²")
+    if facts.low is not None and facts.high is not None:
+        low, high = (", ".join(f"{value:.2f}" for value in corner) for corner in (facts.low, facts.high))
+        typer.echo(f"  from {low} m to {high} m")
 
 
 def describe_mesh(path: Path, *, as_json: bool) -> bool:
@@ -131,15 +140,11 @@ def describe_mesh(path: Path, *, as_json: bool) -> bool:
             if error.code == NOT_TRIANGLES:  # its vertices are described as a cloud
                 return False
             raise
-    facts = {
-        "name": path.name,
-        "format": "PLY mesh",
-        "normals": normals is not None,
-        **mesh_facts(Mesh(vertices, vertices if normals is None else normals, triangles)),
-    }
+    facts = MeshFacts.of(Mesh(vertices, vertices if normals is None else normals, triangles))
     if as_json:
-        print_json(facts)
+        named = {"name": path.name, "format": "PLY mesh", "normals": normals is not None}
+        print_json(named | to_builtins(facts))
         return True
-    typer.echo(f"{path.name}: PLY mesh" + (" with normals" if facts["normals"] else ""))
+    typer.echo(f"{path.name}: PLY mesh" + ("" if normals is None else " with normals"))
     print_mesh(facts)
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,19 +34,39 @@ def spacing(points: NDArray[np.floating[Any]]) -> float | None:
     return float(np.median(distances[:, 1]))
 
 
-def description(cloud: PointCloud) -> dict[str, Any]:
-    """Return the facts of a cloud as ``gridbloom info`` prints them, for JSON."""
+@dataclass(frozen=True, slots=True)
+class CloudDescription:
+    """Facts of a cloud: how many points, how many of them ``finite``, rows and columns of one that is ``organised``.
+
+    ``low`` and ``high`` are the corners of the box around the finite points and ``sensor`` the sensor's place, x, y, z
+    in metres. ``fields`` has the dtype and the shape of each value of a field.
+    """
+
+    points: int
+    finite: int
+    organised: list[int] | None
+    low: list[float] | None
+    high: list[float] | None
+    spacing_m: float | None
+    fields: dict[str, list[str | int]]
+    has_times: bool
+    sensor: list[float] | None
+    notes: list[str]
+
+
+def description(cloud: PointCloud) -> CloudDescription:
+    """Return the facts of a cloud as ``gridbloom info`` prints them."""
     known = cloud.points[cloud.finite]
     low, high = (known.min(axis=0), known.max(axis=0)) if len(known) else (None, None)
-    return {
-        "points": len(cloud),
-        "finite": len(known),
-        "organised": list(cloud.shape) if cloud.is_organised and cloud.shape else None,
-        "low": None if low is None else [float(value) for value in low],
-        "high": None if high is None else [float(value) for value in high],
-        "spacing_m": spacing(known),
-        "fields": {name: [str(values.dtype), *values.shape[1:]] for name, values in cloud.fields.items()},
-        "has_times": cloud.times is not None,
-        "sensor": None if cloud.sensor_pose is None else [float(value) for value in cloud.sensor_pose[:3, 3]],
-        "notes": list(cloud.notes),
-    }
+    return CloudDescription(
+        points=len(cloud),
+        finite=len(known),
+        organised=list(cloud.shape) if cloud.is_organised and cloud.shape else None,
+        low=None if low is None else [float(value) for value in low],
+        high=None if high is None else [float(value) for value in high],
+        spacing_m=spacing(known),
+        fields={name: [str(values.dtype), *values.shape[1:]] for name, values in cloud.fields.items()},
+        has_times=cloud.times is not None,
+        sensor=None if cloud.sensor_pose is None else [float(value) for value in cloud.sensor_pose[:3, 3]],
+        notes=list(cloud.notes),
+    )
