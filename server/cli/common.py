@@ -196,17 +196,40 @@ def value_of(row: Parameter, text: str) -> object:
         return text
 
 
-def given_parameters(values: dict[str, Any], mount: str | None = None) -> dict[str, Any]:
+def given_values(rows: Mapping[str, Parameter], values: Mapping[str, object]) -> dict[str, Any]:
+    """Return the values of a table's options that were given, those that are not None."""
+    return {
+        name: value_of(rows[name], value) if isinstance(value, str) else value
+        for name, value in values.items()
+        if value is not None
+    }
+
+
+def set_values(rows: Mapping[str, Parameter], texts: Iterable[str]) -> dict[str, object]:
+    """Return the values of a table given as ``--set NAME=VALUE``, or end the command with an error.
+
+    A name that is not in the table is returned with its text: the table refuses it.
+    """
+    given: dict[str, object] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            fail(f"--set needs NAME=VALUE, not {text!r:.80}.")
+        name = name.strip().replace("-", "_")
+        given[name] = value_of(rows[name], value.strip()) if name in rows else value
+    return given
+
+
+def given_parameters(values: Mapping[str, object], mount: str | None = None) -> dict[str, object]:
     """Return the given parameters, or end the command with an error."""
-    typed = {name: value for name, value in values.items() if value is not None}
-    given = {name: value_of(BY_NAME[name], value) if isinstance(value, str) else value for name, value in typed.items()}
+    given: dict[str, object] = given_values(BY_NAME, values)
     if mount is not None:
         given |= zip(MOUNT, numbers("--mount", "three numbers, X,Y,YAW in metres and radians", 3, mount), strict=True)
     configured(given)
     return given
 
 
-def configured(given: dict[str, Any]) -> MappingConfig:
+def configured(given: Mapping[str, object]) -> MappingConfig:
     """Return the parameters with the given ones replaced, or end the command with an error."""
     try:
         return MappingConfig().with_values(given)
@@ -214,12 +237,9 @@ def configured(given: dict[str, Any]) -> MappingConfig:
         fail(error.message)
 
 
-def given_cut(values: dict[str, Any]) -> PlanarCut:
+def given_cut(values: dict[str, object]) -> PlanarCut:
     """Take the options of planar cuts out of ``values``; return the cut, or end the command with an error."""
-    typed = {name: values.pop(name) for name in CUT_BY_NAME if name in values}
-    given: dict[str, Any] = {
-        name: value_of(CUT_BY_NAME[name], text) for name, text in typed.items() if text is not None
-    }
+    given = given_values(CUT_BY_NAME, {name: values.pop(name) for name in CUT_BY_NAME if name in values})
     try:
         return PlanarCut(**given)
     except MapperError as error:

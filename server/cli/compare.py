@@ -107,9 +107,9 @@ def compare(
     typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
 
 
-def _pairs(texts: list[str]) -> dict[str, Any]:
+def _pairs(texts: list[str]) -> dict[str, object]:
     """Return parameters given as NAME=VALUE, or end the command with an error."""
-    out: dict[str, Any] = {}
+    out: dict[str, object] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         row = BY_NAME.get(name.replace("-", "_"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -85,10 +85,12 @@ def costmap(
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
     unknown_as_free = count_unknown_as_free(parameters, loaded.values, costs)
-    facts: dict[str, Any] = {
+    layers = [layer.name for layer in parameters.layers]
+    notes = [*loaded.notes, *parameters.notes, *notes_on_masks(masks)]
+    facts: dict[str, object] = {
         "map": str(map_yaml),
         "node": parameters.node,
-        "layers": [layer.name for layer in parameters.layers],
+        "layers": layers,
         "inscribed_radius": round(outline.inscribed_radius, 6),
         "circumscribed_radius": round(outline.circumscribed_radius, 6),
         "lethal": int(counts[LETHAL]),
@@ -103,13 +105,13 @@ def costmap(
         "speed_limited": sum(int((one.mask.on(loaded.grid.geometry) > 0).sum()) for one in built.speed),
         "without_costs": list(built.given),
         "without_readings": list(built.observed),
-        "notes": [*loaded.notes, *parameters.notes, *notes_on_masks(masks)],
+        "notes": notes,
         "files": [str(path) for path in files],
     }
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{parameters.node}: {', '.join(facts['layers'])}")
+    typer.echo(f"{parameters.node}: {', '.join(layers)}")
     typer.echo(
         f"  inscribed radius {facts['inscribed_radius']:.3f} m, "
         f"circumscribed radius {facts['circumscribed_radius']:.3f} m"
@@ -130,9 +132,9 @@ def costmap(
         typer.echo(f"  layers without costs, which a terrain gives on the page: {', '.join(built.given)}")
     if built.observed:
         typer.echo(f"  layers without effect here, which take the readings of sensors: {', '.join(built.observed)}")
-    for path in facts["files"]:
+    for path in files:
         typer.echo(f"  wrote {path}")
-    print_notes(facts["notes"])
+    print_notes(notes)
 
 
 class SpeedScale(NamedTuple):

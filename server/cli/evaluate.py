@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from server.cli.common import AsJson, TopicName, app, fail, print_json, read_log, refusing
+from server.cli.common import AsJson, TopicName, app, fail, print_json, print_notes, read_log, refusing
 
 if TYPE_CHECKING:
     from mapper.evaluation import ErrorSeries, PublishedResult, RelationErrors
@@ -116,8 +116,7 @@ def evaluate(
     which = "all" if all_pairs else "consecutive"
     _table("absolute error", absolute)
     _table(f"relative error over {delta:g} {delta_unit}, {len(relative['rotation'].errors)} {which} pairs", relative)
-    for note in notes:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: str | None, *, as_json: bool) -> None:
@@ -179,8 +178,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
         _table(f"unambiguous, {len(clear['translation'].errors)} relations of one message for each stamp", clear)
     if published:
         _beside(published, found, clear)
-    for note in poses.notes:
-        typer.echo(f"  note: {note}")
+    print_notes(poses.notes)
 
 
 def _beside(published: Sequence[PublishedResult], found: RelationErrors, clear: dict[str, ErrorSeries] | None) -> None:
@@ -241,7 +239,7 @@ def _table(title: str, errors: dict[str, ErrorSeries]) -> None:
     typer.echo(f"  {title}")
     typer.echo(" " * 19 + "".join(f" {name:>11}" for name in FIGURES))
     for kind, series in errors.items():
-        figures: dict[str, Any] = asdict(series.statistics)
+        figures: dict[str, float] = asdict(series.statistics)
         if kind == "rotation":
             figures = {
                 name: math.degrees(math.degrees(value)) if name == "sse" else math.degrees(value)

@@ -22,9 +22,11 @@ from server.cli.common import (
     given_parameters,
     numbers,
     print_json,
+    print_notes,
     progress_bar,
     read_joint,
     refusing,
+    set_values,
     with_corrections,
     with_parameter_options,
 )
@@ -105,7 +107,8 @@ def localize(
     notes = [*scans.notes, *loaded.notes, *of_parameters]
     first = found.first_converged
     notes += [] if first is None else doubts(found, first)
-    facts: dict[str, Any] = {
+    last_pose = [round(float(v), 6) for v in found.poses[-1]]
+    facts: dict[str, object] = {
         "log": scans.name,
         "map": map_file.name,
         "scans": scans.n_scans,
@@ -114,7 +117,7 @@ def localize(
         "converged_at_scan": first,
         "scans_converged": int(found.is_converged.sum()),
         "scans_sure": int(found.is_sure.sum()),
-        "last_pose": [round(float(v), 6) for v in found.poses[-1]],
+        "last_pose": last_pose,
         "last_converged": bool(found.is_converged[-1]),
         "last_sure": bool(found.is_sure[-1]),
         "median_fit": round(float(sorted(found.fit)[len(found.fit) // 2]), 4),
@@ -131,7 +134,7 @@ def localize(
     else:
         typer.echo(f"  converged at scan {first}; it had converged at {facts['scans_converged']} scans")
         typer.echo(f"  sure of the place at {facts['scans_sure']} scans: other places in the map were ruled out there")
-    x, y, yaw = facts["last_pose"]
+    x, y, yaw = last_pose
     not_there = "" if facts["last_sure"] else ", not sure: other places in the map were not ruled out there"
     if not facts["last_converged"]:
         not_there = ", not certain: the filter had not converged there"
@@ -140,8 +143,7 @@ def localize(
     typer.echo(f"  {found.cpu_seconds:.1f} s of processor time")
     for path in written:
         typer.echo(f"  wrote {path}")
-    for note in notes:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def doubts(found: Localized, first: int) -> list[str]:
@@ -169,7 +171,6 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
     An error ends the command.
     """
     from mapper.localization import PARAMETERS, LocalizationConfig, read_amcl_yaml  # noqa: PLC0415 - start-up
-    from server.cli.common import value_of  # noqa: PLC0415 - start-up
 
     config = LocalizationConfig()
     notes: list[str] = []
@@ -179,14 +180,7 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
         config, notes = read.config, [*read.notes]
         if read.ignored:
             notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(read.ignored)}.")
-    rows = {row.name: row for row in PARAMETERS}
-    given: dict[str, Any] = {}
-    for one in values:
-        name, equals, text = one.partition("=")
-        if not equals:
-            fail(f"--set needs NAME=VALUE, not {one!r:.80}.")
-        name = name.strip().replace("-", "_")
-        given[name] = value_of(rows[name], text.strip()) if name in rows else text
+    given = set_values({row.name: row for row in PARAMETERS}, values)
     try:
         return config.with_values(given), notes
     except MapperError as error:

@@ -16,12 +16,12 @@ from server.cli.common import (
     AsJson,
     app,
     fail,
+    given_values,
     numbers,
     print_json,
     print_notes,
     progress_bar,
     refusing,
-    value_of,
     with_parameter_options,
 )
 from server.cli.surface import MESHES, map_surface, write_mesh_file
@@ -112,9 +112,7 @@ def map3d(
     for row in OF_SURFACES:
         if row.name in typed:
             fail(f"--{row.name.replace('_', '-')} is of surfaces: it needs --tsdf.")
-    given: dict[str, Any] = {
-        name: value_of(_ROWS[name], value) if isinstance(value, str) else value for name, value in typed.items()
-    }
+    given = given_values(_ROWS, typed)
     began = time.process_time()
     read = _first_octree(inputs[0])
     if read is not None:

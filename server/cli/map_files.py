@@ -75,7 +75,7 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
     counts = {"occupied": values == OCCUPIED, "free": values == FREE, "unknown": values == UNKNOWN}
     found = {name: int(cells.sum()) for name, cells in counts.items()}
     found["between"] = values.size - sum(found.values())
-    facts: dict[str, Any] = {
+    facts: dict[str, object] = {
         "name": path.name,
         "format": f"map, {said.mode}",
         "image": said.image,

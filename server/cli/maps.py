@@ -28,6 +28,7 @@ from server.cli.common import (
     given_cut,
     given_parameters,
     print_json,
+    print_notes,
     progress_bar,
     read_sensors,
     refusing,
@@ -119,7 +120,8 @@ def map_log(
             whole = _joined(logs)
         written += _export(whole, GrowingMap(grid, config, first_scans), trajectory, mcap, tum)
     geometry = grid.geometry
-    facts: dict[str, Any] = {
+    origin = [geometry.origin[0] + offset[0], geometry.origin[1] + offset[1], geometry.origin[2]]
+    facts: dict[str, object] = {
         "log": scans.name,
         "trajectory": trajectory,
         "frame": frame,
@@ -131,7 +133,7 @@ def map_log(
         "resolution": geometry.resolution,
         "rows": geometry.rows,
         "cols": geometry.cols,
-        "origin": [geometry.origin[0] + offset[0], geometry.origin[1] + offset[1], geometry.origin[2]],
+        "origin": origin,
         **states(grid),
         "files": [str(path) for path in written],
         "notes": notes,
@@ -148,7 +150,7 @@ def map_log(
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"origin {', '.join(f'{value:.10g}' for value in facts['origin'])}"
+        f"origin {', '.join(f'{value:.10g}' for value in origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     typer.echo(
@@ -161,8 +163,7 @@ def map_log(
         typer.echo(f"  wrote {path}")
     if quiet:
         return
-    for note in [*notes, *(one for one in (cause, drift) if one)]:
-        typer.echo(f"  note: {note}")
+    print_notes([*notes, *(one for one in (cause, drift) if one)])
 
 
 def _joined(logs: Sequence[ScanLog]) -> ScanLog:
@@ -199,7 +200,7 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
     return deskewed, [note] if left_out else []
 
 
-def _config_for(logs: Sequence[ScanLog], given: dict[str, Any]) -> MappingConfig:
+def _config_for(logs: Sequence[ScanLog], given: dict[str, object]) -> MappingConfig:
     """Return the parameters that suit all sensors; end the command where they need different ones."""
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 

@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import numpy as np
 import typer
@@ -74,7 +74,7 @@ def match(
     if (one.index is None) != (other.index is None):
         fail(f"{one.name} and {other.name}: Two scans can be matched, or two maps; these are one of each.")
     is_map = one.index is None
-    wanted: dict[str, Any] = {}
+    wanted: dict[str, object] = {}
     if method is not None:
         wanted["method"] = method.replace("-", "_")
     if window is not None:

@@ -95,7 +95,7 @@ def merge(
     assert whole is not None  # noqa: S101 - the command asks for one map at least
     written = save(whole, out, mode, frames[0] if len(set(frames)) == 1 else None)
     geometry = whole.geometry
-    facts: dict[str, Any] = {
+    facts: dict[str, object] = {
         "maps": [str(path) for path in maps],
         "resolution": geometry.resolution,
         "rows": geometry.rows,
@@ -162,7 +162,7 @@ def merge_log_files(
         texts[f"-{number}.tum"] = tum_text(replace(log, trajectories={SLAM: Trajectory(poses)}), SLAM)
     written = [*save(grid, out, mode, "map"), *write_texts(out, texts)]
     geometry = grid.geometry
-    facts: dict[str, Any] = {
+    facts: dict[str, object] = {
         "logs": [str(path) for path in paths],
         "placed": found.placed.tolist(),
         "score": round(found.score, 4),

@@ -86,19 +86,21 @@ def path(
     unknown_as_free = count_unknown_as_free(parameters, loaded.values, built.costmap.costs)
     rows, cols = loaded.grid.geometry.world_to_cell(found.points).T
     in_unknown = int((loaded.values[rows, cols] < 0).sum())
-    facts: dict[str, Any] = {
+    without_effect = [*parameters.unused, *nav2.unused]
+    notes = [*loaded.notes, *parameters.notes, *nav2.notes, *notes_on_masks(masks)]
+    facts: dict[str, object] = {
         "map": str(map_yaml),
         "length": round(found.length, 3),
         "cost": round(found.cost, 3),
         "points": len(found.points),
         "speed": greatest,
         "travel_s": round(travel_time(found.points, greatest, built.speed), 3),
-        "without_effect": [*parameters.unused, *nav2.unused],
+        "without_effect": without_effect,
         "end": [round(float(value), 6) for value in found.points[-1]],
         "reaches_goal": found.reaches_goal,
         "unknown_as_free": unknown_as_free,
         "points_in_unknown": in_unknown,
-        "notes": [*loaded.notes, *parameters.notes, *nav2.notes, *notes_on_masks(masks)],
+        "notes": notes,
     }
     if out is not None:
         lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in found.points)
@@ -122,8 +124,8 @@ def path(
         typer.echo(f"  {UNKNOWN_AS_FREE.format(unknown_as_free)}")
     if in_unknown:
         typer.echo(f"  {in_unknown} of the points are in cells that the map does not know")
-    if facts["without_effect"]:
-        typer.echo(f"  parameters without effect here: {', '.join(facts['without_effect'])}")
+    if without_effect:
+        typer.echo(f"  parameters without effect here: {', '.join(without_effect)}")
     if out is not None:
         typer.echo(f"  wrote {out}")
-    print_notes(facts["notes"])
+    print_notes(notes)

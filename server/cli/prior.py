@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -70,7 +70,9 @@ class PriorMap:
         return f"{chosen} state the frame of the prior map with --prior-frame {frame}."
 
 
-def given_prior(text: str | None, frame: str | None, given: dict[str, Any]) -> tuple[dict[str, Any], PriorMap | None]:
+def given_prior(
+    text: str | None, frame: str | None, given: dict[str, object]
+) -> tuple[dict[str, object], PriorMap | None]:
     """Return the parameters with a prior that is a number or a map file, and the map.
 
     Where no other resolution is given, it is that of the map.

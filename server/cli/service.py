@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
-from server.cli.common import AsJson, app, fail, print_json, progress_bar, refusing
+from server.cli.common import AsJson, app, fail, print_json, print_notes, progress_bar, refusing
 from server.imports import fast_imports
 
 if TYPE_CHECKING:
@@ -119,8 +119,7 @@ def upload(
         print_json({**log.record, "link": link})
         return
     typer.echo(f"{log.name}: {_contents(log.record)}")
-    for note in log.notes:
-        typer.echo(f"  note: {note}")
+    print_notes(log.notes)
     typer.echo(f"  {link}")
 
 

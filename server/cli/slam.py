@@ -26,9 +26,11 @@ from server.cli.common import (
     fail,
     given_parameters,
     print_json,
+    print_notes,
     progress_bar,
     read_joint,
     refusing,
+    set_values,
     with_corrections,
     with_parameter_options,
 )
@@ -105,7 +107,8 @@ def slam(
     written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
     loops = found.graph.kind == 1
     residuals = found.graph.residual[loops]
-    facts: dict[str, Any] = {
+    notes = [*scans.notes, *found.notes]
+    facts: dict[str, object] = {
         "log": scans.name,
         "scans": scans.n_scans,
         "odometry": found.odometry,
@@ -124,7 +127,7 @@ def slam(
             for when, one in (("before", before), ("after", after))
         },
         "files": [str(path) for path in written],
-        "notes": [*scans.notes, *found.notes],
+        "notes": notes,
     }
     if as_json:
         print_json(facts)
@@ -141,8 +144,7 @@ def slam(
         typer.echo(f"  {line}")
     for path in written:
         typer.echo(f"  wrote {path}")
-    for note in facts["notes"]:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
@@ -158,16 +160,8 @@ def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
 def _configured(values: list[str]) -> SlamConfig:
     """Return the parameters with those given as NAME=VALUE replaced, or end the command with an error."""
     from mapper.slam import SLAM_PARAMETERS, SlamConfig  # noqa: PLC0415 - start-up
-    from server.cli.common import value_of  # noqa: PLC0415 - start-up
 
-    rows = {row.name: row for row in SLAM_PARAMETERS}
-    given: dict[str, Any] = {}
-    for one in values:
-        name, equals, text = one.partition("=")
-        if not equals:
-            fail(f"--set needs NAME=VALUE, not {one!r:.80}.")
-        name = name.strip().replace("-", "_")
-        given[name] = value_of(rows[name], text.strip()) if name in rows else text
+    given = set_values({row.name: row for row in SLAM_PARAMETERS}, values)
     try:
         return SlamConfig().with_values(given)
     except MapperError as error:

@@ -11,7 +11,7 @@ from msgspec import Struct, to_builtins
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.volume.surface.parameters import TSDF_PARAMETERS, TsdfConfig
-from server.cli.common import fail, print_json, print_notes, progress_bar, refusing, value_of
+from server.cli.common import fail, given_values, print_json, print_notes, progress_bar, refusing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +27,7 @@ MESHES = (".ply", ".glb")  #: endings of the files
 def map_surface(
     inputs: list[Path],
     out: list[Path],
-    values: dict[str, Any],
+    values: dict[str, object],
     *,
     topic: str | None,
     sensor: NDArray[Any] | None,
@@ -46,11 +46,8 @@ def map_surface(
         if path.suffix not in MESHES:
             fail(f"--out must end in {' or '.join(MESHES)} with --tsdf, not {path.name!r:.80}.")
     began = time.process_time()
-    given: dict[str, Any] = {
-        name: value_of(ROWS[name], value) if isinstance(value, str) else value for name, value in values.items()
-    }
     try:
-        config = TsdfConfig(**given)
+        config = TsdfConfig(**given_values(ROWS, values))
     except MapperError as error:
         fail(error.message)
     volume, did, notes, offset = TsdfVolume(config), Fusions(), [], MapOffset()

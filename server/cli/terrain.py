@@ -10,7 +10,7 @@ import typer
 
 from mapper.core.errors import ConfigError, MapperError
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
-from server.cli.common import AsJson, app, fail, print_json, refusing, value_of, with_parameter_options
+from server.cli.common import AsJson, app, fail, given_values, print_json, print_notes, refusing, with_parameter_options
 
 if TYPE_CHECKING:
     from mapper.core.array_types import BoolArray
@@ -44,11 +44,7 @@ def terrain(
     from mapper.io.clouds import read_cloud  # noqa: PLC0415 - start-up
     from mapper.terrain import Patches, agreement, assess, find_ground, fitted  # noqa: PLC0415 - start-up
 
-    given: dict[str, Any] = {
-        name: value_of(_ROWS[name], value) if isinstance(value, str) else value
-        for name, value in parameters.items()
-        if value is not None
-    }
+    given = given_values(_ROWS, parameters)
     try:
         ground_config = GroundConfig(**{row.name: given[row.name] for row in GROUND_PARAMETERS if row.name in given})
         config = PatchConfig(**{row.name: given[row.name] for row in PATCH_PARAMETERS if row.name in given})
@@ -68,7 +64,8 @@ def terrain(
         with refusing(truth):
             right = agreement(ground.is_ground, _points_in(read, read_cloud(truth)))
     files = _write(out, ground.is_ground, found)
-    facts: dict[str, Any] = {
+    notes = [*read.notes, *_unknown_patches(every, found, config)]
+    facts: dict[str, object] = {
         "cloud": str(cloud),
         "points": len(read),
         "ground": int(ground.is_ground.sum()),
@@ -78,7 +75,7 @@ def terrain(
         **({} if right is None else {name: round(value, 2) for name, value in right.items()}),
         "cpu_seconds": round(took, 3),
         "files": [str(path) for path in files],
-        "notes": [*read.notes, *_unknown_patches(every, found, config)],
+        "notes": notes,
     }
     if as_json:
         print_json(facts)
@@ -96,8 +93,7 @@ def terrain(
     typer.echo(f"  {took:.2f} s of processor time")
     for path in files:
         typer.echo(f"  wrote {path}")
-    for note in facts["notes"]:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
 
 
 def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> list[str]:

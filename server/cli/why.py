@@ -22,6 +22,7 @@ from server.cli.common import (
     given_parameters,
     place,
     print_json,
+    print_notes,
     read_log,
     refusing,
     with_parameter_options,
@@ -80,7 +81,7 @@ def why(
             strict=True,
         )
     ]
-    facts: dict[str, Any] = {
+    facts: dict[str, object] = {
         "log": scans.name,
         "scans": replay.index,
         "row": row,
@@ -108,5 +109,4 @@ def why(
             f"  {touch['scan']:6} {touch['beam']:5} {reading:>10} {touch['increment']:+10.3f} {touch['log_odds']:9.3f}"
             + ("  passed; the scan hits the cell" if touch["outweighed"] else "")
         )
-    for note in notes:
-        typer.echo(f"  note: {note}")
+    print_notes(notes)
