@@ -23,10 +23,10 @@ dl { display: grid; grid-template-columns: max-content 1fr; gap: .5mm 5mm; margi
 ol, ul { margin: 0; padding-left: 6mm; } li { margin: 0 0 1.5mm; break-inside: avoid; }
 .maps { display: grid; gap: 4mm; grid-template-columns: repeat(auto-fit, minmax(78mm, 1fr)); }
 figure { margin: 0; break-inside: avoid; } figcaption { margin-top: 1mm; }
-figure svg, figure img { display: block; width: 100%; max-height: 105mm; border: 1px solid #c9c3b2; background: #e5e0cf; }
+figure svg, figure img { display: block; width: 100%; max-height: 95mm; box-sizing: border-box; border: 1px solid #c9c3b2; background: #e5e0cf; }
 figure img { width: auto; max-width: 100%; max-height: 75mm; }
 table { border-collapse: collapse; width: 100%; font-size: 9.5pt; } td, th { padding: .5mm 2mm; text-align: left; border-bottom: 1px solid #e5e0cf; vertical-align: top; }
-tr { break-inside: avoid; } .parameters { columns: 2; column-gap: 8mm; font-size: 9.5pt; } .parameters div { display: flex; justify-content: space-between; gap: 3mm; break-inside: avoid; }
+tr { break-inside: avoid; } .parameters { columns: 2; column-gap: 8mm; font-size: 9.5pt; break-inside: avoid; } .parameters div { display: flex; justify-content: space-between; gap: 3mm; break-inside: avoid; }
 .parameters .changed { font-weight: 600; }
 button { font: inherit; padding: 1.5mm 4mm; } header { display: flex; justify-content: space-between; align-items: start; gap: 4mm; }
 @media (max-width: 90mm) { .parameters { columns: 1; } .maps { grid-template-columns: 1fr; } }

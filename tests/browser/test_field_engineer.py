@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import await_map, frame, until
+from tests.browser.looking import await_map, await_true, frame, until
+from tests.browser.test_clip_handles import CUT, by_mouse, ceiling_handle
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -32,10 +33,15 @@ class Clicks:
 
 
 @pytest.mark.long
+@pytest.mark.moving
 def test_from_the_upload_to_the_report(page: Page, server: str, tmp_path: Path) -> None:
     camera = [image(np.full((48, 64), 60 * n, dtype=np.uint8), "mono8", T0 + n * recorded.SECOND) for n in range(3)]
     line = recorded.log_line(T0 + 2 * recorded.SECOND, 40, "Bumper pressed", "bumper")
-    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), *camera, line]))
+    away = np.random.default_rng(0).normal(size=(6000, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    walls = away * np.min(np.array([3.0, 2.5, 1.5]) / np.abs(away), axis=1)[:, None]
+    clouds = [recorded.cloud(T0 + n * recorded.SECOND, walls, frame="base_link") for n in range(3)]
+    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), *camera, *clouds, line]))
     clicks = Clicks()
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(tmp_path / "robot.mcap")
@@ -64,8 +70,21 @@ def test_from_the_upload_to_the_report(page: Page, server: str, tmp_path: Path) 
     expect(page.get_by_role("region", name="Measured")).to_contain_text("±")
     clicks.on(page.get_by_role("button", name="Close the ruler"))
 
+    # The ceiling is clipped, beside the log.
+    with page.expect_popup() as beside:
+        clicks.on(page.get_by_role("link", name="Open in 3D"))
+    solid = beside.value
+    await_true(solid, "() => window.gridbloom?.connection.store.part('volume').message.peek()?.chunks > 0")
+    clicks.on(solid.get_by_role("button", name="Clip", exact=True))
+    until("the handles are drawn", lambda: ceiling_handle(solid) is not None)
+    handle = ceiling_handle(solid)
+    assert handle is not None
+    whole = solid.evaluate(CUT)
+    by_mouse(solid, handle, 60.0, lambda: await_true(solid, f"() => ({CUT})() < {whole} - 0.3"))
+    clicks.count += 1
+    solid.close()
+
     # A note, a link, and the report.
-    clicks.on(page.get_by_role("tab", name="Data", exact=True))
     clicks.on(page.get_by_role("tab", name="Notes"))
     clicks.on(page.get_by_label("New note"))
     page.keyboard.type("pushed here")

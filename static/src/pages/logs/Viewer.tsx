@@ -41,6 +41,7 @@ import { showColumn, ViewerFrame } from "./ViewerFrame";
 import { LayoutChoice } from "./views/LayoutChoice";
 import { useLayout } from "./views/useLayout";
 import { kindsFor, viewsOf } from "./views/views";
+import { OpenIn3d } from "./volume/OpenIn3d";
 
 interface ViewerProps {
   readonly session: string;
@@ -184,6 +185,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       >
         <Head store={store} onClose={onClose}>
           <LayoutChoice layout={layout} kinds={kinds} />
+          {!isGuest && log && <OpenIn3d id={log.id} contents={contents.state.value} />}
           {!isGuest && (
             <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />
           )}

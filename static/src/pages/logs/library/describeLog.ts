@@ -118,9 +118,11 @@ export function lidars(log: LogRecord): readonly string[] {
 /** Whether it has planar scans: it is no map, no cloud and no recording of costmaps. */
 const isScanned = (log: LogRecord): boolean => log.costmaps === 0 && log.clouds === 0 && !log.map;
 
-/** Whether a recording has point clouds, of which a map in 3D can be made. */
-export const hasClouds = (log: LogRecord): boolean =>
-  log.topics.some(({ type, count }) => /\/(PointCloud2|CustomMsg)$/.test(type) && count > 0);
+/** Whether messages of a type are point clouds, of which a map in 3D can be made. */
+export const isCloud = (type: string): boolean => /\/(PointCloud2|CustomMsg)$/.test(type);
+
+/** Whether a recording has point clouds. */
+export const hasClouds = (log: LogRecord): boolean => log.topics.some(({ type, count }) => isCloud(type) && count > 0);
 
 /** A topic in a line. */
 export function topic(one: Topic): string {
