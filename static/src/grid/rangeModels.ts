@@ -22,7 +22,7 @@ export interface BeamMixture extends FieldMixture {
 }
 
 /** The four weighted parts of p(z | x, m); `max` is a probability at `range_max`, the others are densities, 1/m. */
-export interface BeamParts {
+interface BeamParts {
   readonly hit: number;
   readonly short: number;
   readonly max: number;

@@ -81,7 +81,7 @@ export function evidenceOfBeam(
 /**
  * The evidence of a reading `z` for each cell on its beam: free before the window, occupied in it and at the endpoint.
  */
-export function evidenceAlongBeam(
+function evidenceAlongBeam(
   geometry: GridGeometry,
   pose: Pose,
   bearing: number,
@@ -188,7 +188,7 @@ export function inverseRangeSensorModel(
 }
 
 /** Lattice coordinates (column, row) of the point at distance `z` along a bearing. */
-export function pointAt(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Point {
+function pointAt(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Point {
   const [px, py] = [z * Math.cos(bearing), z * Math.sin(bearing)];
   const [cos, sin] = [Math.cos(pose[2]), Math.sin(pose[2])];
   return toLattice(geometry, pose[0] + cos * px - sin * py, pose[1] + sin * px + cos * py);
@@ -197,7 +197,7 @@ export function pointAt(geometry: GridGeometry, pose: Pose, bearing: number, z: 
 const floored = ([u, v]: Point): Cell => ({ row: Math.floor(v), col: Math.floor(u) });
 
 /** The cell that contains the point at distance `z` along a bearing. */
-export function cellOfBeam(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Cell {
+function cellOfBeam(geometry: GridGeometry, pose: Pose, bearing: number, z: number): Cell {
   return floored(pointAt(geometry, pose, bearing, z));
 }
 

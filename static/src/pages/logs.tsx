@@ -17,7 +17,7 @@ import { isAway, whyAgain } from "../wire/ask";
 import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Library } from "./logs/library/Library";
-import { arrived, type LogRecord, openSession } from "./logs/library/library";
+import { type LogRecord, openSession } from "./logs/library/library";
 import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
 import { Guest } from "./logs/share/Guest";
@@ -58,12 +58,6 @@ function placeOf(search: string): Place {
 const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
-
-const arrival = new URLSearchParams(location.search).get("arrived");
-if (arrival) {
-  arrived.value = arrival;
-  history.replaceState(null, "", location.pathname);
-}
 
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;

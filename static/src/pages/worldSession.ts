@@ -8,7 +8,7 @@ import { followMaking, newName } from "./making";
 const KEY = "gridbloom.world";
 
 /** The progress of a world that the server replays from its story, and how to cancel it. */
-export interface Replay {
+interface Replay {
   readonly work: Work;
   cancel(): void;
 }
@@ -17,7 +17,7 @@ export interface Replay {
 export const replay = signal<Replay | null>(null);
 
 /** A request for a world that is under way. */
-export interface WorldStart extends Work {
+interface WorldStart extends Work {
   /** Whether the server answers meanwhile: if not, it is not making the world either. */
   readonly isAnswered: boolean;
 }

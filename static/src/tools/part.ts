@@ -15,7 +15,7 @@ interface Overlay {
 }
 
 /** What a group shows. */
-export interface PartView {
+interface PartView {
   readonly store: Store;
   readonly session: string;
 }

@@ -23,7 +23,7 @@ const framePainted = (): Promise<void> =>
     requestAnimationFrame(() => setTimeout(done));
   });
 
-export interface PredictionProps extends GuessQuestion {
+interface PredictionProps extends GuessQuestion {
   /** Step of the guess. */
   readonly step: number;
   /** Brings the figure into the state that was asked about, and returns the number to be guessed. */

@@ -10,7 +10,7 @@ export interface GuessQuestion {
   readonly axis: ClassAxis;
 }
 
-export interface ClassGuess {
+interface ClassGuess {
   /** The question with its answers, while the class is asked; null otherwise. */
   readonly asked: ClassQuestion | null;
   /** Ask the class; null where this page is not the lecturer's, or the question is asked already. */

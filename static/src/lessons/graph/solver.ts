@@ -28,7 +28,7 @@ export interface Solution {
   readonly weights: readonly number[];
 }
 
-export interface SolverOptions {
+interface SolverOptions {
   readonly kernel: Kernel;
   /** Scale of the kernel, in standard deviations. */
   readonly scale: number;
@@ -57,7 +57,7 @@ export function between(a: Pose, b: Pose): Pose {
 const node = (poses: readonly Pose[], k: number): Pose => poses[k] as Pose;
 
 /** e = Z⁻¹ ∘ (Tᵢ⁻¹ ∘ Tⱼ). */
-export const edgeError = (poses: readonly Pose[], edge: GraphEdge): Pose =>
+const edgeError = (poses: readonly Pose[], edge: GraphEdge): Pose =>
   between(edge.relative, between(node(poses, edge.i), node(poses, edge.j)));
 
 const times = ([xx, xy, xt, yy, yt, tt]: Symmetric, [x, y, t]: Vector): Vector => [
@@ -68,7 +68,7 @@ const times = ([xx, xy, xt, yy, yt, tt]: Symmetric, [x, y, t]: Vector): Vector =
 const dot = (a: Vector, b: Vector): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** eᵀ Ω e. */
-export function squaredError(poses: readonly Pose[], edge: GraphEdge): number {
+function squaredError(poses: readonly Pose[], edge: GraphEdge): number {
   const error = edgeError(poses, edge);
   return dot(error, times(edge.information, error));
 }
@@ -102,7 +102,7 @@ export function robustWeight(kernel: Kernel, chi2: number, scale: number): numbe
 }
 
 /** Solves H x = g in place by Cholesky's factorisation; H (n, n) is symmetric, positive definite, in rows. */
-export function solveDense(h: Float64Array, g: Float64Array): Float64Array {
+function solveDense(h: Float64Array, g: Float64Array): Float64Array {
   const n = g.length;
   const at = (r: number, c: number): number => h[r * n + c] ?? 0;
   for (let c = 0; c < n; c++)

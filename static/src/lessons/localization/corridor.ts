@@ -23,7 +23,7 @@ const SEEN = 0.9;
 const FALSE = 0.05;
 
 /** p(door | x): smooth at the frame of a door. */
-export const doorLikelihood = (x: number): number => {
+const doorLikelihood = (x: number): number => {
   const nearest = Math.min(...DOORS.map((door) => Math.abs(x - door)));
   return FALSE + (SEEN - FALSE) / (1 + Math.exp((nearest - DOOR_WIDTH / 2) / 0.06));
 };
@@ -49,7 +49,7 @@ export interface Filter {
 export const centre = (cell: number): number => (cell + 0.5) * CELL;
 
 /** Width of the bins that KLD sampling counts, m, and their number. */
-export const BIN = 0.5;
+const BIN = 0.5;
 export const BINS = LENGTH / BIN;
 
 /** The number of bins in which there is a particle. */

@@ -4,7 +4,7 @@ import { wrapped } from "../../grid/angles";
 import { type Alphas, odometryControl, odometrySigmas, sampleMotion } from "../../grid/motionModel";
 import { augmentedShare, lowVarianceSampler, normalized } from "../../grid/particleFilter";
 import { seeded } from "../../grid/random";
-import type { Point, Pose } from "../../wire/protocol";
+import type { Pose } from "../../wire/protocol";
 import { castRay } from "../common/world";
 import { endPoints, isFree, logLikelihood, MAPPED, randomPose, threeNormals } from "./field";
 
@@ -150,9 +150,6 @@ export function advance(
 }
 
 const isNear = (a: Pose, b: Pose): boolean => Math.hypot(a[0] - b[0], a[1] - b[1]) < NEAR;
-
-/** Whether the robot can be put down at a point. */
-export const canStand = (point: Point): boolean => isFree(point, 0.25);
 
 /** Scans before the robot is carried away, and after it, in the first state of the figure. */
 export const FOLLOWED = 14;

@@ -204,7 +204,7 @@ function Correlative() {
   );
 }
 
-export const SKETCHES = {
+const SKETCHES = {
   icp: Icp,
   "scan-to-scan": ScanToScan,
   "scan-to-map": ScanToMap,

@@ -20,7 +20,7 @@ export type Method = LocalMethod | "correlative";
 
 const DEGREE = Math.PI / 180;
 /** Points farther apart make no pair, metres; and this share of the pairs is kept. */
-export const GATE = 1;
+const GATE = 1;
 const KEEP = 0.9;
 const MAX_ITERATIONS = 40;
 /** Metres and radians: the step after which a pose counts as found. */
@@ -113,8 +113,7 @@ export function judged(
 /** The starting points of a basin of attraction, one per cell. */
 export const STARTS: GridGeometry = { resolution: 0.2, rows: 24, cols: 32, origin: [0, 0, 0] };
 
-/** Where a start ends: not computed yet, at the true pose, or elsewhere. */
-export const PENDING = 0;
+/** Where a start ends: at the true pose, or elsewhere; 0 is not computed yet. */
 export const TRUE_POSE = 1;
 export const ELSEWHERE = 2;
 

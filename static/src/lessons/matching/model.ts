@@ -26,7 +26,7 @@ export interface SurfaceScan extends PointScan {
 }
 
 /** Which points are neighbours, and which neighbours lie on a line. Metres. */
-export interface NormalSettings {
+interface NormalSettings {
   readonly halfWidth: number;
   readonly reach: number;
   readonly most: number;

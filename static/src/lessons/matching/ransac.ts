@@ -47,7 +47,7 @@ export function wallsOf(
   );
 }
 
-export interface Agreed {
+interface Agreed {
   readonly pose: Pose;
   /** Of each pair, whether its points lie on one another at the pose. */
   readonly isInlier: readonly boolean[];

@@ -66,7 +66,7 @@ export const POSES: readonly Pose[] = (() => {
 const SCANS: readonly LaserScan[] = POSES.map((pose) => scanFrom(WALLS, compose(pose, TRUE_MOUNT), LIDAR));
 
 /** The scan with the bearings of a sensor whose z axis points down. */
-export const upsideDownScan = (scan: LaserScan): LaserScan => ({
+const upsideDownScan = (scan: LaserScan): LaserScan => ({
   ...scan,
   angle_min: -scan.angle_min,
   angle_increment: -scan.angle_increment,

@@ -36,7 +36,7 @@ export const LAYERS = [
   { id: "keepout", name: "keepout", text: "a zone painted by hand" },
   { id: "inflation", name: "inflation", text: "cost around lethal cells" },
 ] as const;
-export type LayerId = (typeof LAYERS)[number]["id"];
+type LayerId = (typeof LAYERS)[number]["id"];
 
 export const OBSERVER: Pose = [5.4, 1.5, 0];
 export const CRATE = 0.5;

@@ -35,7 +35,7 @@ const thick = ([x0, y0, x1, y1]: Wall, bottom = 0): Box => [
 ];
 
 /** Everything solid: walls up to the ceiling, lintels over the two doors, the cupboard, and the low table. */
-export const SOLIDS: readonly Box[] = [
+const SOLIDS: readonly Box[] = [
   ...[...WALLS, POLISHED].map((wall) => thick(wall)),
   thick([1.835, 3.235, 3.135, 3.235], LINTEL),
   thick([7.135, 3.235, 8.335, 3.235], LINTEL),
@@ -57,7 +57,7 @@ export function stateOf(cell: Box, solids: readonly Box[] = SOLIDS): State | nul
 export const cube = (x: number, y: number, z: number, side: number): Box => [x, y, z, x + side, y + side, z + side];
 
 /** A leaf that a horizontal plane cuts. */
-export interface Leaf {
+interface Leaf {
   readonly x: number;
   readonly y: number;
   readonly side: number;
@@ -71,7 +71,7 @@ export interface Tree {
 }
 
 /** An octree: the leaves with their lower faces, and the number of inner nodes. */
-export interface Grown {
+interface Grown {
   readonly leaves: readonly (Leaf & { readonly z: number })[];
   readonly inner: number;
 }

@@ -1,9 +1,17 @@
 import { describe, expect, it } from "vitest";
-import { byMatching, byOdometry, errorOf, mapAlong, type Noise, otherEnds, TRUTH } from "./model";
+import type { Pose } from "../../wire/protocol";
+import { byOdometry, corrected, errorOf, mapAlong, type Noise, otherEnds, TRUTH } from "./model";
 
 const DEGREE = Math.PI / 180;
 const NONE: Noise = { way: 0, turn: 0 };
 const USUAL: Noise = { way: 0.05, turn: 4 * DEGREE };
+
+/** All poses corrected one after another. */
+function byMatching(size: Noise): readonly Pose[] {
+  const poses: Pose[] = [TRUTH[0] as Pose];
+  while (poses.length < TRUTH.length) poses.push(corrected(poses, size));
+  return poses;
+}
 
 describe("odometry and its correction", () => {
   it("is the true path without noise", () => {

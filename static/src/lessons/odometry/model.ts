@@ -136,13 +136,6 @@ export function corrected(poses: readonly Pose[], size: Noise): Pose {
   return pose;
 }
 
-/** All poses corrected one after another. */
-export function byMatching(size: Noise): readonly Pose[] {
-  const poses: Pose[] = [TRUTH[0] as Pose];
-  while (poses.length < SCANS) poses.push(corrected(poses, size));
-  return poses;
-}
-
 const CONFIG = { ...INITIAL_CONFIG, update: "per_scan" } as const;
 
 /** The map of the scans along poses. */

@@ -28,9 +28,8 @@ export const TABLE: readonly Wall[] = box(8.735, 4.935, 9.735, 5.635);
 
 /** A low table: a solid block below the plane of the laser, where that is mounted at its usual height. */
 export const LOW_TABLE: readonly Wall[] = box(1.335, 5.335, 2.335, 6.135);
-/** Heights above the floor, metres: of the low table, and of the laser's plane. */
+/** Height of the low table above the floor, metres. */
 export const LOW_TABLE_HEIGHT = 0.35;
-export const LASER_HEIGHT = 0.45;
 
 const WAYPOINTS: readonly Point[] = [
   [1.2, 1.5],

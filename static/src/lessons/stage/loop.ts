@@ -10,7 +10,7 @@ const SIDE = 0.4;
 export const LOOP_GEOMETRY = geometryOf(SIDE, FLOOR.width, FLOOR.height);
 export const LOOP_CELLS = LOOP_GEOMETRY.rows * LOOP_GEOMETRY.cols;
 /** The scan that the loop adds. */
-export const LOOP_SCAN = 29;
+const LOOP_SCAN = 29;
 const CONDITIONS = { ...USUAL, reach: 4 };
 const CONFIG: MappingConfig = { ...INITIAL_CONFIG, update: "per_scan", window: SIDE, no_return: "free" };
 
@@ -29,7 +29,7 @@ const BEFORE: OccupancyGrid = (() => {
 /** inverse_sensor_model − ℓ₀ of each cell, NaN outside the perceptual field. */
 const EVIDENCE = inverseRangeSensorModel(LOOP_GEOMETRY, scanAt(pose, LOOP_SCAN, CONDITIONS), pose, CONFIG);
 
-export interface Visit {
+interface Visit {
   readonly cell: Cell;
   readonly inField: boolean;
   readonly evidence: number;

@@ -6,7 +6,7 @@ import { stateOf } from "../common/counts";
 
 export type Look = "thin" | "broken" | "thick";
 
-export interface WallLook {
+interface WallLook {
   readonly look: Look;
   /** Mean number of occupied cells across the wall, where there is one. */
   readonly thickness: number;

@@ -116,7 +116,7 @@ export interface Limits {
 export const stepOf = (plane: Plane, edges: readonly Place[]): number =>
   Math.max(0, ...edges.map(([x, y, z]) => Math.abs(heightAt(plane, x, y) - z)));
 
-export interface Ratio {
+interface Ratio {
   readonly name: string;
   /** The weight times the property, divided by its greatest safe value. */
   readonly value: number;

@@ -19,7 +19,7 @@ const NOISE = [0.01, -0.012, 0.006, -0.008, 0.012, -0.005, 0.004, 0.01, -0.014];
 const patch = (height: (x: number, y: number) => number): readonly Place[] =>
   PLACES.map(([x, y], k) => [x, y, height(x, y) + (NOISE[k] as number)]);
 
-export interface Preset {
+interface Preset {
   readonly id: string;
   readonly label: string;
   readonly points: readonly Place[];

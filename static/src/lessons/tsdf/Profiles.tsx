@@ -11,8 +11,8 @@ const BEAM_Y = 30;
 const OCCUPANCY = { from: 168, to: 72, ...CLAMP };
 const DISTANCE = { from: 316, to: 208, low: -0.6, high: 0.6 };
 const WEIGHT = { from: 378, to: 344 };
-export const WALL: Range = { low: 0.65, high: 1.35, step: 0.01 };
-export const TRUNCATION: Range = { low: 0.2, high: 0.6, step: 0.02 };
+const WALL: Range = { low: 0.65, high: 1.35, step: 0.01 };
+const TRUNCATION: Range = { low: 0.2, high: 0.6, step: 0.02 };
 
 interface ProfilesProps {
   /** Where the wall was at first, m. */

@@ -10,7 +10,7 @@ import { logOdds } from "../../grid/logOdds";
 import { normal, seeded } from "../../grid/random";
 
 export const RESOLUTION = 0.1;
-export const VOXELS = 20;
+const VOXELS = 20;
 export const REACH = RESOLUTION * VOXELS;
 export const MOST_READINGS = 60;
 /** How far the wall is moved away halfway, m. */

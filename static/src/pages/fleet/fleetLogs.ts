@@ -71,8 +71,8 @@ export async function stopMapping(): Promise<void> {
 export type { FleetFinding as Finding, FleetLog };
 export type Facts = FleetFacts;
 export type Counts = FleetState["counts"];
-export type Cluster = ClusterState;
-export type FleetAnswer = FleetState;
+type Cluster = ClusterState;
+type FleetAnswer = FleetState;
 
 /** The logs after an answer: those of an earlier one with what has changed. */
 export function merged(known: ReadonlyMap<string, FleetLog> | null, answer: FleetAnswer): Map<string, FleetLog> {

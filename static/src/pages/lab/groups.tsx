@@ -24,7 +24,7 @@ const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoic
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
-export interface LabView {
+interface LabView {
   readonly store: Store;
   readonly session: string;
   readonly comparison: Comparison;

@@ -13,7 +13,7 @@ import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
 
 /** The history of a live world, from `/api/sessions/{id}/story`. Only the server interprets it. */
-export type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
+type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
 
 /** What the page shows of a world. */
 export interface VisibleState {

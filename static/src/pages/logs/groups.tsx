@@ -40,7 +40,7 @@ import { Trajectories } from "./trajectories/Trajectories";
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
-export interface LogView {
+interface LogView {
   readonly store: Store;
   readonly session: string;
   /** Of a visitor with a shared link: no other logs, no downloads of this one. */

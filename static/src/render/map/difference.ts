@@ -77,7 +77,7 @@ export function markedCodes(a: Range, b: Range, marked: Marked): Codes {
   return codes;
 }
 
-export interface DifferenceColours {
+interface DifferenceColours {
   readonly unobserved: Rgb;
   readonly less: Rgb;
   readonly none: Rgb;

@@ -3,7 +3,7 @@
 /** The largest number of highlighted cells; a further cell replaces the oldest. */
 const CAPACITY = 16384;
 /** Duration of a highlight. */
-export const HIGHLIGHT_MS = 600;
+const HIGHLIGHT_MS = 600;
 
 /** Opacity of a cell's highlight; `age` is the time since the change in seconds. */
 export function opacityOf(age: number): number {

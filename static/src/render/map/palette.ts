@@ -5,7 +5,7 @@ import { type Rgb, tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
 import type { Geometry } from "../../wire/protocol";
 
-export interface MapColours {
+interface MapColours {
   readonly unobserved: Rgb;
   readonly free: Rgb;
   readonly undecided: Rgb;

@@ -7,7 +7,7 @@ import type { MapPicture } from "./mapPicture";
 import { beliefPalette, type Palette, plain } from "./palette";
 
 /** Makes the palette of a style for a range of values. */
-export type PaletteMaker = (range: Pick<Geometry, "low" | "high">) => Palette;
+type PaletteMaker = (range: Pick<Geometry, "low" | "high">) => Palette;
 
 /** Values of which nothing is known but their order: from light to dark, byte 0 is a cell without one. */
 const VALUES: Palette = {

@@ -140,7 +140,7 @@ export function overlay(
 }
 
 /** A colour of some opacity over an opaque one, both as the words of an image's bytes. */
-export function blended(below: number, colour: number): number {
+function blended(below: number, colour: number): number {
   const alpha = (colour >>> 24) / 255;
   let out = 0xff000000;
   for (const shift of [0, 8, 16]) {

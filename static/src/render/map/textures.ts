@@ -16,7 +16,7 @@ interface Texture {
   drawn: number;
 }
 
-export interface Located {
+interface Located {
   readonly texture: WebGLTexture;
   /** Level of the texture that holds the pyramid's level asked for. */
   readonly mip: number;

@@ -17,7 +17,7 @@ import { costmapOf } from "./state";
 import { LAYER_NAMES } from "./WhyCost";
 
 /** The sheets from the bottom up: the layers, and the costs of all of them. */
-export const SHEETS = [
+const SHEETS = [
   "static_layer",
   "obstacle_layer",
   "dynamic_layer",

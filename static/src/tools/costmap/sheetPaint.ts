@@ -17,7 +17,7 @@ const FLOOR_IN_FRONT = 0.94;
 type Colours = typeof pictureColours.value;
 
 /** A sheet's costs, the image that keeps them painted, and whether its layer is switched on. */
-export interface SheetContent {
+interface SheetContent {
   readonly map: MapPicture | null;
   readonly image: Sheet;
   readonly isOn: boolean;

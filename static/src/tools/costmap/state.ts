@@ -11,7 +11,7 @@ export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
 /** What is laid over the belief: the name of a grid. */
 export type Over = "costmap" | "potential";
 
-export class CostmapState {
+class CostmapState {
   /** Null if no group of the costmap is open. */
   readonly tool = signal<MapTool | null>(null);
   /** The tool that is taken when such a group opens. */

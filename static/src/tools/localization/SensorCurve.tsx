@@ -24,7 +24,7 @@ const DECADES = [-4, -3, -2, -1, 0, 1];
 const EXPECTED = 0.6;
 const FLOOR_AT = 0.84;
 
-export interface CurveProps {
+interface CurveProps {
   readonly values: Values;
   readonly rows: readonly Parameter[];
   /** The sensor's longest range, m. */

@@ -4,7 +4,7 @@ import type { Store } from "../../store/store";
 import type { Values } from "../../wire/protocol";
 import { FilterSettings, type LocalizeCommand } from "./filterSettings";
 
-export class FilterState extends FilterSettings {
+class FilterState extends FilterSettings {
   readonly #store: Store;
 
   constructor(store: Store) {

@@ -167,7 +167,7 @@ interface FilesProps {
   readonly isSurface: boolean;
 }
 
-export function Files({ session, isSurface }: FilesProps) {
+function Files({ session, isSurface }: FilesProps) {
   return (
     <>
       <div class="actions">

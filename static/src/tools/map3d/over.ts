@@ -9,7 +9,7 @@ import { tokenRgb } from "../../style/colour";
 /** Name and style of the layer. */
 export const ONLY_IN_3D = "only_in_3d";
 /** Byte of a cell that is occupied in the 3D map's projection, and free or unknown in the belief. */
-export const MISSING_BYTE = 3;
+const MISSING_BYTE = 3;
 
 const OVER: Palette = {
   key: "only in 3d",

@@ -9,7 +9,7 @@ export type MapTool = "brush" | "line" | "area" | "keepout" | "speed" | "straigh
 /** What a cell becomes. */
 export type PaintedState = "occupied" | "free" | "unknown";
 
-export class MapEditing {
+class MapEditing {
   /** Null if the pointer moves the picture. */
   readonly tool = signal<MapTool | null>("brush");
   readonly state = signal<PaintedState>("occupied");

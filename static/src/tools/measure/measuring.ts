@@ -7,7 +7,7 @@ import type { Point } from "../../wire/protocol";
 /** A line of points, or a polygon. */
 export type MeasuringTool = "distance" | "area";
 
-export class Measuring {
+class Measuring {
   /** The tool in use; null while nothing is measured. */
   readonly tool = signal<MeasuringTool | null>(null);
   readonly points = signal<readonly Point[]>([]);

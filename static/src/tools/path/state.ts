@@ -4,7 +4,7 @@ import { type Signal, signal } from "@preact/signals";
 import type { Store } from "../../store/store";
 import type { PathMessage, Point } from "../../wire/protocol";
 
-export class PathState {
+class PathState {
   /** The newest message; null before the first. */
   readonly path: Signal<PathMessage | null>;
   /** Where the goal is dragged to; null while it is not. */

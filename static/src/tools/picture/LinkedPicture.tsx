@@ -16,7 +16,7 @@ import "./picture.css";
 import { pathOf } from "../path/state";
 
 /** A tool that draws in a picture; places are in the world. */
-export interface PictureTool {
+interface PictureTool {
   draws(): boolean;
   /** A stroke from `from` so far to `to`, null where it was cancelled. */
   stroke(from: Point | null, to: Point | null, isDone: boolean): void;

@@ -16,7 +16,7 @@ export const STYLE = "pose_graph";
 
 /** Residuals from which a loop is strained, and from which it contradicts the rest; standard deviations. */
 export const STRAINED = 2;
-export const CONTRADICTS = 5;
+const CONTRADICTS = 5;
 
 const KINDS: readonly { least: number; width: number; dash: number[]; shade: number }[] = [
   { least: 0, width: 1.25, dash: [], shade: 0 },
@@ -24,7 +24,7 @@ const KINDS: readonly { least: number; width: number; dash: number[]; shade: num
   { least: CONTRADICTS, width: 3, dash: [2, 3], shade: SHADES - 1 },
 ];
 
-export const paintPoseGraph: Overlay = (brush, content) => {
+const paintPoseGraph: Overlay = (brush, content) => {
   const xs = columnOf(content, "x");
   const ys = columnOf(content, "y");
   const { edges, values } = content;

@@ -8,7 +8,7 @@ export const STYLE = "true_path";
 /** Metres between two scans: no drive is as fast, the robot was put elsewhere. */
 const CARRIED = 2;
 
-export const paintTruePath: Overlay = ({ ctx, view, size, colours }, content) => {
+const paintTruePath: Overlay = ({ ctx, view, size, colours }, content) => {
   const xs = columnOf(content, "x");
   const ys = columnOf(content, "y");
   if (!xs || !ys) return;

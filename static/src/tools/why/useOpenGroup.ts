@@ -3,7 +3,7 @@ import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 
 /** The group of a dock that explains a cell. */
-export const WHY = "why";
+const WHY = "why";
 
 /**
  * The open group of a dock, at first `first`: the explanation of a cell takes the place of another group until it is

@@ -20,7 +20,7 @@ interface StageProps {
   readonly onLayout: (layout: Layout) => void;
 }
 
-export const PHONE = "(max-width: 44rem), (max-height: 36rem)";
+const PHONE = "(max-width: 44rem), (max-height: 36rem)";
 
 export function Stage({ views, layout, onLayout }: StageProps) {
   const id = useId();

@@ -13,7 +13,7 @@ export interface Layout {
 }
 
 /** Number of views of each arrangement. */
-export const COUNTS: Readonly<Record<Arrangement, number>> = { one: 1, beside: 2, above: 2, four: 4 };
+const COUNTS: Readonly<Record<Arrangement, number>> = { one: 1, beside: 2, above: 2, four: 4 };
 
 export const LIMITS = { low: 0.15, high: 0.85 };
 const HALF = 0.5;

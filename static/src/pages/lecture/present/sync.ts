@@ -27,7 +27,7 @@ type Message = { readonly told: Told } | { readonly act: Act } | { readonly poll
 
 const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-slides-${id}`);
 
-export const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
+const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
 
 /** The plan at slide `number` of those that are shown, from 1. */
 function planOf(shown: readonly Slide[], number: number): Told["plan"] {

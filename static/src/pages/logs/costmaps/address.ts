@@ -2,7 +2,7 @@
 
 import type { View } from "../../../render/view";
 
-export interface CostmapView {
+interface CostmapView {
   readonly topic: string;
   /** The number of the costmap, 1 for the first. */
   readonly index: number;

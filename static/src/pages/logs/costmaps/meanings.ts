@@ -1,6 +1,6 @@
 /** What the costs of Nav2's costmaps mean. Source: nav2_costmap_2d, cost_values.hpp. */
 
-export interface Meaning {
+interface Meaning {
   /** The background that shows its colour on the map. */
   readonly token: string;
   readonly costs: string;

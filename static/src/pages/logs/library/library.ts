@@ -38,9 +38,6 @@ export const allTags = signal<Readonly<Record<string, number>>>({});
 /** The log of a single file that was uploaded here, to be opened once it was read. */
 export const arrived = signal<string | null>(null);
 
-/** The logs page, which opens what has arrived on another page. */
-export const arrivalAddress = (id: string | null): string =>
-  id === null ? "/logs.html" : `/logs.html?arrived=${encodeURIComponent(id)}`;
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
 

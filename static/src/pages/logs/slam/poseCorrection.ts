@@ -12,7 +12,7 @@ import { LogJob } from "../jobs/LogJob";
 import * as api from "./api";
 
 /** The layer of the graph. */
-export const LAYER = "graph";
+const LAYER = "graph";
 /** A pointer that rests so long on an edge asks for its scans. */
 const REST_MS = 60;
 

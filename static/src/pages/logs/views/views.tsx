@@ -57,7 +57,7 @@ const VIEWS: readonly View[] = [
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
 ];
 
-export const MAP_VIEW = "map";
+const MAP_VIEW = "map";
 
 /** The kinds of views of a log. */
 export const kindsFor = (isGuest: boolean): readonly string[] => [

@@ -14,7 +14,7 @@ import { VolumeDownloads } from "./VolumeDownloads";
 import { VolumeMapGroup } from "./VolumeMapGroup";
 
 /** What the groups show. */
-export interface VolumeView {
+interface VolumeView {
   readonly store: Store;
   readonly session: string;
   /** The id of the log that the map is of; null if it is not known. */

@@ -97,11 +97,11 @@ export const titleOf = (slide: Slide): string => {
 
 const FORMAT = "gridbloom_deck";
 const VERSION = 1;
-export const MOST_SLIDES = 200;
+const MOST_SLIDES = 200;
 export const LONGEST_TITLE = 120;
 export const LONGEST_TEXT = 4000;
 const MOST_MINUTES = 600;
-export const LONGEST_FILE = 1_000_000;
+const LONGEST_FILE = 1_000_000;
 const KINDS = ["title", "section", "derivation", "text", "lab", "log"] as const;
 
 /** What of a deck is kept; {@link readDeck} reads it. */
