@@ -2,8 +2,7 @@
 
 from mapper.io.clouds.depth_folder import read_depth_folder
 from mapper.io.clouds.posed import PosedClouds, open_posed_clouds
-from mapper.io.clouds.reading import read_cloud, read_scan_graph
-from mapper.io.clouds.recorded import open_clouds
+from mapper.io.clouds.reading import open_clouds, read_cloud, read_scan_graph
 from mapper.sensors.depth_folder import DepthFolder, DepthFrame
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 

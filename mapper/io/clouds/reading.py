@@ -1,9 +1,9 @@
-"""A cloud's format recognised from its first bytes, and its reader called."""
+"""A cloud's format recognised from its first bytes, and its reader called; the clouds of a recording."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +19,11 @@ from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.foreign import is_tum, what_else
+from mapper.io.logs.opening import parts_of
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
+from mapper.sensors.streams import CloudStream
 
 Reader = Callable[[bytes, Limits], PointCloud]
 
@@ -102,3 +105,19 @@ def _joined(nodes: Iterator[PosedCloud], limits: Limits) -> PointCloud:
 
 def _known() -> str:
     return ", ".join([*FORMATS, "LAZ, scan graph (OctoMap), XYZ, PTS, CSV"])
+
+
+def open_clouds(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> Mapping[str, CloudStream]:
+    """Return the clouds (sensor_msgs/PointCloud2) of the recording at ``path`` by topic.
+
+    The recording is read once for its transforms, by which each stream says where a cloud's frame was on the robot; the
+    clouds themselves are read when a stream is iterated. Raises :class:`ReadError` for a file that is no recording or
+    has no clouds, and as :func:`mapper.io.logs.open_log`.
+    """
+    files, kind = parts_of(Path(path), limits)
+    clouds = kind.streams(files, limits, progress).clouds if isinstance(kind, Container) else {}
+    if not clouds:
+        raise ReadError("clouds.none", "The file holds no point clouds (sensor_msgs/PointCloud2 in a bag or an MCAP).")
+    return clouds
