@@ -188,8 +188,7 @@ class _Work:
         """
         begin = end - COMPARISON
         best, notes = self.run(0.0, begin), list[str]()
-        if not best.run.slam.n_loops:
-            return best, notes
+        stricter = STRICTER if best.run.slam.n_loops else {}  # without loops no rule for them changes anything
         part = (end - begin) / (1 + len(STRICTER))
         recognized = best.run.slam.recognized
         if recognized:
@@ -203,7 +202,7 @@ class _Work:
                     "scans saw free space."
                 )
         wanted = best.changed
-        for number, (name, value) in enumerate(STRICTER.items(), 1):
+        for number, (name, value) in enumerate(stricter.items(), 1):
             if best.agreement.is_consistent or len(best.run.slam) > LARGE:
                 break
             now = getattr(self._config, name)
@@ -222,9 +221,10 @@ class _Work:
             )
         if not best.agreement.is_consistent:
             far, near = 100.0 * best.agreement.contradicted, 100.0 * best.agreement.contradicted_near
+            suspect = "loops" if best.run.slam.n_loops else "poses"
             notes.append(
                 f"{far:.1f} % of the points lie where scans from more than {APART:.0f} m of the way before or after "
-                f"saw free space, {near:.1f} % where nearer ones did: loops may be wrong, or the place has changed."
+                f"saw free space, {near:.1f} % where nearer ones did: {suspect} may be wrong, or the place has changed."
             )
         return best, notes
 

@@ -12,7 +12,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.shapes import outer_walls, rect
 from mapper.simulation.worlds import World
-from mapper.slam import slam_log
+from mapper.slam import SlamConfig, slam_log
 from mapper.slam.loop_test import Loop, Place, share_contradicted_mutually
 from mapper.slam.odometry import motions
 from mapper.slam.scan_store import ScanStore
@@ -75,3 +75,19 @@ def test_what_a_scan_should_have_seen_counts_against_a_loop(
     relative = compose(inverse(true[0]), true[last] - [0.0, shift, 0.0])
     loop = Loop(0, last, 0.9, 0.9, "", relative, np.eye(3))
     assert low <= share_contradicted_mutually(store, place, loop) <= high
+
+
+@pytest.mark.parametrize("is_carried", [False, True])
+def test_a_map_that_contradicts_itself_is_said_to_where_no_loop_is_wrong_either(is_carried: bool) -> None:
+    """A robot that was carried away goes on where the odometry has it: there is no loop to refuse."""
+    log = drive("office", along([(6.2, 7.0), (14.0, 7.0), (2.5, 7.0), (14.0, 7.0)]), sensor=ALL_ROUND, turn_bias=0.0)
+    if is_carried:
+        half = log.n_scans // 2
+        steps = motions(log.trajectory("odometry").poses)
+        steps[half - 1] = 0.0
+        log = log.take(np.r_[0:half, half + 12 : log.n_scans])
+        steps = np.r_[steps[:half], steps[half + 12 :]]
+        wheels = Trajectory(chained(log.trajectory("odometry").poses[0], steps), "wheels", "odom")
+        log = replace(log, trajectories={**log.trajectories, "odometry": wheels})
+    found = slam_log(log, SlamConfig(loop_closure=False))
+    assert any("poses may be wrong" in note for note in found.notes) == is_carried
