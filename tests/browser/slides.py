@@ -52,6 +52,13 @@ _CUT = """() => {
     const rect = box.getBoundingClientRect();
     if (rect.bottom > innerHeight + 1 || rect.right > innerWidth + 1) found.push([box.className, "off the screen"]);
   }
+  for (const formula of document.querySelectorAll(".on-slide math")) {
+    if (!formula.checkVisibility({ visibilityProperty: true })) continue;
+    const content = document.createRange();
+    content.selectNodeContents(formula);
+    const out = content.getBoundingClientRect().right - formula.getBoundingClientRect().right;
+    if (out > 1) found.push([formula.textContent.slice(0, 20), "out of its column", Math.round(out)]);
+  }
   for (const box of document.querySelectorAll(".on-slide :not(svg *), .presenter *")) {
     if (!box.checkVisibility({ visibilityProperty: true }) || box.closest(".visually-hidden, math")) continue;
     const isCut = ["hidden", "clip"].includes(getComputedStyle(box).overflowX);

@@ -163,7 +163,7 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
         proxy.mend()
         expect(phone.get_by_role("list", name="1 answered.")).to_contain_text("right")
         expect(phone).to_have_url(re.compile("#cell/4$"))
-        expect(phone.get_by_role("heading", name="Four hits of +0.85.").first).to_be_visible()
+        expect(phone.get_by_role("heading", name="After four hits of +0.85").first).to_be_visible()
     ended(page)
 
 

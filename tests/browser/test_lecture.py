@@ -21,6 +21,13 @@ NARROW = "() => document.documentElement.scrollWidth <= document.documentElement
 WITHIN = """section => Math.max(...[...section.querySelectorAll(":not(svg *)")].map(
   one => one.getBoundingClientRect().right)) <= innerWidth + 1"""
 
+# The sections of tables that reach out of the section and do not scroll by themselves.
+TABLES_OUT = """() => [...document.querySelectorAll(".lesson table")].filter(table => {
+  let room = table;
+  while (room.parentElement && getComputedStyle(room).overflowX !== "auto") room = room.parentElement;
+  const seen = Math.min(table.getBoundingClientRect().right, room.getBoundingClientRect().right);
+  return seen > table.closest(".lesson").getBoundingClientRect().right + 1;
+}).map(table => table.closest(".lesson").id)"""
 
 #: Waits until the page has not scrolled for ten frames.
 STANDS = """async () => {
@@ -111,6 +118,8 @@ def test_figures_are_enlarged_with_the_text(page: Page, server: str, width: int,
     assert box["height"] > drawn["height"]
     assert box["width"] <= drawn["width"] + 1
     assert cut_labels(page, ".lesson") == []
+    assert page.locator(".lesson table").count() >= 9
+    assert page.evaluate(TABLES_OUT) == []
 
 
 @pytest.mark.moving

@@ -70,30 +70,32 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
           cursor.value = value;
         }}
       />
-      <table class="digits-values">
-        <thead>
-          <tr>
-            <th scope="col">in 32 bits</th>
-            <th scope="col">after reading {at}</th>
-            <th scope="col">as log-odds</th>
-          </tr>
-        </thead>
-        <tbody>
-          {FORMS.map(({ form, name }) => {
-            const value = form === "p" ? now.p : form === "odds" ? now.odds : now.logOdds;
-            const l = asLogOdds(now, form);
-            return (
-              <tr key={form} class={Number.isFinite(l) ? "" : "lost"}>
-                <th scope="row" class={form}>
-                  {name}
-                </th>
-                <td>{plain(value)}</td>
-                <td>{Number.isFinite(l) ? written(l, 2) : l > 0 ? "+∞" : "−∞"}</td>
-              </tr>
-            );
-          })}
-        </tbody>
-      </table>
+      <div class="table-room">
+        <table class="digits-values">
+          <thead>
+            <tr>
+              <th scope="col">in 32 bits</th>
+              <th scope="col">after reading {at}</th>
+              <th scope="col">as log-odds</th>
+            </tr>
+          </thead>
+          <tbody>
+            {FORMS.map(({ form, name }) => {
+              const value = form === "p" ? now.p : form === "odds" ? now.odds : now.logOdds;
+              const l = asLogOdds(now, form);
+              return (
+                <tr key={form} class={Number.isFinite(l) ? "" : "lost"}>
+                  <th scope="row" class={form}>
+                    {name}
+                  </th>
+                  <td>{plain(value)}</td>
+                  <td>{Number.isFinite(l) ? written(l, 2) : l > 0 ? "+∞" : "−∞"}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </div>
       <figcaption>
         One hit adds {signed(logOdds(pHit))}, one miss {signed(-logOdds(pHit))}. {summary(path.value)}
       </figcaption>

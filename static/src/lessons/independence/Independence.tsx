@@ -44,26 +44,28 @@ export function Independence({ sensor }: IndependenceProps) {
       </div>
       <div class="independence-maps">
         <h3>Whole maps, the most probable first</h3>
-        <table>
-          <thead>
-            <tr>
-              <th scope="col">map</th>
-              <th scope="col">joint</th>
-              <th scope="col">product of cells</th>
-            </tr>
-          </thead>
-          <tbody>
-            {now.maps.map(({ map, joint: p, grid }) => (
-              <tr key={map} class={map === 0 ? "nothing" : ""}>
-                <th scope="row">
-                  <Strip map={map} cells={beamResults.value.length} />
-                </th>
-                <Bar p={p} tone="joint" />
-                <Bar p={grid} tone="grid" />
+        <div class="table-room">
+          <table>
+            <thead>
+              <tr>
+                <th scope="col">map</th>
+                <th scope="col">joint</th>
+                <th scope="col">product of cells</th>
               </tr>
-            ))}
-          </tbody>
-        </table>
+            </thead>
+            <tbody>
+              {now.maps.map(({ map, joint: p, grid }) => (
+                <tr key={map} class={map === 0 ? "nothing" : ""}>
+                  <th scope="row">
+                    <Strip map={map} cells={beamResults.value.length} />
+                  </th>
+                  <Bar p={p} tone="joint" />
+                  <Bar p={grid} tone="grid" />
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
       </div>
       <figcaption aria-live="polite">
         <span>

@@ -19,52 +19,54 @@ export function Layers() {
   const cell = cellOf(probeAt.value);
   return (
     <div class="costmap-layers" ref={root}>
-      <table class="plain-table">
-        <thead>
-          <tr>
-            <th scope="col">layer</th>
-            <th scope="col" class="layer-cost">
-              its cost
-            </th>
-            <th scope="col" class="layer-cost">
-              so far
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {shown.map(({ id, own, master }) => {
-            const layer = LAYERS.find((one) => one.id === id);
-            const isOn = switched.value[id];
-            return (
-              <tr key={id} class={isOn ? "" : "off"}>
-                <th scope="row">
-                  <label class="layer-switch">
-                    <span class="toggle">
-                      <input
-                        type="checkbox"
-                        role="switch"
-                        aria-checked={isOn}
-                        checked={isOn}
-                        onChange={(event) => {
-                          switched.value = { ...switched.peek(), [id]: event.currentTarget.checked };
-                        }}
-                      />
-                      <span class="toggle-track" />
-                    </span>
-                    <Sheet costs={own} />
-                    <span>
-                      <b>{layer?.name}</b>
-                      <span class="layer-text">{layer?.text}</span>
-                    </span>
-                  </label>
-                </th>
-                <td class="layer-cost">{written(own[cell])}</td>
-                <td class="layer-cost">{isOn ? written(master[cell]) : "off"}</td>
-              </tr>
-            );
-          })}
-        </tbody>
-      </table>
+      <div class="table-room">
+        <table class="plain-table">
+          <thead>
+            <tr>
+              <th scope="col">layer</th>
+              <th scope="col" class="layer-cost">
+                its cost
+              </th>
+              <th scope="col" class="layer-cost">
+                so far
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {shown.map(({ id, own, master }) => {
+              const layer = LAYERS.find((one) => one.id === id);
+              const isOn = switched.value[id];
+              return (
+                <tr key={id} class={isOn ? "" : "off"}>
+                  <th scope="row">
+                    <label class="layer-switch">
+                      <span class="toggle">
+                        <input
+                          type="checkbox"
+                          role="switch"
+                          aria-checked={isOn}
+                          checked={isOn}
+                          onChange={(event) => {
+                            switched.value = { ...switched.peek(), [id]: event.currentTarget.checked };
+                          }}
+                        />
+                        <span class="toggle-track" />
+                      </span>
+                      <Sheet costs={own} />
+                      <span>
+                        <b>{layer?.name}</b>
+                        <span class="layer-text">{layer?.text}</span>
+                      </span>
+                    </label>
+                  </th>
+                  <td class="layer-cost">{written(own[cell])}</td>
+                  <td class="layer-cost">{isOn ? written(master[cell]) : "off"}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </div>
       <div class="figure-controls no-print">
         <Slider
           label="Lifetime in the dynamic layer"

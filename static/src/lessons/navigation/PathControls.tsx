@@ -101,27 +101,29 @@ export function PathControls() {
           }}
         />
       </div>
-      <table class="plain-table">
-        <thead>
-          <tr>
-            <th scope="col">search</th>
-            <th scope="col">cells expanded</th>
-            <th scope="col">path</th>
-          </tr>
-        </thead>
-        <tbody>
-          {[
-            { name: "Dijkstra", found: wave },
-            { name: "A*", found: directed },
-          ].map(({ name, found }) => (
-            <tr key={name}>
-              <th scope="row">{name}</th>
-              <td>{count(found.order.length)}</td>
-              <td>{found.path ? `${written(found.length, 1)} m` : "none"}</td>
+      <div class="table-room">
+        <table class="plain-table">
+          <thead>
+            <tr>
+              <th scope="col">search</th>
+              <th scope="col">cells expanded</th>
+              <th scope="col">path</th>
             </tr>
-          ))}
-        </tbody>
-      </table>
+          </thead>
+          <tbody>
+            {[
+              { name: "Dijkstra", found: wave },
+              { name: "A*", found: directed },
+            ].map(({ name, found }) => (
+              <tr key={name}>
+                <th scope="row">{name}</th>
+                <td>{count(found.order.length)}</td>
+                <td>{found.path ? `${written(found.length, 1)} m` : "none"}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
     </div>
   );
 }

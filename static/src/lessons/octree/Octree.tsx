@@ -52,27 +52,29 @@ export function Octree() {
           }}
         />
       </div>
-      <table class="plain-table">
-        <thead>
-          <tr>
-            <th scope="col">map</th>
-            <th scope="col">holds</th>
-            <th scope="col">memory</th>
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map(({ name, count, size }) => (
-            <tr key={name}>
-              <th scope="row">{name}</th>
-              <td>{count}</td>
-              <td class="octree-size">
-                {bytes(size)}
-                <span class="octree-bar" style={{ width: `${(100 * size) / most}%` }} />
-              </td>
+      <div class="table-room">
+        <table class="plain-table">
+          <thead>
+            <tr>
+              <th scope="col">map</th>
+              <th scope="col">holds</th>
+              <th scope="col">memory</th>
             </tr>
-          ))}
-        </tbody>
-      </table>
+          </thead>
+          <tbody>
+            {rows.map(({ name, count, size }) => (
+              <tr key={name}>
+                <th scope="row">{name}</th>
+                <td>{count}</td>
+                <td class="octree-size">
+                  {bytes(size)}
+                  <span class="octree-bar" style={{ width: `${(100 * size) / most}%` }} />
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
       <p>
         With {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner node with eight
         pointers, {BYTES.point} for a point of a drive with 16 rings.

@@ -11,37 +11,39 @@ export function Worked() {
   const rows = LINE.steps.slice(1).map(({ cell }, i) => ({ cell, nabla: LINE.steps[i]?.nabla ?? 0 }));
   return (
     <div class="rays-worked">
-      <table class="plain-table number">
-        <caption>
-          From (0, 0) to (4, 3): dx = {DX}, 2dy = {2 * DY}, 2dx = {2 * DX}
-        </caption>
-        <thead>
-          <tr>
-            <th scope="col">next x</th>
-            <th scope="col">error + 2dy</th>
-            <th scope="col">at least dx?</th>
-            <th scope="col">y</th>
-            <th scope="col">error after</th>
-            <th scope="col">∇</th>
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map(({ cell, nabla }) => {
-            const error = nabla + DX;
-            const up = error >= DX;
-            return (
-              <tr key={cell.col}>
-                <th scope="row">{cell.col}</th>
-                <td>{error}</td>
-                <td>{up ? <b class="noun-hit">yes: y + 1, − 2dx</b> : <b class="noun-miss">no</b>}</td>
-                <td>{cell.row}</td>
-                <td>{written(up ? error - 2 * DX : error, 0)}</td>
-                <td>{written(nabla, 0)}</td>
-              </tr>
-            );
-          })}
-        </tbody>
-      </table>
+      <div class="table-room">
+        <table class="plain-table number">
+          <caption>
+            From (0, 0) to (4, 3): dx = {DX}, 2dy = {2 * DY}, 2dx = {2 * DX}
+          </caption>
+          <thead>
+            <tr>
+              <th scope="col">next x</th>
+              <th scope="col">error + 2dy</th>
+              <th scope="col">at least dx?</th>
+              <th scope="col">y</th>
+              <th scope="col">error after</th>
+              <th scope="col">∇</th>
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map(({ cell, nabla }) => {
+              const error = nabla + DX;
+              const up = error >= DX;
+              return (
+                <tr key={cell.col}>
+                  <th scope="row">{cell.col}</th>
+                  <td>{error}</td>
+                  <td>{up ? <b class="noun-hit">yes: y + 1, − 2dx</b> : <b class="noun-miss">no</b>}</td>
+                  <td>{cell.row}</td>
+                  <td>{written(up ? error - 2 * DX : error, 0)}</td>
+                  <td>{written(nabla, 0)}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </div>
       <p class="no-print">
         <Button
           onClick={() => {

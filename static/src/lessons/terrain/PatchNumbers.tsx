@@ -24,34 +24,36 @@ interface MatrixProps {
 /** P as a table; entries that the newest move has changed are marked. */
 export function Matrix({ moments, before }: MatrixProps) {
   return (
-    <table class="patch-matrix" aria-label="P, the sum of v vᵀ">
-      <thead>
-        <tr>
-          <th scope="col">P</th>
-          {NAMES.map((name) => (
-            <th scope="col" key={name}>
-              {name}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody>
-        {NAMES.map((name, row) => (
-          <tr key={name}>
-            <th scope="row">{name}</th>
-            {NAMES.map((other, col) => {
-              const now = moments[4 * row + col] as number;
-              const isChanged = Math.abs(now - (before[4 * row + col] as number)) > 5e-3;
-              return (
-                <td key={other} class={isChanged ? "changed" : ""}>
-                  {row + col === 0 ? written(now, 0) : written(now, 2)}
-                </td>
-              );
-            })}
+    <div class="table-room">
+      <table class="patch-matrix" aria-label="P, the sum of v vᵀ">
+        <thead>
+          <tr>
+            <th scope="col">P</th>
+            {NAMES.map((name) => (
+              <th scope="col" key={name}>
+                {name}
+              </th>
+            ))}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {NAMES.map((name, row) => (
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              {NAMES.map((other, col) => {
+                const now = moments[4 * row + col] as number;
+                const isChanged = Math.abs(now - (before[4 * row + col] as number)) > 5e-3;
+                return (
+                  <td key={other} class={isChanged ? "changed" : ""}>
+                    {row + col === 0 ? written(now, 0) : written(now, 2)}
+                  </td>
+                );
+              })}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 
@@ -134,27 +136,29 @@ export function Children({ moments }: { readonly moments: readonly Moments[] }) 
   const rows = moments.map((child) => child.slice(0, 4));
   const sum = SUMS.map((_, k) => rows.reduce((total, row) => total + (row[k] as number), 0));
   return (
-    <table class="patch-matrix" aria-label="The four children of this patch, and their sum">
-      <thead>
-        <tr>
-          <th scope="col">Child</th>
-          {SUMS.map((name) => (
-            <th scope="col" key={name}>
-              {name}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody>
-        {[...rows, sum].map((row, at) => (
-          <tr key={at}>
-            <th scope="row">{at < rows.length ? at + 1 : "Sum"}</th>
-            {row.map((value, k) => (
-              <td key={k}>{written(value, k === 0 ? 0 : 2)}</td>
+    <div class="table-room">
+      <table class="patch-matrix" aria-label="The four children of this patch, and their sum">
+        <thead>
+          <tr>
+            <th scope="col">Child</th>
+            {SUMS.map((name) => (
+              <th scope="col" key={name}>
+                {name}
+              </th>
             ))}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {[...rows, sum].map((row, at) => (
+            <tr key={at}>
+              <th scope="row">{at < rows.length ? at + 1 : "Sum"}</th>
+              {row.map((value, k) => (
+                <td key={k}>{written(value, k === 0 ? 0 : 2)}</td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }

@@ -167,24 +167,26 @@ function Answers({ wall, occupancy, voxels, crossing }: AnswersProps) {
     { name: `What is at ${written(BEHIND, 2)} m?`, cells: belief(BEHIND), distance: stored(BEHIND) },
   ];
   return (
-    <table class="plain-table tsdf-answers">
-      <thead>
-        <tr>
-          <th scope="col">question</th>
-          <th scope="col">occupancy</th>
-          <th scope="col">signed distance</th>
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map(({ name, cells, distance }) => (
-          <tr key={name}>
-            <th scope="row">{name}</th>
-            <td>{cells}</td>
-            <td>{distance}</td>
+    <div class="table-room">
+      <table class="plain-table tsdf-answers">
+        <thead>
+          <tr>
+            <th scope="col">question</th>
+            <th scope="col">occupancy</th>
+            <th scope="col">signed distance</th>
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {rows.map(({ name, cells, distance }) => (
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              <td>{cells}</td>
+              <td>{distance}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 

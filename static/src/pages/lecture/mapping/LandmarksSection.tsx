@@ -24,37 +24,39 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               mapKind.value = value === "grid" ? "grid" : "corners";
             }}
           />
-          <table class="plain-table">
-            <thead>
-              <tr>
-                <td />
-                <th scope="col">Landmarks</th>
-                <th scope="col">Grid</th>
-              </tr>
-            </thead>
-            <tbody>
-              <tr>
-                <th scope="row">needs</th>
-                <td>a detector that finds the same landmark again</td>
-                <td>no detector; every reading is used</td>
-              </tr>
-              <tr>
-                <th scope="row">stores</th>
-                <td>position of each landmark and how uncertain it is: few numbers</td>
-                <td>one number per cell: grows with the area</td>
-              </tr>
-              <tr>
-                <th scope="row">another look</th>
-                <td>improves the estimate of its position</td>
-                <td>adds evidence for each cell that it touches</td>
-              </tr>
-              <tr>
-                <th scope="row">gives</th>
-                <td>where the robot is, relative to the landmarks</td>
-                <td>where it can drive: free space, walls of any shape, and what is still unknown</td>
-              </tr>
-            </tbody>
-          </table>
+          <div class="table-room">
+            <table class="plain-table">
+              <thead>
+                <tr>
+                  <td />
+                  <th scope="col">Landmarks</th>
+                  <th scope="col">Grid</th>
+                </tr>
+              </thead>
+              <tbody>
+                <tr>
+                  <th scope="row">needs</th>
+                  <td>a detector that finds the same landmark again</td>
+                  <td>no detector; every reading is used</td>
+                </tr>
+                <tr>
+                  <th scope="row">stores</th>
+                  <td>position of each landmark and how uncertain it is: few numbers</td>
+                  <td>one number per cell: grows with the area</td>
+                </tr>
+                <tr>
+                  <th scope="row">another look</th>
+                  <td>improves the estimate of its position</td>
+                  <td>adds evidence for each cell that it touches</td>
+                </tr>
+                <tr>
+                  <th scope="row">gives</th>
+                  <td>where the robot is, relative to the landmarks</td>
+                  <td>where it can drive: free space, walls of any shape, and what is still unknown</td>
+                </tr>
+              </tbody>
+            </table>
+          </div>
         </OnStage>
       }
       sources={[["probabilistic-robotics", "chapters 6, 7 and 9"]]}

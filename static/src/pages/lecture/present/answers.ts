@@ -29,8 +29,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   model: {
     // Probabilistic Robotics, table 9.2: l_free before the window, l_occ in it, l_0 behind it.
     right: 2,
-    answer:
-      "Passed: evidence for free. Around the end: evidence for occupied. Behind: none, the cells keep their value.",
+    answer: "Cells passed: evidence for free. Around the end: for occupied. Behind it: none, they keep their value.",
     notes:
       "Drag the height of the curve before and around z, then the width of the window: the map beside it follows. Then drag z itself.",
   },
@@ -46,13 +45,13 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     right: 1,
     answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
     notes:
-      "Step through the lines of the table. Then choose “beam by beam”: the same evidence with the loops exchanged. Then “one reading”: follow it to the character at the end.",
+      "Step through the lines of the table. Then choose “beam by beam”: the same evidence, with the loops swapped. Then “one reading”: follow it to the character at the end.",
   },
   sonar: {
     // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.4.1, on conflicting cones.
     right: 1,
     answer: "A wall: all arcs cross the door and no beam contradicts them. Moravec and Elfes are less certain of it.",
-    notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
+    notes: "Add the readings one by one; the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
     // Probabilistic Robotics, table 9.2 marks all cells up to z_max as free, which is right in open space and wrong at
@@ -71,7 +70,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   forgetting: {
     // Computed by the figure (lessons/forgetting/model.ts); OctoMap 2013, section 5.1, on the clamp.
     right: 2,
-    answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
+    answer: "The clamp bounds the certainty. Without it, the misses have to outweigh all hits.",
     notes: "Let the audience guess a number of scans first, then remove the table. Repeat with a wider clamp.",
   },
   counting: {
@@ -81,8 +80,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     notes: "Drag the cross towards the robot and read how often each cell was updated, per beam and per scan.",
   },
   matching: {
-    answer:
-      "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
+    answer: "It is where the scan agrees best with the last one. That needs structure, and often a good start.",
     notes:
       "Let a student align the scans by hand first, then take one iteration at a time. Then the corridor: it slides.",
   },
@@ -95,8 +93,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   landmarks: {
     // Probabilistic Robotics, chapters 7 and 9.
     right: 1,
-    answer:
-      "Landmarks say where the robot is, but nothing about the space between; a grid stores it, and what is unknown.",
+    answer: "Landmarks say where the robot is, but nothing about the space between them; a grid stores that.",
     notes:
       "Switch between the two maps of the same drive. Ask where the robot could drive by the map of landmarks alone.",
   },
@@ -115,8 +112,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Arithmetic: (10 / 1) squared.
     right: 1,
     answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
-    notes:
-      "Compare the door and the pillar in the three maps, then memory and time, which is measured on this computer.",
+    notes: "Compare the door and the pillar in the three maps, then the memory and the number of updates.",
   },
   polished: {
     // Probabilistic Robotics, section 6.3.1, on failures of a range finder.
@@ -181,7 +177,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     right: 2,
     answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
     notes:
-      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without the root is a common slip.",
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those with its h. Then the stone, without and with RANSAC. The slope without the root is a common slip.",
   },
   layers: {
     // Nav2, obstacle layer: marks and clears by the current scan.
@@ -209,7 +205,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Nav2, obstacle layer: a cell is cleared only by a ray through it.
     right: 1,
     answer:
-      "Only a beam clears an obstacle layer, and the path leads away. With a lifetime it is removed after a set time.",
+      "Only a beam clears an obstacle layer, and the path keeps away. With a lifetime it is removed after a set time.",
     notes:
       "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
   },
@@ -228,8 +224,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   tsdf: {
     // Curless and Levoy 1996, section 3; computed by the figure.
     right: 2,
-    answer:
-      "The zero crossing of the distances is at the mean of the readings, between voxels; occupancy has whole cells.",
+    answer: "The distances cross zero at the mean of the readings, also within a voxel; occupancy has whole cells.",
     notes:
       "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },

@@ -20,15 +20,15 @@ export interface Answer {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "A sonar hears one of five cells; a beam passes three. What of the other two?",
+    question: "One of five cells gave an echo; a beam passes three. And the other two?",
     options: [
       "They become more probably occupied",
-      "They stay as the echo left them",
+      "They keep the value after the echo",
       "It depends on how the map stores the belief",
     ],
   },
   cell: {
-    question: "Four hits of +0.85. Which miss of −0.40 makes free more likely than occupied?",
+    question: "After four hits of +0.85, which miss of −0.40 makes free more likely?",
     options: ["The first", "The fourth", "The ninth"],
   },
   "log-odds": {
@@ -110,7 +110,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["The scan", "The odometry", "The pose that makes both probable"],
   },
   graph: {
-    question: "The robot is back where it began, its map is not. Which pose is wrong?",
+    question: "The robot is back at its start, but not by its odometry. Which pose is wrong?",
     options: ["The last one", "The first one", "All of them, a little each"],
   },
   particles: {
@@ -126,11 +126,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["It lacks a scale factor", "It is too noisy", "It is a distribution over readings, not over the cell"],
   },
   kidnapping: {
-    question: "All particles are here, and the robot is carried there. Do they find it?",
-    options: ["Yes, they follow the scans", "Never", "Only with random particles among them"],
+    question: "All particles are in one room, the robot is carried to another. Is it found?",
+    options: ["Yes, the particles follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {
-    question: "9 points of a patch leave a residual of 0.4 m². And if each is measured twice?",
+    question: "A plane of 9 points leaves a residual of 0.4 m². And with each measured twice?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
   },
   layers: {
@@ -143,7 +143,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   },
   path: {
     question: "How does a robot find the cheapest way without trying all of them?",
-    options: ["It goes straight and avoids", "A wave of costs from cell to cell", "It learns the way"],
+    options: [
+      "It drives straight and turns at obstacles",
+      "It spreads costs from cell to cell, like a wave",
+      "It learns the way from earlier drives",
+    ],
   },
   lifetime: {
     question: "The table is gone, and the robot still drives around it. Why?",
@@ -157,8 +161,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["2 times as much", "4 times as much", "8 times, or 4 with an octree"],
   },
   tsdf: {
-    question: "Voxels of 10 cm, noise of 2 cm: how exactly can a wall’s place be known?",
-    options: ["To 10 cm: a voxel is the limit", "To 2 cm: the noise is the limit", "Better than both"],
+    question: "Voxels of 10 cm, noise of 2 cm: how exactly can a wall be located?",
+    options: ["To 10 cm, the voxel", "To 2 cm, the noise", "Better than both, from many readings"],
   },
   next: {
     question: "What would you map next?",
