@@ -204,7 +204,7 @@ def test_two_lidars_of_one_log_are_healed_together(page: Page, server: str, tmp_
         assert side * np.median(along_robot) > 0.0
 
 
-def test_a_sensor_opens_with_the_transforms_of_another_topic_by_keyboard(
+def test_a_sensor_opens_with_the_transforms_of_another_topic_by_keyboard_and_mouse(
     page: Page, server: str, tmp_path: Path
 ) -> None:
     said = two_lidars()[:2]
@@ -220,7 +220,14 @@ def test_a_sensor_opens_with_the_transforms_of_another_topic_by_keyboard(
     card.locator("summary", has_text="Contents").focus()
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
-    expect(card.get_by_role("button", name="Open with the transforms of /tf_gt", exact=True)).to_be_focused()
+    by_transforms = card.get_by_role("button", name="Open with the transforms of /tf_gt", exact=True)
+    expect(by_transforms).to_be_focused()
     page.keyboard.press("Enter")
     await_true(page, OPEN)
-    assert page.evaluate("() => gridbloom.connection.store.hello.value.log.topic") == "/scan_ahead#/tf_gt"
+    assert page.evaluate(LOG)["topic"] == "/scan_ahead#/tf_gt"
+
+    page.goto(f"{server}/logs.html")
+    card.locator("summary", has_text="Contents").click()
+    by_transforms.click()
+    await_true(page, OPEN)
+    assert page.evaluate(LOG)["topic"] == "/scan_ahead#/tf_gt"
