@@ -9,7 +9,7 @@ import type { ContentsAnswer } from "../../../wire/http";
 
 const POLL_MS = 500;
 
-type ContentsState =
+export type ContentsState =
   | { readonly kind: "idle" }
   | { readonly kind: "reading"; readonly progress: number; readonly since: number }
   | { readonly kind: "failed"; readonly why: string }
