@@ -3,7 +3,18 @@
 import type { PagePart, PartGroup } from "./part";
 
 /** What they paint over the map is painted in this order. */
-const NAMES = ["localization", "costmap", "path", "map3d", "placing", "slam", "why", "terrain", "measure"] as const;
+// biome-ignore format: a line each, so that a part is one line more
+const NAMES = [
+  "localization",
+  "costmap",
+  "path",
+  "map3d",
+  "placing",
+  "slam",
+  "why",
+  "terrain",
+  "measure",
+] as const;
 
 const FOUND = import.meta.glob<PagePart>("./*/part.tsx", { eager: true, import: "PART" });
 
