@@ -15,7 +15,7 @@ interface Overlay {
 }
 
 /** What a group shows. */
-interface PartView {
+export interface PartView {
   readonly store: Store;
   readonly session: string;
 }
