@@ -205,14 +205,14 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
         lambda: page.evaluate("() => gridbloom.connection.store.part('comparison').message.peek()?.numbers"),
     )
     settled_digest(page)
-    open_group(page, "Settings")
     compared = _slid(page)
     page.context.close()
     return single_threaded, compared
 
 
 def _slid(page: Page) -> Laps:
-    """Return the laps of a slider that moves to and fro over a log's page."""
+    """Return the laps of a slider of the settings that moves to and fro over a log's page."""
+    open_group(page, "Settings")
     slider = page.get_by_role("slider", name="Max range", exact=True).and_(page.locator("input[type=range]"))
     slider.scroll_into_view_if_needed()
     x, y = centre(slider)
