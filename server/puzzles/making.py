@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import Limits
@@ -14,7 +14,7 @@ from mapper.puzzles.drives import ODOMETRY, TRUE
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults
-from server.puzzles.spec import AS_IT_IS
+from server.puzzles.spec import AS_IT_IS, LogSpec, StorySpec
 from server.sources.log_recording import first_config
 from server.sources.story import replayed
 
@@ -63,18 +63,18 @@ class RecipeSource:
 class StorySource:
     """A puzzle of a world of the lab."""
 
-    spec: dict[str, Any]
+    spec: StorySpec
 
     def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle of the recording with most scans."""
         spec = self.spec
         tell(DRIVING, None)
-        story = spec["story"] | {"faults": {}, "parameters": {}}
+        story = spec.story | {"faults": {}, "parameters": {}}
         mapper = replayed(story, limits=limits, wanted=wanted)
         clean = _renamed(max(mapper.logs(Faults()), key=lambda log: log.n_scans))
-        if spec["fault"] != AS_IT_IS:
-            return _ready(spoil(clean, spec["cause"], spec["seed"], TRUE), spec["cause"], limits, wanted, tell)
-        faults = Faults().with_values(spec["story"]["faults"])
+        if spec.fault != AS_IT_IS:
+            return _ready(spoil(clean, spec.cause, spec.seed, TRUE), spec.cause, limits, wanted, tell)
+        faults = Faults().with_values(spec.story["faults"])
         shown = _renamed(max(mapper.logs(replace(faults, slam=False)), key=lambda log: log.n_scans))
         drifts = faults.drift and not faults.slam
         spoiled = Spoiled(
@@ -82,17 +82,17 @@ class StorySource:
             ODOMETRY if drifts else TRUE,
             clean,
             TRUE,
-            spec["story"]["parameters"],
+            spec.story["parameters"],
             repair_trajectory=TRUE if drifts else "",
         )
-        return _ready(spoiled, spec["cause"], limits, wanted, tell)
+        return _ready(spoiled, spec.cause, limits, wanted, tell)
 
 
 @dataclass(frozen=True, slots=True)
 class LogSource:
     """A puzzle of a log."""
 
-    spec: dict[str, Any]
+    spec: LogSpec
     log: ScanLog
 
     def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
@@ -100,10 +100,10 @@ class LogSource:
         if isinstance(self.log, JointLog):
             raise ConfigError("puzzle.sensors", "A puzzle is made of one sensor: choose one of those of the log.")
         spec, log = self.spec, shortened(self.log)
-        name = spec["view"]["trajectory"] or log.default_trajectory
-        if spec["fault"] != AS_IT_IS:
-            return _ready(spoil(log, spec["cause"], spec["seed"], name), spec["cause"], limits, wanted, tell)
-        return _ready(Spoiled(log, name, log, name, spec["values"]), spec["cause"], limits, wanted, tell)
+        name = spec.view.trajectory or log.default_trajectory
+        if spec.fault != AS_IT_IS:
+            return _ready(spoil(log, spec.cause, spec.seed, name), spec.cause, limits, wanted, tell)
+        return _ready(Spoiled(log, name, log, name, spec.values), spec.cause, limits, wanted, tell)
 
 
 def _renamed(log: ScanLog) -> ScanLog:

@@ -1,17 +1,64 @@
-"""Definition of a visitor's puzzle, as it is stored: a story of the lab or a log, and the fault."""
+"""Definition of a visitor's puzzle, stored as JSON: a story of the lab or a log, and the fault."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import Any, TypeAlias
+
+import msgspec
+from msgspec import Struct
 
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Values
 from mapper.mapping.parameters import CONES, MappingConfig
 from mapper.puzzles import CAUSES
+from server.sessions.view import LogView
 
 AS_IT_IS = "as-it-is"  #: the fault that the session's parameters, or the robot, have now
 COARSE, WIDE = 0.1, 0.4  #: metres: cells and windows above this are a fault
+
+
+class StorySpec(Struct, frozen=True, tag_field="kind", tag="story"):
+    """A puzzle of a simulated world: its story, the wanted ``fault``, its ``cause``, and the seed of its size."""
+
+    story: dict[str, Any]
+    fault: str
+    cause: str
+    seed: int
+
+
+class SensorView(Struct, frozen=True):
+    """The sensor and the poses of a log, as :class:`server.sessions.view.LogView` has them."""
+
+    topic: str | None
+    trajectory: str | None
+    cut: dict[str, float] | None
+
+
+class LogSpec(Struct, frozen=True, tag_field="kind", tag="log"):
+    """A puzzle of a log: what of it is shown, the parameters that differ from the first ones, and the fault."""
+
+    view: SensorView
+    values: Values
+    fault: str
+    cause: str
+    seed: int
+
+
+Spec: TypeAlias = StorySpec | LogSpec
+
+
+def spec_text(spec: Spec) -> str:
+    """Return a spec as it is stored."""
+    return json.dumps(msgspec.to_builtins(spec))
+
+
+def spec_from_text(text: str) -> Spec:
+    """Return the spec of which :func:`spec_text` made ``text``. Raises ``msgspec.DecodeError`` for anything else."""
+    spec: Spec = msgspec.json.decode(text, type=Spec)
+    return spec
 
 
 def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool = False) -> str:
@@ -45,13 +92,13 @@ def _checked(cause: str) -> str:
     raise ConfigError("puzzle.cause", f"No log or world can be given the fault {cause!r:.80}.")
 
 
-def changed(config: MappingConfig, first: MappingConfig) -> dict[str, Any]:
+def changed(config: MappingConfig, first: MappingConfig) -> Values:
     """Return the values in which ``config`` differs from ``first``."""
     before = asdict(first)
     return {name: value for name, value in asdict(config).items() if value != before[name]}
 
 
-def spec_of_story(story: dict[str, Any], cause: str, seed: int, *, cone: bool) -> dict[str, Any]:
+def spec_of_story(story: dict[str, Any], cause: str, seed: int, *, cone: bool) -> StorySpec:
     """Return the spec of a puzzle of a simulated world. Raises as :func:`cause_of`, and for a fault it cannot have.
 
     A world of which only the pose is known, and not the drive, is refused.
@@ -60,14 +107,11 @@ def spec_of_story(story: dict[str, Any], cause: str, seed: int, *, cone: bool) -
     if story.get("journal") is None:
         raise ConfigError("puzzle.story", "The history of this world is too long to be repeated: press Reset first.")
     named = cause_of(story["parameters"], story["faults"], cone=cone) if wanted == AS_IT_IS else wanted
-    return {"kind": "story", "story": story, "fault": wanted, "cause": named, "seed": seed}
+    return StorySpec(story, wanted, named, seed)
 
 
-def spec_of_log(
-    view: Mapping[str, Any], values: dict[str, Any], cause: str, seed: int, *, cone: bool
-) -> dict[str, Any]:
+def spec_of_log(view: LogView, values: Values, cause: str, seed: int, *, cone: bool) -> LogSpec:
     """Return the spec of a puzzle of a log: ``view`` names its sensor and poses, ``values`` are those that differ."""
     wanted = _checked(cause)
     named = cause_of(values, {}, cone=cone) if wanted == AS_IT_IS else wanted
-    kept = {key: view[key] for key in ("topic", "trajectory", "cut")}
-    return {"kind": "log", "view": kept, "values": values, "fault": wanted, "cause": named, "seed": seed}
+    return LogSpec(SensorView(view.topic, view.trajectory, view.cut), values, wanted, named, seed)

@@ -15,6 +15,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
+from mapper.sensors.planar.options import PlanarCut
 from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
@@ -82,7 +83,10 @@ class SharedPuzzle:
 
 
 def _public(made: MadePuzzle) -> MadePuzzleAnswer:
-    return MadePuzzleAnswer(made.token, f"/puzzle/{made.token}", made.title, made.created_s, made.spec["cause"])
+    from server.puzzles.spec import spec_from_text  # noqa: PLC0415 - imported with the first puzzle
+
+    cause = spec_from_text(made.spec).cause
+    return MadePuzzleAnswer(made.token, f"/puzzle/{made.token}", made.title, made.created_s, cause)
 
 
 # -- which there are, and those that a visitor makes ---------------------------------------------------------------
@@ -115,6 +119,7 @@ async def make(
         changed,
         spec_of_log,
         spec_of_story,
+        spec_text,
     )
 
     session, seed = sessions.get(session_id), secrets.randbelow(2**31)
@@ -124,16 +129,15 @@ async def make(
             raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
         told = await story.current()
         cone = told["sensor"].get("kind") == "sonar_ring"
-        spec, record = spec_of_story(told, wanted.fault, seed, cone=cone), None
+        text, record = spec_text(spec_of_story(told, wanted.fault, seed, cone=cone)), None
     else:
         of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
         recording, seen = of_log.recording, of_log.recording.view()
         values = changed(recording.first_config().with_values(seen.values or {}), recording.first_config())
-        view = {"topic": seen.topic, "trajectory": seen.trajectory, "cut": seen.cut}
-        spec = spec_of_log(view, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0)
+        text = spec_text(spec_of_log(seen, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0))
     title = wanted.title.strip() or session.model.title
-    return _public(await library.puzzles.make(session.owner, record, title, spec))
+    return _public(await library.puzzles.make(session.owner, record, title, text))
 
 
 @router.delete("/api/puzzles/{token}", status_code=204)
@@ -171,22 +175,22 @@ async def begin_puzzle(
     """
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
     from server.puzzles.making import LogSource, StorySource  # noqa: PLC0415
+    from server.puzzles.spec import StorySpec, spec_from_text  # noqa: PLC0415
 
     if key in RECIPES:
         recipe = RECIPES[key]
         source, title, story, level = puzzles.recipe(key), recipe.title, recipe.story, recipe.level
     else:
         made = library.puzzles.get(key)
-        title, story, level, spec = made.title, "", 0, made.spec
-        if spec["kind"] == "story":
+        title, story, level, spec = made.title, "", 0, spec_from_text(made.spec)
+        if isinstance(spec, StorySpec):
             source = StorySource(spec)
         else:
-            from server.sessions.view import LogView  # noqa: PLC0415
-
             if made.log_id is None:
                 raise PuzzleGoneError("puzzle.gone", "The log of this puzzle no longer exists.")
-            view = LogView(**spec["view"])
-            source = LogSource(spec, await library.load(made.owner, made.log_id, view.topic, view.planar_cut))
+            view = spec.view
+            cut = PlanarCut.of(view.cut or {})
+            source = LogSource(spec, await library.load(made.owner, made.log_id, view.topic, cut))
     plan = puzzles.plan(key, source, title, name)
 
     async def begun() -> SessionHost:

@@ -1,16 +1,14 @@
 """Puzzles that visitors made: what each is made of, kept until its owner removes it.
 
-The library stores what it is made of without interpreting it.
+The library stores what it is made of, a text, without interpreting it.
 """
 
 from __future__ import annotations
 
-import json
 import secrets
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
@@ -40,7 +38,7 @@ class MadePuzzle:
     log_id: str | None
     created_s: float
     title: str
-    spec: dict[str, Any]
+    spec: str
 
 
 class MadePuzzles:
@@ -54,7 +52,7 @@ class MadePuzzles:
         """Load the stored puzzles. Raises ``StorageError``."""
         self._made = {one.token: one for one in await self._database.run(_load)}
 
-    async def make(self, owner: str, record: Record | None, title: str, spec: dict[str, Any]) -> MadePuzzle:
+    async def make(self, owner: str, record: Record | None, title: str, spec: str) -> MadePuzzle:
         """Return a new puzzle of ``owner``; ``record`` is that of its log.
 
         Raises :class:`LimitError` for one too many and for a story that is too long, and ``StorageError``.
@@ -62,8 +60,7 @@ class MadePuzzles:
         if sum(one.owner == owner for one in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
             message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the maximum: remove one."
             raise LimitError("puzzle.too_many", message)
-        text = json.dumps(spec)
-        if len(text) > MAX_SPEC_BYTES:
+        if len(spec) > MAX_SPEC_BYTES:
             raise LimitError("puzzle.large", "The history of this world is too long for a puzzle: reset it first.")
         log_id = None if record is None else record.id
         made = MadePuzzle(secrets.token_urlsafe(24), owner, log_id, time.time(), title, spec)
@@ -72,7 +69,7 @@ class MadePuzzles:
             if record is not None:
                 ensure_log(connection, record)
             values = {"token": made.token, "owner": owner, "log_id": log_id, "created_s": made.created_s}
-            connection.execute(insert(puzzles).values(**values, title=title, spec=text))
+            connection.execute(insert(puzzles).values(**values, title=title, spec=spec))
 
         await self._database.run(work)
         self._made[made.token] = made
@@ -103,9 +100,7 @@ class MadePuzzles:
 
 def _load(connection: Connection) -> Sequence[MadePuzzle]:
     found = connection.execute(select(puzzles))
-    return [
-        MadePuzzle(row.token, row.owner, row.log_id, row.created_s, row.title, json.loads(row.spec)) for row in found
-    ]
+    return [MadePuzzle(row.token, row.owner, row.log_id, row.created_s, row.title, row.spec) for row in found]
 
 
 def _delete(connection: Connection, token: str) -> None:

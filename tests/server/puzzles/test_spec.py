@@ -1,0 +1,26 @@
+"""Definitions of visitors' puzzles as databases have them: they are read, and written in the same way."""
+
+from __future__ import annotations
+
+import pytest
+
+from server.puzzles.spec import LogSpec, StorySpec, spec_from_text, spec_text
+
+OF_A_STORY = (
+    '{"kind": "story", "story": {"world": "room", "seed": 2, "sensor": {}, "edits": {"added": [], "erased": []}, '
+    '"steps": 150, "journal": [[4, {"type": "drive", "linear": 0.5, "angular": 0.0}]], "pose": [1.0, 2.5, 0.125], '
+    '"auto": true, "parameters": {"mount_yaw": 0.15}, "faults": {}, "speed": 1.0, "playing": false, '
+    '"navigation": []}, "fault": "as-it-is", "cause": "mount_yaw", "seed": 17}'
+)
+OF_A_LOG = (
+    '{"kind": "log", "view": {"topic": "/scan", "trajectory": null, "cut": {"low": 0.2}}, '
+    '"values": {"model": "simple", "max_range": 8.0, "clamp": false, "subsample": 2}, '
+    '"fault": "beam_order", "cause": "beam_order", "seed": 3}'
+)
+
+
+@pytest.mark.parametrize(("text", "kind"), [(OF_A_STORY, StorySpec), (OF_A_LOG, LogSpec)])
+def test_a_stored_spec_is_read_and_written_the_same(text: str, kind: type) -> None:
+    spec = spec_from_text(text)
+    assert isinstance(spec, kind)
+    assert spec_text(spec) == text
