@@ -1,6 +1,6 @@
 /** The guess of a figure as a question to the whole class. */
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import { askedAs, lecturersClass, showsAnswers } from "../../store/classroom";
 import type { ClassAxis, ClassQuestion } from "../../wire/protocol";
 
@@ -29,7 +29,7 @@ export function useClassGuess({ text, axis }: GuessQuestion, right: number | nul
     if (room && asked && asked.right === null && right !== null) room.send({ type: "reveal", right });
   }, [room, asked?.id, right]);
   const shows = room !== null && asked !== null && isInSight;
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (shows) return showsAnswers(text);
     return;
   }, [shows, text]);

@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import { followedCode, questionInHeading } from "../../../store/classroom";
 import { ClassButton } from "../../../tools/classroom/ClassHost";
 import { Button } from "../../../ui/Button";
@@ -34,7 +34,7 @@ function Heading() {
   const question = questionOf(now);
   const begun = question && (stage.value === "figure" || stage.value === "answer");
   const heading = begun ? question.question : null;
-  useEffect(() => {
+  useLayoutEffect(() => {
     questionInHeading.value = heading;
     return () => {
       questionInHeading.value = null;

@@ -1,4 +1,4 @@
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import { askedAs, classroom, lecturersClass, showsAnswers } from "../../../store/classroom";
 import { answerHint } from "../../../tools/classroom/answerHint";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
@@ -32,7 +32,8 @@ export function SlideQuestion({ id }: { id: string }) {
   const isShown = found !== undefined && (stage.value === "ask" || stage.value === "predict");
   const hasOptions = isShown && stage.value === "predict" && found.options !== undefined;
   const text = found?.question ?? "";
-  useEffect(() => {
+  // before the options are painted, so that the class's line never shows them as well
+  useLayoutEffect(() => {
     if (hasOptions && presenting.value) return showsAnswers(text);
     return;
   }, [hasOptions, text]);
