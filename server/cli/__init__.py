@@ -12,9 +12,6 @@ from __future__ import annotations
 from server.cli import service  # noqa: F401
 
 # isort: split
-from server.cli import backup as copying  # noqa: F401
-
-# isort: split
 from server.cli import logs  # noqa: F401
 
 # isort: split

@@ -155,7 +155,7 @@ def _write_report(path: Path) -> None:
 def _causes(log: ScanLog, trajectory: str | None, given: dict[str, object]) -> list[str]:
     """Return the note of ``map`` on what makes the log's map bad, if it is known."""
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from server.cli.drift import cause_and_drift  # noqa: PLC0415 - start-up
+    from server.cli.maps import cause_and_drift  # noqa: PLC0415 - start-up
 
     config = configured(recorded_defaults(log.beam_width, given))
 

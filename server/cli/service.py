@@ -1,4 +1,7 @@
-"""``serve`` runs the service; ``upload`` sends a log to one; ``notes`` writes the notes on a log of one to a file."""
+"""``serve`` runs the service, ``backup`` and ``restore`` copy its data folder into one file and back.
+
+``upload`` sends a log to a service; ``notes`` writes the notes on a log of one to a file.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,14 @@ if TYPE_CHECKING:
 
 #: Kinds of files of notes by their ending.
 NOTE_FILES: dict[str, NoteFile] = {".geojson": "geojson", ".json": "geojson", ".csv": "csv"}
+BackupFile = Annotated[Path, typer.Argument(metavar="FILE", help="The backup, a tar file.")]
+DataDir = Annotated[
+    Path | None, typer.Option("--data-dir", help="Folder of the service's logs. [that of GRIDBLOOM_DATA_DIR]")
+]
+ELSEWHERE = (
+    "Records or logs are kept elsewhere (GRIDBLOOM_DATABASE, GRIDBLOOM_BLOBS): back these up by the means of their "
+    "stores, such as pg_dump and versions of a bucket."
+)
 
 
 @app.command()
@@ -169,3 +180,42 @@ def notes(
     except OSError as error:
         fail(f"{out}: {error.strerror}")
     typer.echo(f"{out} written")
+
+
+def _folder(data_dir: Path | None) -> Path:
+    """Return the data folder that is meant. Ends the command where it does not hold everything."""
+    with fast_imports():
+        from server.settings import Settings  # noqa: PLC0415 - start-up
+
+        settings = Settings()
+    if settings.database is not None or settings.blobs is not None:
+        fail(ELSEWHERE)
+    return data_dir or settings.data_dir
+
+
+@app.command()
+def backup(file: BackupFile, data_dir: DataDir = None) -> None:
+    """Copy all logs and records of a service, which may be running, into one new file."""
+    from server.library.backup import back_up  # noqa: PLC0415 - start-up
+
+    folder = _folder(data_dir)
+    with refusing(folder):
+        try:
+            size = back_up(folder, file)
+        except OSError as error:
+            fail(f"{error.filename or file}: {error.strerror or error}.")
+    typer.echo(f"{file}: {size / 1e6:.1f} MB of {folder}")
+
+
+@app.command()
+def restore(file: BackupFile, data_dir: DataDir = None) -> None:
+    """Put a backup into a data folder that has no records yet, and that no service uses."""
+    from server.library.backup import restore as put_back  # noqa: PLC0415 - start-up
+
+    folder = _folder(data_dir)
+    with refusing(file):
+        try:
+            put_back(file, folder)
+        except OSError as error:
+            fail(f"{error.filename or folder}: {error.strerror or error}.")
+    typer.echo(f"Restored {file} into {folder}.")
