@@ -128,12 +128,11 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
       <p>
         <b>{many(safe)}</b> patches are safe, <b>{many(unsafe)}</b> are not, {many(unknown)} have too few points.
       </p>
-      {before && (
-        <p class="terrain-before">
-          Before the change of “{names}”: {many(before.safe)} safe, {many(before.unsafe)} not, {many(before.unknown)}{" "}
-          with too few points.
-        </p>
-      )}
+      <p class="terrain-before">
+        {before
+          ? `Before the change of “${names}”: ${many(before.safe)} safe, ${many(before.unsafe)} not, ${many(before.unknown)} with too few points.`
+          : "Change a parameter to compare these numbers with those after it."}
+      </p>
       <p class="quiet">
         {many(ground)} of {many(points)} points are classified as ground
         {unsure > 0 && `; ${many(unsure)} points may well be wrong: choose “unsure” over the map to see where they are`}
