@@ -6,10 +6,11 @@ from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
-from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
+import msgspec
+
+from mapper.io.logs.summary import LogSummary, MapSummary, TimeSummary
 from mapper.sensors.scan import Topic
 from server.jobs.record import Failure
-from server.library.packs.log import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
@@ -167,18 +168,8 @@ class Records(Protocol):
 
 
 def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
-    """Return the summary that ``asdict`` made ``data`` of; None for one of another version: it can be made again."""
+    """Return the summary that ``asdict`` made ``data`` of; None for one that lacks fields: it can be made again."""
     try:
-        values = dict(data or {})
-        values["readings"] = ReadingCounts(**values["readings"])
-        values["trajectories"] = tuple(TrajectorySummary(**one) for one in values["trajectories"])
-        values["mount"] = tuple(values["mount"])
-        values["notes"] = tuple(values["notes"])
-        if values.get("time") is not None:
-            values["time"] = TimeSummary(**values["time"])
-        if values.get("map") is not None:
-            values["map"] = MapSummary(**values["map"])
-        values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
-        return LogSummary(**values)
-    except (TypeError, KeyError):
+        return msgspec.convert(data, LogSummary)
+    except msgspec.ValidationError:
         return None

@@ -9,16 +9,19 @@ from __future__ import annotations
 import json
 import uuid
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
+from mapper.sensors.georeference import Offset
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
@@ -32,6 +35,96 @@ _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log th
 Array = NDArray[Any]
 Store = Callable[[Array], int]  #: keeps an array, returns its number
 Load = Callable[[int], Array]  #: returns the array of a number
+
+
+class _Poses(Struct, frozen=True):
+    """Poses with stamps of their own; arrays by their numbers."""
+
+    stamps_ns: int
+    poses: int
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, timed: TimedPoses, store: Store) -> _Poses:
+        return cls(store(timed.stamps_ns), store(timed.poses), timed.notes)
+
+    def read(self, load: Load) -> TimedPoses:
+        return TimedPoses(load(self.stamps_ns), load(self.poses), self.notes)
+
+
+class _Trajectory(Struct, frozen=True):
+    """A trajectory; arrays by their numbers."""
+
+    name: str
+    description: str
+    frame_id: str | None
+    child_frame_id: str
+    is_placeholder: bool
+    placeholder_note: str
+    offset: Offset
+    from_scans: bool
+    poses: int
+    timed: _Poses | None
+
+    @classmethod
+    def of(cls, name: str, trajectory: Trajectory, store: Store) -> _Trajectory:
+        return cls(
+            name=name,
+            description=trajectory.description,
+            frame_id=trajectory.frame_id,
+            child_frame_id=trajectory.child_frame_id,
+            is_placeholder=trajectory.is_placeholder,
+            placeholder_note=trajectory.placeholder_note,
+            offset=trajectory.offset,
+            from_scans=trajectory.from_scans,
+            poses=store(trajectory.poses),
+            timed=None if trajectory.timed is None else _Poses.of(trajectory.timed, store),
+        )
+
+    def read(self, load: Load) -> Trajectory:
+        return Trajectory(
+            poses=load(self.poses),
+            description=self.description,
+            frame_id=self.frame_id,
+            child_frame_id=self.child_frame_id,
+            is_placeholder=self.is_placeholder,
+            timed=None if self.timed is None else self.timed.read(load),
+            offset=self.offset,
+            from_scans=self.from_scans,
+            placeholder_note=self.placeholder_note,
+        )
+
+
+class _Odometry(Struct, frozen=True):
+    """The odometry as recorded; arrays by their numbers."""
+
+    messages: _Poses
+    before_scan: int
+    at_scans: int | None
+
+    @classmethod
+    def of(cls, odometry: OdometryRecords, store: Store) -> _Odometry:
+        return cls(
+            messages=_Poses.of(odometry.messages, store),
+            before_scan=store(odometry.before_scan),
+            at_scans=None if odometry.at_scans is None else store(odometry.at_scans),
+        )
+
+    def read(self, load: Load) -> OdometryRecords:
+        at_scans = None if self.at_scans is None else load(self.at_scans)
+        return OdometryRecords(self.messages.read(load), load(self.before_scan), at_scans)
+
+
+class _About(Struct, frozen=True):
+    """What a pack holds besides arrays.
+
+    ``sensors`` have the fields of :class:`ScanLog` by name, so that a new field of numbers or text is stored too.
+    """
+
+    version: int
+    topics: tuple[Topic, ...]
+    transforms: tuple[TransformEdge, ...]
+    sensors: list[dict[str, Any]]
 
 
 class StalePackError(Exception):
@@ -50,20 +143,28 @@ def write_pack(log: RobotLog, path: Path) -> None:
         arrays.setdefault(id(array), array)
         return list(arrays).index(id(array))
 
-    about = {
-        "version": VERSION,
-        "topics": [asdict(topic) for topic in log.topics],
-        "transforms": [asdict(edge) for edge in log.transforms],
-        "sensors": [_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
-    }
+    about = _About(
+        version=VERSION,
+        topics=log.topics,
+        transforms=log.transforms,
+        sensors=[_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
+    )
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
     try:
         with fresh.open("wb") as file:
             stored: dict[str, Any] = {str(number): array for number, array in enumerate(arrays.values())}
-            np.savez(file, about=np.frombuffer(json.dumps(about, allow_nan=False).encode(), dtype=np.uint8), **stored)
+            np.savez(
+                file,
+                about=np.frombuffer(json.dumps(about, allow_nan=False, default=_plain).encode(), dtype=np.uint8),
+                **stored,
+            )
         fresh.replace(path)
     finally:
         fresh.unlink(missing_ok=True)
+
+
+def _plain(value: Struct | Topic | TransformEdge) -> dict[str, Any]:
+    return msgspec.structs.asdict(value) if isinstance(value, Struct) else asdict(value)
 
 
 def _described(log: ScanLog, store: Store) -> dict[str, Any]:
@@ -76,33 +177,10 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             about[field.name] = value
     about["range_max"] = float(log.range_max) if np.isfinite(log.range_max) else None
     about["chosen"] = [topic.name for topic in log.topics if topic.chosen]
-    about["trajectories"] = [
-        {
-            "name": name,
-            "description": one.description,
-            "frame_id": one.frame_id,
-            "child_frame_id": one.child_frame_id,
-            "is_placeholder": one.is_placeholder,
-            "placeholder_note": one.placeholder_note,
-            "offset": one.offset,
-            "from_scans": one.from_scans,
-            "poses": store(one.poses),
-            "timed": None if one.timed is None else _timed_described(one.timed, store),
-        }
-        for name, one in log.trajectories.items()
-    ]
+    about["trajectories"] = [_Trajectory.of(name, one, store) for name, one in log.trajectories.items()]
     if log.odometry is not None:
-        at_scans = log.odometry.at_scans
-        about["odometry"] = {
-            "messages": _timed_described(log.odometry.messages, store),
-            "before_scan": store(log.odometry.before_scan),
-            "at_scans": None if at_scans is None else store(at_scans),
-        }
+        about["odometry"] = _Odometry.of(log.odometry, store)
     return about
-
-
-def _timed_described(timed: TimedPoses, store: Store) -> dict[str, Any]:
-    return {"stamps_ns": store(timed.stamps_ns), "poses": store(timed.poses), "notes": list(timed.notes)}
 
 
 def read_pack(path: Path, topic: str | None = None) -> ScanLog:
@@ -111,10 +189,10 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
     Raises :class:`NotPackedError` for a sensor that the pack lacks, :class:`StalePackError` for any other file or none.
     """
     with _opened(path) as (about, load):
-        sensors = about["sensors"]
+        sensors = about.sensors
         name = topic if topic is not None or not sensors else sensors[0]["topic"]
         # A sensor whose scans have different beams has several parts.
-        found = [_log_of(one, about["topics"], load) for one in sensors if one["topic"] == name]
+        found = [_log_of(one, about.topics, load) for one in sensors if one["topic"] == name]
         if not found:
             raise NotPackedError(topic)
         return _joined(found)
@@ -123,7 +201,7 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
 def read_whole_pack(path: Path) -> ScanLog:
     """Return all sensors of a packed log, in the pack's order, as one log. Raises :class:`StalePackError`."""
     with _opened(path) as (about, load):
-        logs = [_log_of(one, about["topics"], load) for one in about["sensors"]]
+        logs = [_log_of(one, about.topics, load) for one in about.sensors]
     return _joined(logs)
 
 
@@ -134,16 +212,16 @@ def _joined(logs: list[ScanLog]) -> ScanLog:
 def read_transforms(path: Path) -> tuple[TransformEdge, ...]:
     """Return the tree of frames of a packed log. Raises :class:`StalePackError` as :func:`read_pack`."""
     with _opened(path) as (about, _):
-        return tuple(TransformEdge(**edge) for edge in about["transforms"])
+        return about.transforms
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Load]]:
+def _opened(path: Path) -> Iterator[tuple[_About, Load]]:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            about = json.loads(arrays["about"].tobytes())
-            if about["version"] != VERSION:
-                raise StalePackError(f"The pack is of version {about['version']}, this is {VERSION}.")
+            about = msgspec.json.decode(arrays["about"].tobytes(), type=_About)
+            if about.version != VERSION:
+                raise StalePackError(f"The pack is of version {about.version}, this is {VERSION}.")
             known: dict[int, Array] = {}
 
             def load(number: int) -> Array:
@@ -156,57 +234,20 @@ def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Load]]:
         raise StalePackError(f"{type(error).__name__}: {error}") from error
 
 
-def _log_of(about: dict[str, Any], topics: list[dict[str, Any]], load: Load) -> ScanLog:
+def _log_of(about: dict[str, Any], topics: Sequence[Topic], load: Load) -> ScanLog:
     values = dict(about)
     chosen = values.pop("chosen")
     for name in _ARRAYS:
         values[name] = None if values[name] is None else load(values[name])
     if values["range_max"] is None:
         values["range_max"] = float("inf")
-    odometry = values.pop("odometry", None)
-    return ScanLog(
-        **values
-        | {
-            "mount": tuple(values["mount"]),
-            "notes": tuple(values["notes"]),
-            "topics": tuple(topic_from_json(one | {"chosen": one["name"] in chosen}) for one in topics),
-            "trajectories": {
-                one["name"]: Trajectory(
-                    load(one["poses"]),
-                    one["description"],
-                    one["frame_id"],
-                    one["child_frame_id"],
-                    one["is_placeholder"],
-                    None if one["timed"] is None else _timed_of(one["timed"], load),
-                    tuple(one["offset"]),
-                    one["from_scans"],
-                    one["placeholder_note"],
-                )
-                for one in values["trajectories"]
-            },
-            "odometry": None
-            if odometry is None
-            else OdometryRecords(
-                _timed_of(odometry["messages"], load),
-                load(odometry["before_scan"]),
-                None if odometry["at_scans"] is None else load(odometry["at_scans"]),
-            ),
-        }
-    )
-
-
-def _timed_of(about: dict[str, Any], load: Load) -> TimedPoses:
-    return TimedPoses(load(about["stamps_ns"]), load(about["poses"]), tuple(about["notes"]))
-
-
-def topic_from_json(values: dict[str, Any]) -> Topic:
-    """Return the topic that ``asdict`` made ``values`` of, also that of an older version, which said more.
-
-    Raises ``TypeError`` for anything else.
-    """
-    mount = values.get("mount")
-    known = {field.name: values[field.name] for field in fields(Topic) if field.name in values}
-    return Topic(**(known | {"mount": None if mount is None else tuple(mount)}))
+    values["mount"], values["notes"] = tuple(values["mount"]), tuple(values["notes"])
+    values["topics"] = tuple(replace(topic, chosen=topic.name in chosen) for topic in topics)
+    trajectories = msgspec.convert(values["trajectories"], list[_Trajectory])
+    values["trajectories"] = {one.name: one.read(load) for one in trajectories}
+    if "odometry" in values:
+        values["odometry"] = msgspec.convert(values["odometry"], _Odometry).read(load)
+    return ScanLog(**values)
 
 
 def nbytes(log: ScanLog) -> int:
