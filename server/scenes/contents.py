@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any
 
@@ -13,7 +14,7 @@ from server.scenes.drawers import Drawers
 from server.scenes.panel import VisibilitySwitches
 from server.scenes.reading import Reading, SceneState
 from server.scenes.viser_server import ViserServer
-from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing
+from server.sessions.drawings import MAX_DRAWING_BYTES, Drawing, Point
 
 SHARE = 0.1  #: largest share of the time that one drawing may take,
 QUICK_S = 0.01  #: unless it takes less than this: on a busy machine even a pose may take milliseconds
@@ -52,6 +53,12 @@ class SceneContents:
         with self._server.atomic():
             for drawer in list(self._drawers.values()):
                 drawer.set_height(height)
+
+    def met(self, origin: Point, direction: Point) -> Point | None:
+        """Return where a line of sight meets the columns of a map first (any thread); None: it meets none."""
+        shown = [drawer for drawer in list(self._drawers.values()) if drawer.frame.visible]
+        found = [place for drawer in shown if (place := drawer.met(origin, direction)) is not None]
+        return min(found, key=lambda place: math.dist(origin, place), default=None)
 
     def draw_all_now(self) -> None:
         """Make every drawing due."""

@@ -65,6 +65,10 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
     def set_height(self, height: float) -> None:
         """Draw what stands on the floor ``height`` times as high as by default."""
 
+    def met(self, origin: Point, direction: Point) -> Point | None:  # noqa: ARG002 - few hide what is behind them
+        """Return where a line of sight meets it, metres (any thread); None: nowhere, or it hides nothing."""
+        return None
+
     def remove(self) -> None:
         """Remove everything from the scene."""
         self.frame.remove()

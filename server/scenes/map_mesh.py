@@ -76,6 +76,34 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
     return MapLevels(levels, floor, geometry.resolution * block)
 
 
+def first_column(
+    shown: MapLevels, scale: float, start: NDArray[np.float64], along: NDArray[np.float64]
+) -> float | None:
+    """Return how far along a line of sight the first column is, as a multiple of ``along``; None: it meets none.
+
+    ``start`` and ``along`` (3,) are in the frame of the map, metres; columns are ``scale`` times as high as
+    :data:`HEIGHTS`. The line is followed in steps of a quarter of a cell, which may miss the edge of a column.
+    """
+    size = np.array([*shown.size_m, scale * HEIGHTS[-1]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        walls = np.stack([-start / along, (size - start) / along])  # shares at which it crosses the planes of the box
+    still = along == 0.0
+    if np.any(still & ((start < 0.0) | (start > size))):
+        return None
+    low = max(0.0, float(walls.min(axis=0)[~still].max(initial=0.0)))
+    high = float(walls.max(axis=0)[~still].min(initial=np.inf))
+    if not low <= high < np.inf:
+        return None
+    steps = int(np.linalg.norm(along) * (high - low) / (0.25 * shown.cell)) + 2
+    shares = np.linspace(low, high, steps)
+    places = start + shares[:, None] * along
+    cols, rows = (places[:, :2] // shown.cell).astype(np.int64).T
+    rows, cols = np.clip(rows, 0, shown.levels.shape[0] - 1), np.clip(cols, 0, shown.levels.shape[1] - 1)
+    levels = shown.levels[rows, cols]
+    hits = np.flatnonzero((levels > 0) & (places[:, 2] <= scale * HEIGHTS[levels]))
+    return float(shares[hits[0]]) if len(hits) else None
+
+
 def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list[tuple[int, int]]:
     """Return the tiles (row, col) of 64 × 64 cells in which the levels differ; without ``old``, those with a column."""
     different = new != 0 if old is None or old.shape != new.shape else new != old

@@ -184,16 +184,17 @@ class Scene:
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
-        """Pass the ray of a click to the model."""
-        self._loop.call_soon_threadsafe(self._click, event.ray_origin, event.ray_direction)
+        """Pass the ray of a click to the model, and where it meets what is drawn."""
+        met = self._contents.met(event.ray_origin, event.ray_direction)
+        self._loop.call_soon_threadsafe(self._click, event.ray_origin, event.ray_direction, met)
 
     def _gizmo_moved(self, name: str, position: Point, wxyz: Quaternion) -> None:
         self._loop.call_soon_threadsafe(self._note_move, name, position, wxyz)
 
     # -- from the browser, on the event loop --------------------------------------------------------------------
 
-    def _click(self, origin: Point, direction: Point) -> None:
-        command = self._session.model.on_scene_ray(origin, direction)
+    def _click(self, origin: Point, direction: Point, met: Point | None) -> None:
+        command = self._session.model.on_scene_ray(origin, direction, met)
         if command is not None:
             self._post(command)
 

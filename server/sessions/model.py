@@ -155,11 +155,17 @@ class SessionModel(ABC):
         """
         return None
 
-    def on_scene_ray(self, origin: Point, direction: Point) -> Struct | None:
+    def on_scene_ray(
+        self,
+        origin: Point,
+        direction: Point,
+        met: Point | None = None,  # noqa: ARG002 - most kinds need none
+    ) -> Struct | None:
         """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
 
-        By default that for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on
-        the floor where it comes down (or up) to it. As :meth:`on_scene_click`.
+        ``met`` is where it meets the columns of a map that the view shows, None where it meets none. By default that
+        for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on the floor where
+        it comes down (or up) to it. As :meth:`on_scene_click`.
         """
         volume = self.find(Volumetric)
         if volume is not None and volume.is_on and volume.is_asked:

@@ -17,7 +17,9 @@ from server.sessions.view import GraphChange, LogView, Pose, Wanted
 from server.stream.message_parts import Compared
 
 if TYPE_CHECKING:
+    import numpy as np
     from msgspec import Struct
+    from numpy.typing import NDArray
 
     from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
     from mapper.costmap import SpeedFilter, SpeedLimit
@@ -113,8 +115,21 @@ class Comparable(ABC):
         """Return the description of A, None if there is no comparison."""
 
 
+@dataclass(frozen=True, slots=True)
+class ShownLoops:
+    """Loops of a pose graph in 3D: the numbers of their ``edges``, and their ``ends`` (n, 2, 3), map metres."""
+
+    edges: NDArray[np.int64]
+    ends: Float64Array
+
+
 class Graphed(ABC):
-    """The pose graph of a session's trajectory. All of it raises :class:`mapper.core.errors.MapperError`."""
+    """The pose graph of a session's trajectory. Its methods raise :class:`mapper.core.errors.MapperError`."""
+
+    @property
+    @abstractmethod
+    def loops(self) -> ShownLoops | None:
+        """The loops that the 3D view shows, None while it shows none."""
 
     @abstractmethod
     async def public(self, source: GraphSource) -> PoseGraphAnswer:

@@ -23,11 +23,12 @@ from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
 from server.parts.mapping.part import MappingParameters
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
-from server.sessions.drawings import Drawing, Path
+from server.sessions.drawings import Drawing, Path, Point
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
+from server.sessions.parts import Graphed
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
@@ -36,6 +37,7 @@ from server.sources.log_recording import LogRecording
 from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings
 from server.sources.robot_report import ScanReport
+from server.sources.scene_picks import ScenePick, picked_by
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,
@@ -219,11 +221,12 @@ class LogModel(SessionModel):
         return [own, *self.comparison.explained()]
 
     def drawings(self) -> list[Drawing]:
-        """Return the map, the robot and the path."""
+        """Return the map, the robot, the path, and what the parts show."""
         poses = self.recording.log.trajectory(self.recording.trajectory).poses
         return [
             *map_drawings(self.grid, self.recording.robot_state(), self.config),
             Path(name="trajectory", label="Path", poses=poses),
+            *(drawing for part in self.parts for drawing in part.drawings()),
         ]
 
     def controls(self) -> SceneControls:
@@ -232,7 +235,7 @@ class LogModel(SessionModel):
         names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
         return SceneControls(
             playing=self.playback.playing,
-            hint="Click near the path to go to that scan.",
+            hint="Click the path to go to that scan, a loop or a wall to ask about it.",
             tables=(self.parameters.controls(),),
             choices=(Choice("Trajectory", names, current, TrajectoryCommand),) if len(names) > 1 else (),
             index=index,
@@ -241,11 +244,9 @@ class LogModel(SessionModel):
             bounds=self._path_bounds,
         )
 
-    def on_scene_click(self, x: float, y: float) -> Struct:
-        """Return the command to seek the scan nearest to (x, y)."""
-        poses = self.recording.log.trajectory(self.recording.trajectory).poses
-        gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
-        return SeekCommand(int(gaps.argmin()) + 1)
+    def on_scene_ray(self, origin: Point, direction: Point, met: Point | None = None) -> Struct:
+        """Return the command to find out what was clicked."""
+        return ScenePick(origin, direction, met)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of missing checkpoints."""
@@ -360,6 +361,8 @@ class LogModel(SessionModel):
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
                 self.go_to(index)
+            case ScenePick():
+                self._pick(command, result)
             case StepCommand(scans=scans):
                 self.playback.playing = False
                 self.go_to(min(max(self._target + scans, 0), count))
@@ -386,6 +389,18 @@ class LogModel(SessionModel):
                 super().handle(command, result)
                 return
         result.changed = True
+
+    def _pick(self, pick: ScenePick, result: TickResult) -> None:
+        """Say what was clicked in the 3D view, and go to the scan of a pose."""
+        poses = self.recording.log.trajectory(self.recording.trajectory).poses
+        graph = self.find(Graphed)
+        picked = picked_by(pick, poses, None if graph is None else graph.loops)
+        if picked is None:
+            return
+        result.events.append(picked)
+        if picked.index is not None:
+            self._followed.leave()
+            self.go_to(picked.index)
 
     def _update_log(self, log: ScanLog, result: TickResult) -> None:
         self.updated(result, is_new=self.recording.update(log))

@@ -266,6 +266,22 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
     layer: Annotated[str, Meta(description="name of the layer of that map")]
 
 
+class PickedMessage(Struct, tag_field="type", tag="picked"):
+    """Logs: what was clicked in a 3D view of the session. Sent once, to all pages of the session."""
+
+    what: Annotated[
+        Literal["loop", "pose", "cell"],
+        Meta(
+            description="a loop of the pose graph, a pose of the path, which the map then goes to, or a cell of the map"
+        ),
+    ]
+    x: Annotated[float, Meta(description="x of its place in the map frame, m")]
+    y: Annotated[float, Meta(description="y of its place in the map frame, m")]
+    yaw: Annotated[float | None, Meta(description="yaw of the pose, rad; null for others")]
+    index: Annotated[int | None, Meta(description="scans up to that of the pose, itself included; null for others")]
+    edge: Annotated[int | None, Meta(description="number of the loop's edge; null for others")]
+
+
 class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
     """Maps: the edits so far."""
 
@@ -302,5 +318,6 @@ MESSAGES = (
     ErrorMessage,
     CellMessage,
     WhyMessage,
+    PickedMessage,
     Pong,
 )

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
 from server.parts.slam.solved_graph import ShowGraph
+from server.sessions.drawings import Drawing, Segments
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
-from server.sessions.parts import Graphed, GraphSource, Recording
+from server.sessions.parts import Graphed, GraphSource, Recording, ShownLoops
 from server.sessions.tick import TickResult
 from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
@@ -70,6 +71,8 @@ class LogGraph(Part, Graphed):
         self._changing = asyncio.Lock()  #: held while the graph is read or changed
         self._shown: SolvedGraph | None = None
         self._layer: GraphLayer | None = None
+        self._loops: ShownLoops | None = None
+        self._drawing: Segments | None = None  #: of these
 
     # -- on a worker thread ---------------------------------------------------------------------------------------
 
@@ -79,11 +82,21 @@ class LogGraph(Part, Graphed):
         is_shown = self._shown is not None and self._shown.trajectory == self._recording.trajectory
         return (self._layer,) if is_shown and self._layer is not None else ()
 
+    @property
+    def loops(self) -> ShownLoops | None:
+        """The loops of the graph in the layer."""
+        return self._loops if self.layers else None
+
+    def drawings(self) -> list[Drawing]:
+        """Return the loops as lines."""
+        return [self._drawing] if self._drawing is not None and self.layers else []
+
     def handle(self, command: ShowGraph, result: TickResult) -> None:
         """Write another graph into the layer, and map the log along its poses."""
         solved = self._shown = command.solved
         self._layer = self._layer or GraphLayer(LAYER, "Pose graph", "pose_graph", ("x", "y", "yaw", "scan"))
         solved.draw(self._layer)
+        self._loops, self._drawing = solved.in_3d()
         self._update_log(solved.in_log(self._recording.log), result)
         result.changed = True
 

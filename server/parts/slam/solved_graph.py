@@ -22,6 +22,7 @@ from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.residuals import residual_series, residuals
 from mapper.slam.scan_store import scans_of
+from server.sessions.drawings import Segments
 from server.sessions.graph_answers import (
     EdgeAnswer,
     LoopAnswer,
@@ -32,6 +33,7 @@ from server.sessions.graph_answers import (
     TriedLoopScans,
     TriedNear,
 )
+from server.sessions.parts import ShownLoops
 from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
 
@@ -43,6 +45,12 @@ WINDOW = 3.0  #: metres to each side in which a loop that is added by hand is ma
 LEAST_SCORE = 0.4  #: of such a match, 0 … 1
 LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
 MAX_POINTS = 720  #: of one scan that is drawn
+LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view shows loops
+LOOP_STEPS = (
+    2.0,
+    5.0,
+)  #: residuals from which a loop is strained, and from which it contradicts the rest: as the map's
+LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)  #: of those below, and of these
 
 Float64Array = NDArray[np.float64]
 
@@ -170,6 +178,21 @@ class SolvedGraph:
         values = np.where(graph.kind == LOOP, graph.residual, np.nan)
         nodes = np.stack([*poses.T, graph.nodes.astype(np.float64)])
         layer.set(nodes, np.stack([graph.i, graph.j], axis=1), values)
+
+    def in_3d(self) -> tuple[ShownLoops, Segments]:
+        """Return the loops, and their drawing, in which the colour is that of the residual."""
+        graph = self.graph
+        edges = np.flatnonzero(graph.kind == LOOP)
+        nodes = np.stack([graph.i[edges], graph.j[edges]], axis=1)
+        ends = np.concatenate([self.node_poses[nodes][..., :2], np.full((len(edges), 2, 1), LOOP_Z)], axis=2)
+        colors = LOOP_COLOURS[np.searchsorted(LOOP_STEPS, graph.residual[edges], side="right")]
+        return ShownLoops(edges, ends), Segments(
+            name="loops",
+            label="Loops",
+            points=ends.astype(np.float32),
+            colors=np.repeat(colors[:, None], 2, axis=1),
+            width=3.0,
+        )
 
     def public(self) -> PoseGraphAnswer:
         """Return what the HTTP interface shows: the loops, worst first, and how the graph is solved."""

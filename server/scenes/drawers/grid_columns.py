@@ -10,8 +10,8 @@ import viser
 
 from mapper.grid import GridGeometry
 from server.scenes.drawer import Drawer, DrawerContext, yaw_wxyz
-from server.scenes.map_mesh import MapLevels, changed_tiles, map_levels, tile_columns
-from server.sessions.drawings import GridColumns
+from server.scenes.map_mesh import MapLevels, changed_tiles, first_column, map_levels, tile_columns
+from server.sessions.drawings import GridColumns, Point
 
 COLUMN = (214, 112, 44)
 FLOOR_Z = 0.01
@@ -43,6 +43,21 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
         self._height = height
         for tile in self._tiles.values():
             tile.scale = (1.0, 1.0, height)
+
+    def met(self, origin: Point, direction: Point) -> Point | None:
+        """Return where a line of sight meets a column first."""
+        shown = self._shown
+        if shown is None:
+            return None
+        x, y, yaw = shown.geometry.origin
+        turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])  # of the frame, in the map
+        start, along = np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
+        local = np.append((start[:2] - (x, y)) @ turn, start[2]), np.append(along[:2] @ turn, along[2])
+        share = first_column(shown.levels, self._height, *local)
+        if share is None:
+            return None
+        px, py, pz = (start + share * along).tolist()
+        return (px, py, pz)
 
     @classmethod
     def read(cls, drawing: GridColumns) -> GridContent:

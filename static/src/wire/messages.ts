@@ -779,6 +779,23 @@ export interface WhyMessage {
   readonly layer: string;
 }
 
+/** Logs: what was clicked in a 3D view of the session. Sent once, to all pages of the session. */
+export interface PickedMessage {
+  readonly type: "picked";
+  /** a loop of the pose graph, a pose of the path, which the map then goes to, or a cell of the map */
+  readonly what: "cell" | "loop" | "pose";
+  /** x of its place in the map frame, m */
+  readonly x: number;
+  /** y of its place in the map frame, m */
+  readonly y: number;
+  /** yaw of the pose, rad; null for others */
+  readonly yaw: number | null;
+  /** scans up to that of the pose, itself included; null for others */
+  readonly index: number | null;
+  /** number of the loop's edge; null for others */
+  readonly edge: number | null;
+}
+
 /** Answer to `ping`. */
 export interface Pong {
   readonly type: "pong";
@@ -1557,6 +1574,7 @@ export type ServerMessage =
   | ErrorMessage
   | CellMessage
   | WhyMessage
+  | PickedMessage
   | Pong
   | LocalizationMessage
   | Map3dMessage
@@ -2010,6 +2028,14 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     curve: isListOf(isTuple(isInteger, isNumber)),
     contributions: isListOf(isContribution),
     layer: isText,
+  },
+  picked: {
+    what: isLiteral("cell", "loop", "pose"),
+    x: isNumber,
+    y: isNumber,
+    yaw: oneOf(isNumber, isNull),
+    index: oneOf(isInteger, isNull),
+    edge: oneOf(isInteger, isNull),
   },
   pong: {
     id: isInteger,

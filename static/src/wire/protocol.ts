@@ -46,6 +46,7 @@ export type {
   Parameter,
   ParametersMessage,
   PathMessage,
+  PickedMessage,
   Point,
   Pose,
   ServerMessage,

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from mapper.grid import OCCUPIED, GridGeometry, OccupancyGrid
-from server.scenes.map_mesh import HEIGHTS, MAX_SIDE, changed_tiles, map_levels, tile_columns
+from server.scenes.map_mesh import HEIGHTS, MAX_SIDE, changed_tiles, first_column, map_levels, tile_columns
+
+Vector = tuple[float, float, float]
 
 
 def grid_of(rows: int, cols: int, seed: int = 0) -> OccupancyGrid:
@@ -97,3 +99,33 @@ def test_a_large_grid_is_drawn_by_blocks_that_keep_thin_walls() -> None:
     assert drawn.cell == pytest.approx(0.15)
     assert (drawn.levels[1000 // 3] == 4).all()
     assert (drawn.levels != 0).sum() == drawn.levels.shape[1]
+
+
+@pytest.mark.parametrize(
+    ("start", "along", "share"),
+    [
+        # The column of cell (row 4, col 6), 0.5 m high, is 0.6 … 0.7 m along x, 0.4 … 0.5 m along y.
+        ((0.65, 0.45, 3.0), (0.0, 0.0, -1.0), 2.5),  # its top from above
+        ((-1.0, 0.45, 0.3), (2.0, 0.0, 0.0), 0.8),  # its side, along the floor
+        ((0.05, 0.45, 0.75), (0.5, 0.0, -0.5), 1.1),  # its side from above, 0.2 m above the floor
+        ((0.65, 0.35, 3.0), (0.0, 0.0, -1.0), None),  # beside it
+        ((-1.0, 0.45, 0.6), (1.0, 0.0, 0.0), None),  # above it
+        ((0.75, 0.45, 0.3), (1.0, 0.0, 0.0), None),  # away from it
+        ((0.65, 0.45, 3.0), (0.0, 0.0, 1.0), None),
+        ((0.65, 0.45, 3.0), (0.0, 0.0, 0.0), None),
+    ],
+)
+def test_a_line_of_sight_meets_the_first_column(start: Vector, along: Vector, share: float | None) -> None:
+    geometry = GridGeometry(0.1, 8, 12)
+    log_odds = np.full(geometry.shape, -2.0, dtype=np.float32)
+    log_odds[4, 6] = 3.5
+    drawn = map_levels(geometry, log_odds, np.ones(geometry.shape, dtype=np.bool_))
+    met = first_column(drawn, 1.0, np.array(start), np.array(along))
+    step = 0.25 * drawn.cell / max(float(np.linalg.norm(along)), 1e-9)
+    assert met == (None if share is None else pytest.approx(share, abs=1.01 * step))
+
+
+def test_columns_that_are_drawn_higher_are_met_higher() -> None:
+    drawn = map_levels(GridGeometry(0.1, 1, 1), np.array([[3.5]], dtype=np.float32), np.array([[True]]))
+    start, along = np.array([0.05, 0.05, 4.0]), np.array([0.0, 0.0, -1.0])
+    assert first_column(drawn, 5.0, start, along) == pytest.approx(4.0 - 5.0 * HEIGHTS[-1])

@@ -26,6 +26,8 @@ from server.parts.wire import command_of
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
+from server.stream.messages import PickedMessage
+from server.stream.protocol import Message
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
@@ -126,6 +128,36 @@ async def test_play_and_pause(service: Service) -> None:
         await client.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": True})
         await changed(session, lambda view: not view.playing)
         await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["updates"].get("label") == "Play")
+
+
+async def test_a_click_on_a_column_of_a_log_means_its_cell(service: Service) -> None:
+    session = await new_log(service.sessions, "ann", sample_log(n_scans=40))
+    told: list[Message] = []
+    session.hub.send_all = told.append
+    session.post(command_of({"type": "pause"}))
+    session.post(command_of({"type": "seek", "index": 40}))
+    await changed(session, lambda view: view.index == 40)
+    grid = session.model.grid
+    walls = np.argwhere(grid.log_odds == grid.log_odds.max())
+    x, y = max(grid.geometry.cell_to_world(walls).tolist())  # the farthest to the east
+    async with viser_client(service.port, session.id) as client:
+        await client.until(lambda m: m.get("name", "").startswith("/map/") and m["type"] == "MeshMessage")
+        # From 4 m to the west and above: on the floor this line of sight ends 0.2 m behind the wall.
+        await client.send(
+            type="ScenePointerMessage",
+            event_type="click",
+            ray_origin=(x - 4.0, y, 4.2),
+            ray_direction=(1.0, 0.0, -1.0),
+            screen_pos=((0.5, 0.5),),
+            modifier=None,
+        )
+        await eventually(lambda: bool(told))
+    (picked,) = told
+    assert isinstance(picked, PickedMessage)
+    assert picked.what == "cell"
+    row, col = grid.geometry.world_to_cell((picked.x, picked.y))
+    assert grid.log_odds[row, col] > 0.0
+    assert not grid.observed[tuple(grid.geometry.world_to_cell((x + 0.2, y)))], "there the floor would be met"
 
 
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:

@@ -8,6 +8,7 @@ import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Overview } from "../../tools/picture/Overview";
 import { Readout } from "../../tools/readout/Readout";
+import { usePicked } from "../../tools/scene/usePicked";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
@@ -121,6 +122,11 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     openGroup.value = "heal";
     void correction.begin();
   };
+  usePicked(store, (edge) => {
+    showColumn();
+    openGroup.value = "heal";
+    void correction.select(edge);
+  });
   const map = () => (
     <div class="viewer-map">
       <BeliefView

@@ -37,7 +37,7 @@ import type { PoseCorrection } from "./slam/poseCorrection";
 import { TerrainChoice } from "./TerrainChoice";
 import { Trajectories } from "./trajectories/Trajectories";
 
-const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
+const PickingScene = lazy(async () => (await import("../../tools/scene/PickingScene")).PickingScene);
 
 /** What the groups show. */
 interface LogView {
@@ -212,7 +212,7 @@ const GROUPS: readonly Group[] = [
     id: "3d",
     title: "3D",
     isThere: ({ isGuest }) => !isGuest,
-    content: ({ session }) => <Scene session={session} />,
+    content: ({ store, session }) => <PickingScene store={store} session={session} />,
   },
   {
     id: SHARE,

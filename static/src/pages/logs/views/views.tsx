@@ -17,7 +17,7 @@ import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
 import "./views.css";
 
-const Scene = lazy(async () => (await import("../../../tools/scene/Scene")).Scene);
+const PickingScene = lazy(async () => (await import("../../../tools/scene/PickingScene")).PickingScene);
 
 interface LogOfView {
   readonly store: Store;
@@ -47,7 +47,7 @@ const VIEWS: readonly View[] = [
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
   { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
-  { kind: "3d", title: "3D", isOwners: true, content: ({ session }) => <Scene session={session} /> },
+  { kind: "3d", title: "3D", isOwners: true, content: (log) => <PickingScene {...log} /> },
   {
     kind: "second",
     title: "Second map",
