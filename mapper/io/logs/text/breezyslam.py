@@ -106,7 +106,7 @@ def read_breezyslam(
     poses = wheel_poses(stack.robot_poses[:, :2])
     if np.abs(poses[:, :2]).max() > limits.max_pose:
         raise ReadError(
-            "log.pose", f"By its wheels the robot goes farther than {limits.max_pose:g} m, which is no place."
+            "log.extent", f"By its wheels the robot goes farther than {limits.max_pose:g} m, which is no place."
         )
     return ScanLog(
         ranges=ranges,

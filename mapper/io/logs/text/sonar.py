@@ -123,7 +123,7 @@ def read_sonar(
     metres[metres <= 0.0] = np.nan
     pose = np.column_stack([where[:, 1:3] / 1000.0, np.unwrap(np.radians(where[:, 3] / 10.0))])
     if np.abs(pose[:, :2]).max() > limits.max_pose or np.abs(stamps).max() > 1e15:
-        raise ReadError("log.pose", f"A pose or a time in {POSES} is absurdly far away.")
+        raise ReadError("log.extent", f"A pose or a time in {POSES} is absurdly far away.")
     n_sonars = ranges.shape[1]
     known = n_sonars == len(EIGHT)
     bearings = EIGHT if known else np.linspace(-math.pi / 2.0, math.pi / 2.0, n_sonars)

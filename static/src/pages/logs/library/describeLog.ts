@@ -147,6 +147,11 @@ const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
     "Copy the file again from where it was recorded; this copy is damaged.",
   ],
+  [/^log\.header$/, "Correct the lines before the scans, and try again."],
+  [
+    /^(depth\.list|log\.(beam_angles|beam_count|beams_vary|not_a_number|parameter|pose|range_max|stamp|ticks|truncated_line))$/,
+    "Correct or remove that line, and try again.", // the error names the line
+  ],
   [/\.poses$/, "A ring of sonars is two files: choose measurement.txt and poses.txt together, or drop their folder."],
   [/\.archive$/, "Unpack the archive and drop the folder here."],
   [/\.no_scans$/, "A map needs the range readings. Check whether another file of the same run has them."],
@@ -170,6 +175,5 @@ const HOW_TO_REPORT =
 export function remedy(log: LogRecord): string {
   const code = log.error?.code ?? "";
   const found = REMEDIES.find(([codes]) => codes.test(code))?.[1];
-  const line = log.error?.message.startsWith("Line ") ? "Correct or remove that line, and try again." : "";
-  return [found ?? line, REPORTABLE.test(code) ? HOW_TO_REPORT : ""].filter(Boolean).join(" ");
+  return [found, REPORTABLE.test(code) ? HOW_TO_REPORT : ""].filter(Boolean).join(" ");
 }
