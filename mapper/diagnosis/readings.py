@@ -36,8 +36,8 @@ def _few(log: ScanLog) -> list[Finding]:
     return [
         Finding(
             FEW,
-            f"Only {measured} of {log.ranges.size} readings are measured ranges: too few to judge by the map they make "
-            "whether mount, clocks and poses are right.",
+            f"Only {measured} readings are measured ranges, and {LEAST_MEASURED} are needed to judge by the map they "
+            "make whether mount, clocks and poses are right.",
             "Choose the sensor that measures most, or record for longer.",
             1.0,
         )

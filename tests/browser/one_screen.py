@@ -17,8 +17,9 @@ SIZES = ((1280, 720), (1440, 900), (1920, 1080), (1024, 768))
 # What is used: no explanations, no links, no files, no number fields, whose slider stands beside it.
 CONTROLS = ", ".join(
     f"{one}:visible"
-    for one in ("button:not(.tip-button):enabled", "input:not([type=number], [type=file]):enabled", "select:enabled",
-                "textarea:enabled", "[role=slider]:not(input)")
+    for one in ("button:not(.tip-button):enabled",
+                "input:not([type=number], [role=spinbutton], [type=file]):enabled",
+                "select:enabled", "textarea:enabled", "[role=slider]:not(input)")
 )  # fmt: skip
 
 _NAME = """(control) => (control.getAttribute("aria-label") ?? control.labels?.[0]?.innerText ?? control.innerText

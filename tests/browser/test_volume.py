@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -209,6 +210,7 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     handle.focus()
     handle.press("PageDown")
     await_true(page, f"() => ({VOLUME})().look.values.cut_x_high < {volume['high'][0] + 0.5}")
+    expect(page.get_by_label("Clip x from, as a number")).to_have_value(re.compile(r"−\d+\.\d\d"))  # a true minus sign
     page.get_by_label("Clip x to, as a number").fill(f"{middle:.2f}")
     # What is typed stays while the page is drawn again.
     page.evaluate("() => gridbloom.connection.store.send({ type: 'volume_look', values: { point_size: 2 } })")

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useId, useRef } from "preact/hooks";
-import { fromFraction, keyed, type Range, shownDecimals, snap, toFraction, written } from "./numbers";
+import { fromFraction, keyed, numberOf, type Range, shownDecimals, snap, toFraction, written } from "./numbers";
 import { Tooltip } from "./Tooltip";
 
 export type Tone = "accent" | "hit" | "miss" | "beam" | "prior";
@@ -38,7 +38,9 @@ export function Slider(props: SliderProps) {
   const change = (next: number): void => {
     if (next !== value) onInput(next);
   };
-  const commitField = (wanted: number): void => {
+  const shown = typed.value === null ? value : numberOf(typed.value);
+  const commitField = (text: string): void => {
+    const wanted = numberOf(text);
     typed.value = null;
     if (Number.isFinite(wanted)) change(Math.min(props.high, Math.max(props.low, wanted)));
   };
@@ -51,17 +53,27 @@ export function Slider(props: SliderProps) {
       </span>
       <span class="slider-value">
         <input
-          type="number"
+          role="spinbutton"
+          inputMode={props.low < 0 ? "text" : "decimal"} // a telephone's decimal keys may have no minus sign
+          autoComplete="off"
           aria-label={`${label}, as a number`}
-          value={typed.value ?? value.toFixed(places)}
-          min={props.low}
-          max={props.high}
-          step="any"
+          aria-valuenow={value}
+          aria-valuemin={props.low}
+          aria-valuemax={props.high}
+          aria-invalid={!(props.low <= shown && shown <= props.high)}
+          value={typed.value ?? written(value, places)}
           disabled={disabled}
           onInput={(event) => {
             typed.value = event.currentTarget.value;
           }}
-          onChange={(event) => commitField(event.currentTarget.valueAsNumber)}
+          onChange={(event) => commitField(event.currentTarget.value)}
+          onKeyDown={(event) => {
+            const next = event.key.startsWith("Arrow") ? keyed(event.key, event.shiftKey, value, props) : null;
+            if (next === null || /Left|Right/.test(event.key)) return; // those move the caret
+            event.preventDefault();
+            typed.value = null;
+            change(next);
+          }}
         />
         <span class="slider-unit">{unit || null}</span>
       </span>

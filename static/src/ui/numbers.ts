@@ -87,7 +87,11 @@ export function written(value: number, places: number): string {
     .replace("-", "−");
 }
 
-/** The same with its sign always shown: +0.85, −0.40. */
+/** The number that a visitor typed, with a minus sign or a hyphen, a point or a comma; NaN for other text. */
+export const numberOf = (text: string): number =>
+  text.trim() === "" ? Number.NaN : Number(text.trim().replace("−", "-").replace(",", "."));
+
+/** The same as {@link written} with its sign always shown: +0.85, −0.40. */
 export function signed(value: number, places = 2): string {
   const text = written(value, places);
   return value > 0 && Number(value.toFixed(places)) !== 0 ? `+${text}` : text;

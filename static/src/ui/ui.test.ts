@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { sectionsOf } from "./dock/Dock";
 import { keyedTab } from "./dock/Tabs";
-import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
+import { clock, decimals, fromFraction, keyed, numberOf, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 
 const WINDOW = { low: 0, high: 2, step: 0.05 };
@@ -38,6 +38,10 @@ describe("a slider's arithmetic", () => {
     expect(decimals(1)).toBe(0);
     expect(written(-0.4, 2)).toBe("−0.40");
     expect(written(-0.001, 2)).toBe("0.00");
+    expect(numberOf("−0.40")).toBe(-0.4);
+    expect(numberOf(" -0,4")).toBe(-0.4);
+    expect(numberOf(" ")).toBeNaN();
+    expect(numberOf("1 m")).toBeNaN();
     expect(signed(0.85)).toBe("+0.85");
     expect(signed(0)).toBe("0.00");
     expect(clock(3725)).toBe("1:02:05");

@@ -4,6 +4,7 @@ import { effect, untracked, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { nameOfCost } from "../../grid/costs";
 import type { Store } from "../../store/store";
+import { written } from "../../ui/numbers";
 import { pathOf } from "../path/state";
 import { costmapOf } from "./state";
 
@@ -54,7 +55,7 @@ export function WhyCost({ store }: { readonly store: Store }) {
   return (
     <section class="navigation-why" aria-label="Why this cost" aria-live="polite">
       <h2>
-        ({answer.x.toFixed(2)}, {answer.y.toFixed(2)}): {nameOfCost(last?.master ?? 255)}
+        ({written(answer.x, 2)}, {written(answer.y, 2)}): {nameOfCost(last?.master ?? 255)}
       </h2>
       <ol>
         {answer.layers.map(({ layer, cost: own, master, sentence }) => (

@@ -1,6 +1,7 @@
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { LiveRegion } from "../../ui/LiveRegion";
+import { written } from "../../ui/numbers";
 import type { MapTool } from "../costmap/state";
 import { costmapOf } from "../costmap/state";
 
@@ -40,6 +41,8 @@ export function PlacingHint({ store }: { readonly store: Store }) {
 export function RobotAnnouncement({ store }: { readonly store: Store }) {
   const sent = store.teleported.value;
   return (
-    <LiveRegion text={sent ? `Robot moved to x ${sent.point[0].toFixed(1)} m, y ${sent.point[1].toFixed(1)} m` : ""} />
+    <LiveRegion
+      text={sent ? `Robot moved to x ${written(sent.point[0], 1)} m, y ${written(sent.point[1], 1)} m` : ""}
+    />
   );
 }

@@ -5,6 +5,7 @@ import { AskedPatch } from "../../lessons/terrain/AskedPatch";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
+import { written } from "../../ui/numbers";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Parameter, Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
@@ -139,7 +140,7 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
         .{left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
         {kappa !== null &&
           total_error !== null &&
-          ` Against ${truth ?? "the truth"}: Cohen’s κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+          ` Against ${truth ?? "the truth"}: Cohen’s κ ${written(kappa, 1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
         {isFile && truth === null && " How good is that? Give a file of the true ground points in the tab Compare."}
       </p>
     </div>

@@ -1,4 +1,5 @@
 import type { Store } from "../../store/store";
+import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import type { VolumeMessage } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
@@ -57,7 +58,7 @@ interface KeyProps {
 function Key({ colour, show, now, band }: KeyProps) {
   if (colour === "height") {
     const top = Math.min(now.high[2], now.low[2] + 24 * band);
-    return <Ramp kind="height" from={`${now.low[2].toFixed(2)} m`} to={`${top.toFixed(2)} m and more`} />;
+    return <Ramp kind="height" from={`${written(now.low[2], 2)} m`} to={`${written(top, 2)} m and more`} />;
   }
   if (colour === "probability") return <Ramp kind="probability" from="just occupied" to="certain" />;
   if (colour === "side" || colour === "normal") {

@@ -3,6 +3,7 @@ import { Prediction } from "../../../lessons/common/Prediction";
 import { Digits } from "../../../lessons/digits/Digits";
 import { type Readings, run, saturatedAt } from "../../../lessons/digits/model";
 import { DragNumber } from "../../../ui/DragNumber";
+import { written } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
 
@@ -12,7 +13,7 @@ const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 
 const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
 
 /** The power of ten that q¹⁰⁰⁰ is. */
-const POWER = (q: number): string => (1000 * Math.log10(q)).toFixed(0).replace("-", "−");
+const POWER = (q: number): string => written(1000 * Math.log10(q), 0);
 
 export function DigitsSection({ id, number, title }: SectionHead) {
   const { hits, misses, pHit } = readings.value;
@@ -43,7 +44,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           <p>
             A product of probabilities fails too: a thousand of {(1 - pHit).toFixed(2)} make 10
             <sup>{POWER(1 - pHit)}</sup>, less than the smallest 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
-            Their logarithms add up to {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
+            Their logarithms add up to {written(1000 * Math.log(1 - pHit), 0)}.
           </p>
           <p>
             With ℓ clamped (<SectionLink to="forgetting" />) none of the three fails. Log-odds remain <b>cheaper</b> and{" "}

@@ -4,6 +4,7 @@ import type { Store } from "../../../store/store";
 import { CompareOverlay } from "../../../tools/compare/CompareOverlay";
 import { Comparison } from "../../../tools/compare/comparison";
 import { toast } from "../../../ui/Toast";
+import { isWriting } from "../isTyping";
 import { keepAddress, linkFromAddress, restore } from "./link";
 import { names } from "./sides";
 
@@ -31,9 +32,8 @@ export function useComparison(session: string, store: Store): Comparison {
     }
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== "b" || event.ctrlKey || event.metaKey || event.altKey) return;
-      const writes =
-        event.target instanceof Element && event.target.closest("input[type=number], select, textarea") !== null;
-      if (comparison.isOn.peek() && comparison.mode.peek() === "blink" && !writes) comparison.turn();
+      const isBlinking = comparison.isOn.peek() && comparison.mode.peek() === "blink";
+      if (isBlinking && !isWriting(event.target)) comparison.turn();
     };
     addEventListener("keydown", onKey);
     stops.push(() => removeEventListener("keydown", onKey));

@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { plural } from "../../../ui/numbers";
 import { WhenKnown } from "../contents/useContents";
 import { scansAt } from "../time/scanTimes";
 import { clockTime, shownTime } from "../time/shownTime";
@@ -57,7 +58,7 @@ function Loaded({ store, lines: state }: LinesProps) {
       <Search state={state} all={all} onStep={(by) => go(present + by)}>
         <output class="quiet number">
           {found.length === all.length
-            ? `${all.length.toLocaleString("en")} lines`
+            ? plural(all.length, "line")
             : `${found.length.toLocaleString("en")} of ${all.length.toLocaleString("en")}`}
         </output>
       </Search>
