@@ -14,7 +14,6 @@ from mapper.grid.occupancy_grid import (
     OccupancyGrid,
     check_thresholds,
     log_odds,
-    probability,
 )
 
 
@@ -30,35 +29,12 @@ def entropy(log_odds: ArrayLike) -> NDArray[np.float64]:
     return np.asarray((np.log1p(small) + finite * small / (1.0 + small)) / np.log(2.0), dtype=np.float64)
 
 
-def information_gain(grid: OccupancyGrid) -> NDArray[np.float64]:
-    """Return the information gain of each cell (rows, cols), bits: the entropy of its prior minus its present entropy.
-
-    Negative where a cell is less certain than its prior, as where a prior map was contradicted. Source:
-    Probabilistic Robotics, section 17.4.
-    """
-    return np.where(grid.observed, entropy(grid.prior()) - entropy(grid.log_odds), 0.0)
-
-
-def expected_information_gain(log_odds: ArrayLike, log_odds_miss: float, log_odds_hit: float) -> NDArray[np.float64]:
-    """Return by how many bits one more measurement is expected to lower a cell's entropy, for log-odds of any shape.
-
-    The measurement adds ``log_odds_hit`` ≥ 0 or ``log_odds_miss`` ≤ 0. Their probabilities follow from Bayes' rule: the
-    expected posterior is the prior, so P(hit) = (p − p_miss) / (p_hit − p_miss). It is what an explorer weighs places
-    by (Probabilistic Robotics, section 17.2); 0 for a look that adds nothing.
-    """
-    before = np.asarray(log_odds, dtype=np.float64)
-    p, p_miss, p_hit = (probability(before + step) for step in (0.0, log_odds_miss, log_odds_hit))
-    span = p_hit - p_miss
-    hit = np.divide(p - p_miss, span, out=np.zeros_like(span), where=span > 0.0)
-    after = hit * entropy(before + log_odds_hit) + (1.0 - hit) * entropy(before + log_odds_miss)
-    return np.asarray(np.maximum(entropy(before) - after, 0.0))
-
-
 @dataclass(frozen=True, slots=True)
 class MapMetrics:
     """``entropy_bits`` and ``information_gain_bits`` sum over all observed cells.
 
-    The rest are counts, ``never_observed`` a part of ``unknown``.
+    A cell's gain is the entropy of its prior minus its present one, negative where it is less certain than its prior
+    (Probabilistic Robotics, section 17.4). The rest are counts, ``never_observed`` a part of ``unknown``.
     """
 
     entropy_bits: float

@@ -41,7 +41,6 @@ class Estimate:
     fit: float
     entropy: float
     n_particles: int
-    n_clusters: int
     is_updated: bool
     is_sure: bool = False
     contradicted: float = 0.0
@@ -113,10 +112,7 @@ def estimate_of(clusters: Clusters, fit: float, *, was_converged: bool, is_updat
     )
     if not is_converged:
         covariance = _around(clusters, pose)
-    return Estimate(
-        pose, covariance, is_converged, share, fit, clusters.entropy, len(clusters.number), len(clusters.weight),
-        is_updated,
-    )  # fmt: skip
+    return Estimate(pose, covariance, is_converged, share, fit, clusters.entropy, len(clusters.number), is_updated)
 
 
 def _around(clusters: Clusters, pose: Float64Array) -> Float64Array:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.grid import log_odds, probability
+from mapper.grid import log_odds
 
 NoReturn = Literal["ignore", "free", "hit"]
 
@@ -338,10 +338,6 @@ class HitCounting:
         if not 0.0 < self.p_prior < 1.0:
             raise ConfigError("model.prior", f"The prior must be a probability in (0, 1), not {self.p_prior!r}.")
         _check_window(self.window)
-
-    def p_reflect(self, hits: ArrayLike, misses: ArrayLike) -> NDArray[np.float64]:
-        """Return the posterior mean for numbers of hits and misses (any shape)."""
-        return probability(self.log_odds(hits, misses))
 
     def log_odds(self, hits: ArrayLike, misses: ArrayLike) -> NDArray[np.float64]:
         """Return the log-odds of the posterior mean: ln (n + n₀·p_prior) − ln (m + n₀·(1 − p_prior))."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from mapper.core.errors import ConfigError
@@ -68,13 +68,6 @@ class RobotLog:
         """All that the file holds, the sensors first; empty for formats of one stream."""
         return self.first.topics
 
-    @property
-    def default_sensors(self) -> tuple[str, ...]:
-        """The sensors that make one map where none is named: the first, and if it is a sonar, all sonars."""
-        if self.first.beam_width == 0.0:
-            return (next(iter(self.sensors)),)
-        return tuple(name for name, one in self.sensors.items() if one.beam_width > 0.0)
-
     def scan_log(self, topic: str | None = None) -> ScanLog:
         """Return one planar sensor (None: the first). Raises :class:`ConfigError` for one that the log lacks."""
         if topic is None:
@@ -84,8 +77,3 @@ class RobotLog:
             known = ", ".join(name[:200] for name in list(self.sensors)[:6])
             raise ConfigError("log.topic", f"The log has no scans on {topic!r:.80}; it has {known}.")
         return found
-
-    def scan_logs(self, topics: Sequence[str] | None = None) -> tuple[ScanLog, ...]:
-        """Return several sensors (None: :attr:`default_sensors`), each once. Raises as :meth:`scan_log`."""
-        names = self.default_sensors if topics is None else tuple(dict.fromkeys(topics))
-        return tuple(self.scan_log(name) for name in names)

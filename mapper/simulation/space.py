@@ -59,13 +59,3 @@ def cast(world: World, origin: ArrayLike, directions: ArrayLike, range_max: floa
     out = np.empty(len(away))
     cast_in_space(space_of(world), start, away, range_max, out)
     return out
-
-
-def prism_faces(outline: Polygon, bottom: float, top: tuple[float, float, float]) -> list[Float64Array]:
-    """Return bottom, top and sides of a prism as polygons (n, 3) in space, counter-clockwise seen from outside."""
-    a, b, c = top
-    low = np.column_stack([outline, np.full(len(outline), bottom)])
-    high = np.column_stack([outline, a + outline @ (b, c)])
-    after = np.roll(np.arange(len(outline)), -1)
-    sides = [np.array([low[k], low[j], high[j], high[k]]) for k, j in enumerate(after)]
-    return [low[::-1].copy(), high, *sides]

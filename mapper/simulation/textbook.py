@@ -14,7 +14,18 @@ from numpy.typing import NDArray
 
 from mapper.simulation.kernels.lidar import VERTEX_SLACK
 from mapper.simulation.lidar import RANGE_MIN
+from mapper.simulation.shapes import Polygon
 from mapper.simulation.worlds import Float64Array, World
+
+
+def prism_faces(outline: Polygon, bottom: float, top: tuple[float, float, float]) -> list[Float64Array]:
+    """Return bottom, top and sides of a prism as polygons (n, 3) in space, counter-clockwise seen from outside."""
+    a, b, c = top
+    low = np.column_stack([outline, np.full(len(outline), bottom)])
+    high = np.column_stack([outline, a + outline @ (b, c)])
+    after = np.roll(np.arange(len(outline)), -1)
+    sides = [np.array([low[k], low[j], high[j], high[k]]) for k, j in enumerate(after)]
+    return [low[::-1].copy(), high, *sides]
 
 
 def normal_of(face: Float64Array) -> Float64Array:

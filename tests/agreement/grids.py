@@ -12,7 +12,7 @@ from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
 from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.quantise import quantise, quantise_cells
 from mapper.grid.merge import merged
-from mapper.grid.metrics import entropy, information_gain
+from mapper.grid.metrics import entropy
 from tests.agreement.inputs import ListedCells, PictureCase, StatesCase, TwoMaps
 
 TILE = 8
@@ -123,8 +123,7 @@ def merged_by_textbook(case: TwoMaps) -> tuple[Any, ...]:
 
 
 def states_by_core(case: StatesCase) -> tuple[Any, ...]:
-    bits = (entropy(case.grid.log_odds), information_gain(case.grid))
-    return (case.grid.classify(case.occupied, case.free), *(values.astype(np.float32) for values in bits))
+    return case.grid.classify(case.occupied, case.free), entropy(case.grid.log_odds).astype(np.float32)
 
 
 def states_by_textbook(case: StatesCase) -> tuple[Any, ...]:
@@ -135,14 +134,12 @@ def states_by_textbook(case: StatesCase) -> tuple[Any, ...]:
         p, q = 1 / (1 + odds), odds / (1 + odds)
         return -p * math.log2(p) - (q * math.log2(q) if q > 0 else 0)
 
-    prior = case.grid.prior()
-    state = np.full(prior.shape, -1, dtype=np.int8)
-    left, gained = np.empty(prior.shape, dtype=np.float32), np.zeros(prior.shape, dtype=np.float32)
-    for cell in np.ndindex(prior.shape):
+    shape = case.grid.geometry.shape
+    state, left = np.full(shape, -1, dtype=np.int8), np.empty(shape, dtype=np.float32)
+    for cell in np.ndindex(shape):
         left[cell] = bits(float(case.grid.log_odds[cell]))
         if case.grid.observed[cell]:
-            gained[cell] = bits(float(prior[cell])) - bits(float(case.grid.log_odds[cell]))
             p = 1 / (1 + math.exp(-float(case.grid.log_odds[cell])))
             p = min(p, math.nextafter(1.0, 0.0))  # it is below 1 also where it is rounded to 1
             state[cell] = 100 if p > case.occupied else 0 if p < case.free else -1
-    return state, left, gained
+    return state, left

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mapper.simulation import World, textbook
 from mapper.simulation.blocks import Block, ramp, slab
 from mapper.simulation.shapes import box, disc, star
-from mapper.simulation.space import cast, prism_faces, prisms
+from mapper.simulation.space import cast, prisms
 
 
 @dataclass(frozen=True)
@@ -58,5 +58,5 @@ def space_by_kernel(case: SpaceCase) -> tuple[Any, ...]:
 
 
 def space_by_textbook(case: SpaceCase) -> tuple[Any, ...]:
-    faces = [face for prism in prisms(case.world) for face in prism_faces(*prism)]
+    faces = [face for prism in prisms(case.world) for face in textbook.prism_faces(*prism)]
     return (np.array([textbook.cast_ray(faces, case.origin, away, case.range_max) for away in case.directions]),)

@@ -282,7 +282,7 @@ TABLE = (
         sweeping_cases(),
     ),
     Row("merging", merged_by_core, merged_by_textbook, two_maps(), ROUNDING),
-    Row("states and information", states_by_core, states_by_textbook, states(), ROUNDING),
+    Row("states and entropy", states_by_core, states_by_textbook, states(), ROUNDING),
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid, log_odds
-from mapper.grid.metrics import entropy, expected_information_gain, information_gain, map_metrics
+from mapper.grid.metrics import entropy, map_metrics
 
 
 @given(st.floats(-20, 20))
@@ -40,7 +40,6 @@ def test_information_gain_is_the_decrease_of_entropy() -> None:
     grid.log_odds[0, :3] = [2.0, -0.5, 0.0]
     grid.observed[0, :3] = True
     surer, less_sure = 1 - float(entropy(2.0)), float(entropy(2.0)) - float(entropy(0.5))
-    np.testing.assert_allclose(information_gain(grid), [[surer, less_sure, 0.0, 0.0]])
     assert map_metrics(grid).information_gain_bits == pytest.approx(surer + less_sure)
 
 
@@ -103,19 +102,3 @@ def test_the_figures_need_no_array_of_the_maps_size(has_prior_map: bool) -> None
     finally:
         tracemalloc.stop()
     assert peak < geometry.rows * geometry.cols / 10
-
-
-@given(st.floats(-6, 6), st.floats(-3, 0), st.floats(0, 3))
-def test_expected_gain_is_the_mutual_information_of_cell_and_look(prior: float, miss: float, hit: float) -> None:
-    gain = float(expected_information_gain(prior, miss, hit))
-    # Independently: the table of joint probabilities of a cell and a look whose posteriors these are.
-    p, p_miss, p_hit = (1 / (1 + np.exp(-(prior + step))) for step in (0.0, miss, hit))
-    if p_hit - p_miss < 1e-9:
-        assert gain == pytest.approx(0.0, abs=1e-9)
-        return
-    look = (p - p_miss) / (p_hit - p_miss)
-    joint = np.array([[look * p_hit, look * (1 - p_hit)], [(1 - look) * p_miss, (1 - look) * (1 - p_miss)]])
-    apart = joint.sum(axis=1, keepdims=True) * joint.sum(axis=0, keepdims=True)
-    assert gain == pytest.approx(
-        float(np.sum(joint * np.log2(np.maximum(joint, 1e-300) / np.maximum(apart, 1e-300)))), abs=1e-9
-    )

@@ -26,7 +26,7 @@ class Scripted:
 
     def __init__(self, evidence: Iterator[float], pose: tuple[float, float, float] = (9.0, 9.0, 0.0)) -> None:
         self.particles, self.weights = np.array([pose]), np.ones(1)
-        self.estimate = Estimate(np.array(pose), np.eye(3), True, 1.0, 1.0, 0.0, 1, 1, True)
+        self.estimate = Estimate(np.array(pose), np.eye(3), True, 1.0, 1.0, 0.0, 1, True)
         self._evidence = evidence
         self.log_evidence = 0.0
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mapper.core.errors import ConfigError
-from mapper.grid import GridGeometry, OccupancyGrid, log_odds
+from mapper.grid import GridGeometry, OccupancyGrid, log_odds, probability
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_model import (
@@ -122,7 +122,7 @@ def test_counting_gives_the_mean_of_the_beta_posterior(hits: int, misses: int, w
     a, b = hits + weight * prior, misses + weight * (1 - prior)
     # ∫ θ · θ^(a−1) (1−θ)^(b−1) dθ over the same without θ: two values of the beta function, by their gammas.
     mean = np.exp(lgamma(a + 1) - lgamma(a) + lgamma(a + b) - lgamma(a + b + 1))
-    assert float(model.p_reflect(hits, misses)) == pytest.approx(mean, rel=1e-9)
+    assert float(probability(model.log_odds(hits, misses))) == pytest.approx(mean, rel=1e-9)
 
 
 def test_counting_gives_one_half_for_a_cell_that_reflects_half_of_its_beams() -> None:
