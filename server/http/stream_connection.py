@@ -20,7 +20,7 @@ from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCod
 from server.stream.commands import AckCommand, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
-from server.stream.messages import ErrorMessage
+from server.stream.messages import ErrorMessage, Pong
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
@@ -312,7 +312,7 @@ def _take(session: SessionHost, client: Client, command: Command, following: Fol
         case SubscribeCommand(layers=layers):
             client.subscribe(layers)
         case PingCommand(id=number):
-            client.send({"type": "pong", "id": number, "t": session.hub.clock()})
+            client.send(Pong(number, session.hub.clock()))
         case InspectCommand():
             session.enqueue(command, client)
         case _ if following is not None and not following.may(type_of(command)):

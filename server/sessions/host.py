@@ -15,7 +15,7 @@ from collections.abc import AsyncIterator, Callable
 from concurrent.futures import Executor
 from contextlib import AbstractAsyncContextManager, AbstractContextManager, asynccontextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import structlog
 from msgspec import Struct
@@ -205,7 +205,7 @@ class SessionHost:
         """Return the prefetcher of checkpoints; None if no checkpoint is missing."""
         return self.model.prefetcher()
 
-    def announce(self, message: dict[str, Any]) -> None:
+    def announce(self, message: Struct) -> None:
         """Send ``message`` to all clients, unless a newer one of its type replaces it first (event loop)."""
         self.hub.set_slot(message)
 

@@ -22,6 +22,7 @@ from server.library.library import Library
 from server.library.logs.records import Record
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
+from server.stream.messages import NotesMessage
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -63,7 +64,7 @@ def _announce(sessions: SessionRegistry, log_id: str) -> None:
     for session in sessions.all():
         recording = session.model.find(Recording)
         if recording is not None and recording.log_id == log_id:
-            session.announce({"type": "notes", "changed_s": time.time()})
+            session.announce(NotesMessage(time.time()))
 
 
 @dataclass(frozen=True, slots=True)

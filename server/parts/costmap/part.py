@@ -11,6 +11,7 @@ from msgspec import Struct, to_builtins
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import Values
 from mapper.costmap import NO_INFORMATION
 from mapper.costmap.nav2_parameters import costmap_of
 from mapper.costmap.nav2_writing import nav2_yaml
@@ -197,7 +198,7 @@ class CostmapPart(Part, Costed):
             message = f"The static map of this session is one of {', '.join(self._names)}: it has no map {name!r:.80}."
             raise ConfigError("costmap.map", message)
 
-    def _first_values(self) -> dict[str, Any]:
+    def _first_values(self) -> Values:
         """Return the plan as the static map where the poses are in it, in the place of the table's first values."""
         for name, plan in self._plans.items():
             if plan.is_first() and _cells_of(plan.read().grid) <= MOST_CELLS:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
 
 from mapper.core.errors import MapperError, WorkCancelledError
-from mapper.core.parameter import Parameter
+from mapper.core.parameter import Parameter, Values
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
@@ -97,6 +96,6 @@ class MappingParameters(Part):
             frame.remade_ms = round(self._remade_ms, 2)
 
 
-def _changed(before: MappingConfig, after: MappingConfig) -> dict[str, Any]:
+def _changed(before: MappingConfig, after: MappingConfig) -> Values:
     """Return the values of ``after`` that differ from those of ``before``."""
     return {name: value for name, value in asdict(after).items() if value != getattr(before, name)}
