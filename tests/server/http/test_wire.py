@@ -68,6 +68,12 @@ async def messages_of_a_log(service: Service) -> set[str]:
         note = {"text": "the door", "x": 1.0, "y": 2.0}
         await asyncio.to_thread(service.http.post, f"/api/sessions/{session_id}/notes", json=note)
         await watcher.answer("notes")
+        sessions = service.state.sessions
+        session = sessions.get(session_id)
+        clicked = session.model.on_scene_ray((1.0, 1.0, 5.0), (0.0, 0.0, -1.0))  # as the 3D view hands it over
+        assert clicked is not None
+        sessions.loop.call_soon_threadsafe(session.post, clicked)
+        await watcher.answer("picked")
         return set(watcher.newest)
 
 
