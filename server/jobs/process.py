@@ -124,9 +124,13 @@ class _OutOfTime(BaseException):
     """The job's time is over: no ``Exception``, so that no reader catches it."""
 
 
+#: Seconds after which it is raised again: Python ignores what is raised in a weak reference's callback or a finalizer.
+AGAIN_S = 0.2
+
+
 def _out_of_time(number: int, _: object) -> None:
-    for other in (signal.SIGALRM, signal.SIGPROF):  # the other one may be due as well, while this one is handled
-        signal.signal(other, signal.SIG_IGN)
+    other = signal.SIGPROF if number == signal.SIGALRM else signal.SIGALRM
+    signal.signal(other, signal.SIG_IGN)  # it may be due as well, while this one is handled
     raise _OutOfTime(number)
 
 
@@ -147,7 +151,7 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
     try:
         for number, timer, seconds in alarms:
             signal.signal(number, _out_of_time)
-            signal.setitimer(timer, seconds)
+            signal.setitimer(timer, seconds, AGAIN_S)
         yield
     except _OutOfTime as caught:
         raise over[0] if caught.args[0] == signal.SIGALRM else over[1] from None

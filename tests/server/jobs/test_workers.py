@@ -146,3 +146,30 @@ except LimitError as error:
     command = [sys.executable, "-c", program]
     done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=False, cwd=ROOT)
     assert (done.returncode, done.stdout) == (0, "log.time\n"), done.stderr
+
+
+async def test_a_limit_holds_where_python_ignores_what_the_first_signal_raises() -> None:
+    """In the callback of a weak reference, as imports have them, and in finalizers."""
+    program = """
+import time, weakref
+from mapper.core.errors import LimitError
+from server.jobs.process import bounded
+class Thing:
+    pass
+def spin(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        pass
+def work():
+    thing = Thing()
+    reference = weakref.ref(thing, lambda _: spin(0.3))
+    del thing  # the signal after 0.1 s comes in the callback
+    spin(60.0)
+try:
+    bounded(0.1, 60.0, work)
+except LimitError as error:
+    print(error.code, flush=True)
+"""
+    command = [sys.executable, "-c", program]
+    done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert (done.returncode, done.stdout) == (0, "log.time\n"), done.stderr
