@@ -5,11 +5,13 @@ from __future__ import annotations
 import asyncio
 import gzip
 from collections.abc import AsyncIterator, Callable
+from typing import Any
 
 import pytest
 
 from mapper.core.errors import LimitError, MapperError
 from server.library.library import Library
+from server.library.processing.reader import Reader
 from server.settings import Settings
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
@@ -120,11 +122,21 @@ async def test_caps(make_library: Callable[..., Library], settings: Settings) ->
     assert await refused("eve", in_pieces(b"y"), 200_000) == "library.full"
 
 
-async def test_packs_count_towards_the_quota(make_library: Callable[..., Library]) -> None:
+async def test_packs_count_towards_the_quota(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A small upload may hold a thousand times its bytes in readings."""
     library = make_library(max_total_bytes=20_000)
     packed = [gzip.compress(carmen(2000, start)) for start in range(3)]
+    are_here, read = asyncio.Event(), Reader.read
+
+    async def read_once_all_are_here(reader: Reader, *args: Any, **named: Any) -> Any:
+        await are_here.wait()
+        return await read(reader, *args, **named)
+
+    monkeypatch.setattr(Reader, "read", read_once_all_are_here)
     records = [await library.put("ann", f"{n}.log.gz", in_pieces(data[:6000])) for n, data in enumerate(packed)]
+    are_here.set()
     ends = [await settled(library, "ann", record.id) for record in records]
     assert ends[0].state == "ready"
     assert ends[2].error is not None
