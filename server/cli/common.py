@@ -205,8 +205,8 @@ def given_values(rows: Mapping[str, Parameter], values: Mapping[str, object]) ->
     }
 
 
-def set_values(rows: Mapping[str, Parameter], texts: Iterable[str]) -> dict[str, object]:
-    """Return the values of a table given as ``--set NAME=VALUE``, or end the command with an error.
+def set_values(rows: Mapping[str, Parameter], texts: Iterable[str], option: str = "--set") -> dict[str, object]:
+    """Return the values of a table given by ``option`` as NAME=VALUE, or end the command with an error.
 
     A name that is not in the table is returned with its text: the table refuses it.
     """
@@ -214,7 +214,7 @@ def set_values(rows: Mapping[str, Parameter], texts: Iterable[str]) -> dict[str,
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals:
-            fail(f"--set needs NAME=VALUE, not {text!r:.80}.")
+            fail(f"{option} needs NAME=VALUE, not {text!r:.80}.")
         name = name.strip().replace("-", "_")
         given[name] = value_of(rows[name], value.strip()) if name in rows else value
     return given

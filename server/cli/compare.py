@@ -19,12 +19,11 @@ from server.cli.common import (
     TumTrajectory,
     app,
     configured,
-    fail,
     given_parameters,
     print_json,
     read_log,
     refusing,
-    value_of,
+    set_values,
     with_parameter_options,
 )
 
@@ -56,7 +55,7 @@ def compare(
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters, mount)
-    changed = _pairs(other or [])
+    changed = set_values(BY_NAME, other or [], "--other")
     configured(given | changed)
     sides = [
         (log, topic, trajectory, given),
@@ -105,15 +104,3 @@ def compare(
     typer.echo(f"  log-odds differ by {found.mean_difference:.3f} on average, {found.max_difference:.3f} at most")
     typer.echo(f"  entropy {found.entropy_bits[0]:.0f} → {found.entropy_bits[1]:.0f} bits")
     typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
-
-
-def _pairs(texts: list[str]) -> dict[str, object]:
-    """Return parameters given as NAME=VALUE, or end the command with an error."""
-    out: dict[str, object] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        row = BY_NAME.get(name.replace("-", "_"))
-        if row is None or not equals:
-            fail(f"--other needs NAME=VALUE with a parameter's name, not {text!r:.60}.")
-        out[row.name] = value_of(row, value)
-    return out

@@ -46,10 +46,7 @@ LEAST_SCORE = 0.4  #: of such a match, 0 … 1
 LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
 MAX_POINTS = 720  #: of one scan that is drawn
 LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view shows loops
-LOOP_STEPS = (
-    2.0,
-    5.0,
-)  #: residuals from which a loop is strained, and from which it contradicts the rest: as the map's
+LOOP_STEPS = (2.0, 5.0)  #: residuals from which a loop is strained and contradicts the rest, as on the map
 LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)  #: of those below, and of these
 
 Float64Array = NDArray[np.float64]

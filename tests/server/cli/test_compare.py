@@ -15,8 +15,8 @@ def test_two_maps_are_compared(run, log):
     assert poses["changed"] != other["changed"]
     assert "cells:" in run("compare", log, "--other", "log_odds_miss=-0.1").out
     for bad, words in (
-        ("speed=3", "--other needs NAME=VALUE"),
-        ("window", "--other needs"),
+        ("speed=3", "There is no parameter 'speed'"),
+        ("window", "--other needs NAME=VALUE, not 'window'"),
         ("window=wide", "Hit window"),
     ):
         status, out, err = run("compare", log, "--other", bad)
