@@ -59,7 +59,7 @@ def test_the_sample_is_localized_in_its_own_map(
             [start[0] + east, start[1]],
         )
         page.mouse.click(box["x"] + box["width"] / 2 + x, box["y"] + box["height"] / 2 + y)
-    expect(panel.get_by_label("heading, °")).to_have_value("0")
+    expect(panel.get_by_label("heading, °")).to_have_value("0.00")
     assert abs(float(panel.get_by_label("x, m").input_value()) - start[0]) < 0.1
     find.click()
     await_true(page, f"() => {_STORE}.trajectory.peek()?.name === 'localized'")

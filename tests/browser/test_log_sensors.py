@@ -111,16 +111,16 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     expect(cut).to_be_disabled()
     # Points of the floor and of the ceiling end beams near the robot.
     assert state_at(page, *behind) == "unknown"
-    settings.get_by_label("Lowest height").fill("0.3")
+    settings.get_by_label("Lowest height").fill("0,3")
     settings.get_by_label("Greatest height").fill("2")
     cut.click()
     until("the walls", lambda: page.evaluate(LOG)["cut"]["values"]["min_height"] == 0.3 and frame(page)["index"] == 6)
     assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "free")
-    settings.get_by_label("First bearing").fill("-45")
+    settings.get_by_label("First bearing").fill("−45")
     settings.get_by_label("Last bearing").fill("45")
     cut.click()
     until("the other cut", lambda: page.evaluate(LOG)["n_beams"] == 90 and frame(page)["index"] == 6)
-    expect(settings.get_by_label("Last bearing")).to_have_value("45")
+    expect(settings.get_by_label("First bearing")).to_have_value("−45.00")
     # Behind the robot nothing is seen any more.
     assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "unknown")
     settings.get_by_label("Greatest height").fill("0.2")

@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useId, useRef } from "preact/hooks";
-import { fromFraction, keyed, numberOf, type Range, shownDecimals, snap, toFraction, written } from "./numbers";
+import { NumberField } from "./NumberField";
+import { fromFraction, keyed, type Range, shownDecimals, snap, toFraction, written } from "./numbers";
 import { Tooltip } from "./Tooltip";
 
 export type Tone = "accent" | "hit" | "miss" | "beam" | "prior";
@@ -27,7 +28,6 @@ const POSITIONS = 1000;
 export function Slider(props: SliderProps) {
   const { label, initial, unit = "", sentence, tone = "accent", disabled = false, onInput } = props;
   const id = useId();
-  const typed = useSignal<string | null>(null); // kept as it is while the page is drawn again
   const held = useSignal<number | null>(null);
   const before = useRef(0); // the value at the start of the drag
   const value = held.value ?? props.value;
@@ -38,12 +38,6 @@ export function Slider(props: SliderProps) {
   const change = (next: number): void => {
     if (next !== value) onInput(next);
   };
-  const shown = typed.value === null ? value : numberOf(typed.value);
-  const commitField = (text: string): void => {
-    const wanted = numberOf(text);
-    typed.value = null;
-    if (Number.isFinite(wanted)) change(Math.min(props.high, Math.max(props.low, wanted)));
-  };
 
   return (
     <div class={`field slider tone-${tone}${value === initial ? "" : " changed"}`}>
@@ -52,28 +46,14 @@ export function Slider(props: SliderProps) {
         <Tooltip id={`${id}-description`} text={sentence} about={label} />
       </span>
       <span class="slider-value">
-        <input
-          role="spinbutton"
-          inputMode={props.low < 0 ? "text" : "decimal"} // a telephone's decimal keys may have no minus sign
-          autoComplete="off"
-          aria-label={`${label}, as a number`}
-          aria-valuenow={value}
-          aria-valuemin={props.low}
-          aria-valuemax={props.high}
-          aria-invalid={!(props.low <= shown && shown <= props.high)}
-          value={typed.value ?? written(value, places)}
+        <NumberField
+          label={`${label}, as a number`}
+          value={value}
+          low={props.low}
+          high={props.high}
+          step={props.step}
           disabled={disabled}
-          onInput={(event) => {
-            typed.value = event.currentTarget.value;
-          }}
-          onChange={(event) => commitField(event.currentTarget.value)}
-          onKeyDown={(event) => {
-            const next = event.key.startsWith("Arrow") ? keyed(event.key, event.shiftKey, value, props) : null;
-            if (next === null || /Left|Right/.test(event.key)) return; // those move the caret
-            event.preventDefault();
-            typed.value = null;
-            change(next);
-          }}
+          onChange={change}
         />
         <span class="slider-unit">{unit || null}</span>
       </span>

@@ -1,6 +1,8 @@
 import { useSignal } from "@preact/signals";
+import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { NumberField } from "../../ui/NumberField";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import type { VoxelMessage } from "../../wire/protocol";
@@ -113,31 +115,32 @@ function Answer({ now, centre, hasScans }: AnswerProps) {
 
 /** Coordinates to ask about, for a keyboard. */
 function Place({ store }: { readonly store: Store }) {
-  const place = useSignal<readonly [string, string, string]>(["0", "0", "0"]);
+  const id = useId();
+  const place = useSignal<readonly [number, number, number]>([0, 0, 0]);
   return (
     <form
       class="volume-place"
       onSubmit={(event) => {
         event.preventDefault();
-        const [x, y, z] = place.peek().map(Number) as [number, number, number];
-        if ([x, y, z].every(Number.isFinite)) store.send({ type: "voxel", x, y, z });
+        const [x, y, z] = place.peek();
+        store.send({ type: "voxel", x, y, z });
       }}
     >
-      {(["x", "y", "z"] as const).map((axis, n) => (
-        <label key={axis}>
-          <span>{axis} (m)</span>
-          <input
+      {([0, 1, 2] as const).map((axis) => (
+        <div key={axis}>
+          <label for={id + axis}>{"xyz"[axis]} (m)</label>
+          <NumberField
+            id={id + axis}
             class="field-text"
-            type="number"
-            step="any"
-            value={place.value[n]}
-            onInput={(event) => {
-              const next = [...place.peek()] as [string, string, string];
-              next[n] = event.currentTarget.value;
+            step={0.01}
+            value={place.value[axis]}
+            onChange={(value) => {
+              const next: [number, number, number] = [...place.peek()];
+              next[axis] = value;
               place.value = next;
             }}
           />
-        </label>
+        </div>
       ))}
       <Button submits>Ask</Button>
     </form>

@@ -1,16 +1,21 @@
+import { useId } from "preact/hooks";
 import { Choice } from "../../../ui/Choice";
-import type { Pose } from "../../../wire/protocol";
+import { NumberField } from "../../../ui/NumberField";
 import type { Localizing } from "./localizing";
 
 const FIELDS = [
-  ["x", "m", 1],
-  ["y", "m", 1],
-  ["heading", "°", 180 / Math.PI],
+  [0, "x", "m", 1],
+  [1, "y", "m", 1],
+  [2, "heading", "°", 180 / Math.PI],
 ] as const;
+
+/** Of the fields, m or °. */
+const STEP = 0.01;
 
 /** Where the robot starts: anywhere, or at a pose that is clicked on the map or written. */
 export function InitialPose({ localizing }: { readonly localizing: Localizing }) {
   const pose = localizing.pose.value;
+  const id = useId();
   return (
     <>
       <Choice
@@ -35,25 +40,23 @@ export function InitialPose({ localizing }: { readonly localizing: Localizing })
                 : "Click on the map where it starts."}
           </p>
           <div class="localize-pose">
-            {FIELDS.map(([name, unit, factor], i) => (
-              <label key={name} class="field">
-                <span class="field-label">
+            {FIELDS.map(([i, name, unit, factor]) => (
+              <div key={name} class="field">
+                <label class="field-label" for={id + name}>
                   {name}, {unit}
-                </span>
-                <input
+                </label>
+                <NumberField
+                  id={id + name}
                   class="field-text number"
-                  type="number"
-                  step="any"
-                  value={pose ? Number(((pose[i] ?? 0) * factor).toFixed(2)) : ""}
-                  onChange={(event) => {
-                    const value = event.currentTarget.valueAsNumber;
-                    if (!Number.isFinite(value)) return;
-                    const next: [number, number, number] = [...(pose ?? [0, 0, 0])] as [number, number, number];
+                  step={STEP}
+                  value={pose ? pose[i] * factor : Number.NaN}
+                  onChange={(value) => {
+                    const next: [number, number, number] = [...(pose ?? ([0, 0, 0] as const))];
                     next[i] = value / factor;
-                    localizing.pose.value = next as Pose;
+                    localizing.pose.value = next;
                   }}
                 />
-              </label>
+              </div>
             ))}
           </div>
         </>

@@ -1,8 +1,9 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
+import { NumberField } from "../../../ui/NumberField";
 import { Disclosure } from "../../../ui/Panel";
 import type { LogInfo, Parameter, Values } from "../../../wire/protocol";
-import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import { faultOf, shownBounds, shownStep, shownUnit, shownValue, statedValue } from "./cutValues";
 import "./sensor.css";
 import { SensorProgress } from "./SensorProgress";
 import type { Cut, SensorState } from "./useSensor";
@@ -42,13 +43,15 @@ interface FieldsProps {
 }
 
 function Fields({ table, values, sensor, topic }: FieldsProps) {
-  const start = (): Record<string, string> =>
+  const start = (): Cut =>
     Object.fromEntries(table.map((row) => [row.name, shownValue(row, Number(values[row.name]))]));
-  const typed = useSignal(start());
+  const typed = useSignal(start()); // as they are shown
   useEffect(() => {
     typed.value = start();
   }, [values]);
-  const stated: Cut = Object.fromEntries(table.map((row) => [row.name, statedValue(row, typed.value[row.name] ?? "")]));
+  const stated: Cut = Object.fromEntries(
+    table.map((row) => [row.name, statedValue(row, typed.value[row.name] ?? Number.NaN)]),
+  );
   const fault = faultOf(stated);
   const isChanged = table.some((row) => Math.abs((stated[row.name] ?? 0) - Number(values[row.name])) > 1e-9);
   return (
@@ -64,9 +67,9 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
         <Field
           key={row.name}
           row={row}
-          value={typed.value[row.name] ?? ""}
-          onInput={(text) => {
-            typed.value = { ...typed.value, [row.name]: text };
+          value={typed.value[row.name] ?? Number.NaN}
+          onType={(value) => {
+            typed.value = { ...typed.value, [row.name]: value };
           }}
         />
       ))}
@@ -87,25 +90,25 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
 
 interface FieldProps {
   readonly row: Parameter;
-  readonly value: string;
-  readonly onInput: (text: string) => void;
+  readonly value: number;
+  readonly onType: (value: number) => void;
 }
 
-function Field({ row, value, onInput }: FieldProps) {
+function Field({ row, value, onType }: FieldProps) {
   const id = useId();
   const [low, high] = shownBounds(row);
   return (
     <div class="cut-field" title={row.sentence}>
       <label for={id}>{row.label}</label>
-      <input
+      <NumberField
         id={id}
         class="field-text number"
-        type="number"
-        step="any"
-        min={low}
-        max={high}
+        low={low}
+        high={high}
+        step={shownStep(row)}
         value={value}
-        onInput={(event) => onInput(event.currentTarget.value)}
+        onType={onType}
+        onChange={onType}
       />
       <span class="quiet">{shownUnit(row)}</span>
     </div>

@@ -14,13 +14,14 @@ export function shownBounds(row: Parameter): readonly [number, number] {
   return [inwards(row.low * factor(row) - 1e-9, true), inwards(row.high * factor(row) + 1e-9, false)];
 }
 
-export const shownValue = (row: Parameter, value: number): string => String(Number((value * factor(row)).toFixed(4)));
+/** By how much the arrow keys change a value, in the unit that is shown. */
+export const shownStep = (row: Parameter): number => (row.unit === "pixels" ? 1 : 0.01);
 
-/** What was typed, in the server's unit and within its bounds; NaN for what is no number. */
-export function statedValue(row: Parameter, typed: string): number {
-  const value = typed.trim() === "" ? Number.NaN : Number(typed) / factor(row);
-  return Number.isNaN(value) ? value : Math.min(Math.max(value, row.low), row.high);
-}
+export const shownValue = (row: Parameter, value: number): number => Number((value * factor(row)).toFixed(4));
+
+/** A value as it is shown in the server's unit and within its bounds; NaN for NaN. */
+export const statedValue = (row: Parameter, shown: number): number =>
+  Math.min(Math.max(shown / factor(row), row.low), row.high);
 
 /** What is wrong with the values together; null where they are a cut. */
 export function faultOf(cut: Readonly<Record<string, number>>): string | null {
