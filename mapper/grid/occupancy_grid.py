@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +21,7 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import transform_points
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
-TILE = 64  #: cells along the side of a tile: growth keeps tile borders where they are
+TILE: Final = 64  #: cells along the side of a tile: growth keeps tile borders where they are
 
 FREE, UNKNOWN, OCCUPIED = 0, -1, 100  #: the three states, as nav_msgs/OccupancyGrid numbers them
 OCCUPIED_THRESHOLD, FREE_THRESHOLD = (

@@ -111,14 +111,3 @@ class Vanishing:
         """Record the share of free cells of both maps after one more scan."""
         self.first.look(first)
         self.second.look(second)
-
-
-def forgetting_message(vanishing: Vanishing | None) -> dict[str, Any]:
-    """Return a ``forgetting`` message; without cells where nothing is watched."""
-    message: dict[str, Any] = {"type": "forgetting", "cells": 0, "scans": 0, "with_clamp": None, "without_clamp": None}
-    if vanishing is None:
-        return message | {"free_with_clamp": 0.0, "free_without_clamp": 0.0}
-    pair = (vanishing.first, vanishing.second)
-    for name, one in zip(("with_clamp", "without_clamp"), pair if vanishing.clamped_first else pair[::-1], strict=True):
-        message |= {name: one.after, f"free_{name}": round(one.free[-1], 4) if one.free else 0.0}
-    return message | {"cells": len(vanishing.first.places), "scans": len(vanishing.first.free)}

@@ -20,7 +20,7 @@ from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCod
 from server.stream.commands import AckCommand, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
-from server.stream.messages import ErrorMessage, Pong
+from server.stream.messages import ErrorMessage, ForeignHello, Pong
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
@@ -90,7 +90,7 @@ async def accepted(websocket: WebSocket) -> bool:
     other = next((name for name in offered if name.startswith("gridbloom.")), None)
     await websocket.accept(subprotocol=other)
     if other is not None:
-        await websocket.send_text(encode_text({"type": "hello", "protocol": SUBPROTOCOL}))
+        await websocket.send_text(encode_text(ForeignHello(SUBPROTOCOL)))
     await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
     return False
 

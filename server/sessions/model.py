@@ -26,7 +26,7 @@ from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
 from server.stream.messages import FrameMessage, Hello, ScanFields
-from server.stream.protocol import Message, ProtocolError, type_of
+from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -123,7 +123,7 @@ class SessionModel(ABC):
         """Return the rows of the parameters of the parts, by the type of the command that sets them."""
         return {command: rows for part in self.parts for command, rows in part.tables.items()}
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return the messages for a new client, the newest of each type: by default those of the parts."""
         return [message for part in self.parts for message in part.messages()]
 

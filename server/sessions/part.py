@@ -19,7 +19,6 @@ from server.sessions.tick import TickResult
 from server.sessions.view import Pose
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
-from server.stream.protocol import Message
 
 if TYPE_CHECKING:
     from mapper.simulation.live_map import LiveMap
@@ -177,7 +176,7 @@ class Part:
     def run_deferred_work(self, result: TickResult) -> None:
         """Do the deferred work, if there is some."""
 
-    def messages(self) -> Sequence[Message]:
+    def messages(self) -> Sequence[Struct]:
         """Return the messages for a new client: the newest of each type."""
         return ()
 

@@ -12,7 +12,7 @@ from mapper.core.errors import MapperError
 from mapper.grid import CellBox
 from server.stream.hub import Client
 from server.stream.messages import ErrorMessage, NoticeMessage
-from server.stream.protocol import Message, ProtocolError, type_of
+from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,10 +44,10 @@ class TickResult:
     cells: list[NDArray[np.uint32]] | None = field(default_factory=list)
     cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
     remade_ms: float | None = None  #: duration of recomputing the whole map
-    slots: dict[str, Message] = field(default_factory=dict)  #: newest message of each type, to all clients
+    slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, to all clients
     notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each sent to all clients
-    events: list[Message] = field(default_factory=list)  #: each sent to all clients, once
-    answers: list[tuple[Client | None, Message]] = field(default_factory=list)
+    events: list[Struct] = field(default_factory=list)  #: each sent to all clients, once
+    answers: list[tuple[Client | None, Struct]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end
 
@@ -62,7 +62,7 @@ class TickResult:
             elif self.cells is not None:
                 self.cells.append(change.cells)
 
-    def slot(self, *messages: Message) -> None:
+    def slot(self, *messages: Struct) -> None:
         """Send messages to all clients, unless a newer one of its type replaces it first."""
         for message in messages:
             self.slots[type_of(message)] = message
@@ -71,7 +71,7 @@ class TickResult:
         """Send a notice to all clients."""
         self.notices.append(NoticeMessage(code, message))
 
-    def answer(self, message: Message) -> None:
+    def answer(self, message: Struct) -> None:
         """Send ``message`` to the sender of the present command."""
         self.answers.append((self.client, message))
 

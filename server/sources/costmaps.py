@@ -19,8 +19,8 @@ from server.sessions.view import LogView
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
-from server.stream.messages import FrameMessage, Hello, ScanFields
-from server.stream.protocol import Message, ProtocolError
+from server.stream.messages import FrameMessage, Hello, ScanFields, Trajectory
+from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array
@@ -114,21 +114,20 @@ class CostmapsModel(SessionModel, Costed, Viewed):
             start_s=self._start_s,
         )
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return when each costmap was recorded, with the middle of its window."""
         middles = [
             geometry.cell_to_world(((geometry.rows - 1) / 2, (geometry.cols - 1) / 2)).round(3).tolist()
             for geometry in self._streams[self._topic].geometries
         ]
         return [
-            {
-                "type": "trajectory",
-                "name": self._topic,
-                "frame": next(iter(self._streams[self._topic].frames), None),
-                "every": 1,
-                "poses": middles,
-                "stamps": np.round(self._times, 3).tolist(),
-            }
+            Trajectory(
+                name=self._topic,
+                frame=next(iter(self._streams[self._topic].frames), None),
+                every=1,
+                poses=middles,
+                stamps=np.round(self._times, 3).tolist(),
+            )
         ]
 
     def complete_frame(self, frame: FrameMessage) -> None:
@@ -179,6 +178,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
     def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command: seek, step, restart, or another topic (``trajectory``)."""
         count = len(self._times)
+        before = (self._topic, self._index, self.playback.playing)
         match command:
             case SeekCommand(index=index):
                 if not 0 <= index <= count:
@@ -196,4 +196,5 @@ class CostmapsModel(SessionModel, Costed, Viewed):
                 result.slot(self.messages()[0])
             case _:
                 super().handle(command, result)
-        result.changed = True
+                return
+        result.changed |= before != (self._topic, self._index, self.playback.playing)

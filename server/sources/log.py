@@ -56,7 +56,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
 from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields, Trajectories
 from server.stream.messages import Trajectory as TrajectoryMessage
-from server.stream.protocol import Message, ProtocolError, type_of
+from server.stream.protocol import ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
 MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
@@ -272,7 +272,7 @@ class LogModel(SessionModel):
             start_s=start_s(log.stamps_ns),
         )
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return the parameters, the trajectory, and those of the parts."""
         return [self._parameters_message(), self._trajectory_message(), *super().messages()]
 

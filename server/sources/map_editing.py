@@ -30,7 +30,7 @@ from server.sessions.tick import TickResult
 from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.messages import FrameMessage, MapEditsMessage, ScanFields
-from server.stream.protocol import Message, fields_of
+from server.stream.protocol import fields_of
 from server.stream.tiles import TilePicture, picture_range
 
 MOST_CELLS = 1 << 24  #: of a map that is edited
@@ -102,7 +102,7 @@ class MapModel(SessionModel, EditedFiles):
         """The map is complete."""
         return (1, 1)
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return the message ``map_edits``."""
         edited = self._edited
         return [
@@ -137,15 +137,14 @@ class MapModel(SessionModel, EditedFiles):
         match command:
             case MapEditCommand():
                 edited.apply(operation_of(command))
+                is_other = True
             case MapHistoryCommand(steps=steps):
-                if steps < 0:
-                    edited.undo(-steps)
-                elif steps > 0:
-                    edited.redo(steps)
+                is_other = edited.undo(-steps) if steps < 0 else steps > 0 and edited.redo(steps)
             case _:
                 super().handle(command, result)
-        self._is_stale = True
-        result.changed = True
+                return
+        self._is_stale |= is_other
+        result.changed |= is_other
 
     def draw(self, result: TickResult) -> None:
         """Show the map after the edits of this tick."""

@@ -18,7 +18,7 @@ from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.plan_map import plan_map
-from mapper.simulation.second_map import Vanishing, forgetting_message
+from mapper.simulation.second_map import Vanishing
 from server.parts import parts_of
 from server.parts.mapping.part import MappingParameters
 from server.parts.wire import command_of
@@ -35,7 +35,7 @@ from server.sessions.why import Source
 from server.sources.map_drawings import map_drawings
 from server.sources.robot_report import ScanReport
 from server.sources.simulation_commands import Action, act
-from server.sources.simulation_messages import world_message
+from server.sources.simulation_messages import forgetting_message, world_message
 from server.sources.story import SimulationStory
 from server.stream.commands import (
     AutoCommand,
@@ -55,7 +55,7 @@ from server.stream.commands import (
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import Compared, Table, rows_of
 from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
-from server.stream.protocol import Message, ProtocolError, type_of
+from server.stream.protocol import ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
@@ -235,7 +235,7 @@ class SimulationModel(SessionModel):
         hello.sensor = Table(rows_of(SENSOR_PARAMETERS), asdict(self.sensor))
         hello.world, hello.seed = self.world.name, self._mapper.seed
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return the parameters, the world, and those of the parts."""
         return [self._parameters_message(), world_message(self._mapper), *super().messages()]
 

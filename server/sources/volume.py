@@ -53,7 +53,7 @@ from server.stream.commands import CancelCommand, ParametersCommand, RestartComm
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import Table, rows_of
 from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
-from server.stream.protocol import Message, ProtocolError
+from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -199,7 +199,7 @@ class VolumeModel(SessionModel, Volumetric):
             hello.parameters = Table(rows_of(VOLUME_PARAMETERS), asdict(self._config))
         hello.log = log_info(self._source, self._log_id, self._topic, self._timeline.duration)
 
-    def messages(self) -> list[Message]:
+    def messages(self) -> list[Struct]:
         """Return what the map has, its parameters, and that no voxel is chosen."""
         return [
             self._message(),

@@ -15,12 +15,13 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 import msgspec
+from msgspec import Struct
 
 from server.stream.codecs import TILES, join_frame
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.messages import FrameMessage, LayersMessage, ScanFields
-from server.stream.protocol import Message, ProtocolError, encode_text, type_of
+from server.stream.protocol import ProtocolError, encode_text, type_of
 from server.stream.traffic import Traffic
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
@@ -124,7 +125,7 @@ class Hub:
         """Return the id under which a layer is sent."""
         return self._ids[layer]
 
-    def set_slot(self, message: Message) -> None:
+    def set_slot(self, message: Struct) -> None:
         """Set ``message`` as the newest of its type, to be sent once to each client."""
         kind = type_of(message)
         self.slots[kind] = encode_text(message)
@@ -132,7 +133,7 @@ class Hub:
             client.unsent.add(kind)
             client.notify()
 
-    def send_all(self, message: Message) -> None:
+    def send_all(self, message: Struct) -> None:
         """Send a notice to all clients."""
         for client in self.clients:
             client.send(message)
@@ -217,7 +218,7 @@ class Client:
         """Whether acknowledgements are slow, or too few have arrived yet."""
         return self._latency > SLOW_ACK_S
 
-    def send(self, message: Message) -> None:
+    def send(self, message: Struct) -> None:
         """Send an answer or a notice to this client alone."""
         self._answers.append(encode_text(message))
         self.notify()

@@ -19,6 +19,7 @@ from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.codecs import CHANGES, CODECS, TILES, TilePayload
 from server.stream.message_parts import LayerInfo
+from server.stream.messages import Geometry
 from server.stream.tiles import TilePicture, picture_range
 
 MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
@@ -56,7 +57,7 @@ class Cursor(ABC):
         ``always``. Tiles nearest to ``focus_xy``, map metres, are sent first.
         """
 
-    def announcement(self, layer: int) -> dict[str, object] | None:  # noqa: ARG002 - most have none
+    def announcement(self, layer: int) -> Geometry | None:  # noqa: ARG002 - most have none
         """Return the message that has to be sent once before the next frame of the layer with the id ``layer``."""
         return None
 
@@ -246,7 +247,7 @@ class GridCursor(Cursor):
         picture = self._follow()
         return 0 if picture is None else int(np.count_nonzero(picture.revision != self._has))
 
-    def announcement(self, layer: int) -> dict[str, object] | None:
+    def announcement(self, layer: int) -> Geometry | None:
         """Return the ``geometry`` message of a new epoch."""
         picture = self._layer.picture
         if picture is None or picture is self._announced:

@@ -61,6 +61,12 @@ class Hello(Struct, tag_field="type", tag="hello"):
     ] = UNSET
 
 
+class ForeignHello(Struct, tag_field="type", tag="hello"):
+    """The whole message to a page of another version of the protocol, which it asks to be loaded again."""
+
+    protocol: str
+
+
 class LayersMessage(Struct, tag_field="type", tag="layers"):
     """The layers of the session. Sent at the start and after a change."""
 

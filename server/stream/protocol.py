@@ -67,12 +67,11 @@ such a connection has no `session`.
 from __future__ import annotations
 
 import json
-from typing import Any, TypeAlias
+from typing import Any
 
 import msgspec
 from msgspec import Struct
 
-Message: TypeAlias = Struct | dict[str, Any]  #: a message to the browser
 SUBPROTOCOL = "gridbloom.v3"
 MAX_COMMAND_BYTES = 64 * 1024
 
@@ -86,10 +85,9 @@ class ProtocolError(Exception):
         self.message = message
 
 
-def encode_text(message: Message) -> str:
+def encode_text(message: Struct) -> str:
     """Return a text frame. Raises :class:`ValueError` for NaN and infinities, which JSON does not have."""
-    plain = msgspec.to_builtins(message) if isinstance(message, msgspec.Struct) else message
-    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
+    return json.dumps(msgspec.to_builtins(message), separators=(",", ":"), allow_nan=False)
 
 
 def fields_of(command: Struct) -> dict[str, Any]:
@@ -113,8 +111,6 @@ def place_of(command: Struct) -> tuple[float, ...] | None:
     return tuple(place)
 
 
-def type_of(message: Message) -> str:
+def type_of(message: Struct) -> str:
     """Return the ``type`` of a message or a command; of a command that no client sends, the name of its class."""
-    if isinstance(message, dict):
-        return str(message["type"])
     return str(message.__struct_config__.tag or type(message).__name__)

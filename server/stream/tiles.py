@@ -21,6 +21,7 @@ from mapper.grid.kernels.lattice import to_lattice
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import CellChanges, TilePayload
+from server.stream.messages import Geometry
 
 #: Level 1 for so few bytes, with smaller tables, which cost less to clear, and matches of at least seven bytes, which
 #: are found sooner: tiles are 2 % smaller and take less time than with the level's own numbers.
@@ -217,17 +218,16 @@ class TilePicture:
         packed = _compressor().multi_compress_to_buffer(parts)
         return [packed[i].tobytes() for i in range(len(tiles))]
 
-    def message(self, layer: int) -> dict[str, object]:
+    def message(self, layer: int) -> Geometry:
         """Return the ``geometry`` message for the layer of this id."""
-        return {
-            "type": "geometry",
-            "layer": layer,
-            "epoch": self.epoch,
-            "resolution": self.geometry.resolution,
-            "rows": self.geometry.rows,
-            "cols": self.geometry.cols,
-            "origin": list(self.geometry.origin),
-            "low": self.low,
-            "high": self.high,
-            "tile": TILE,
-        }
+        return Geometry(
+            layer=layer,
+            epoch=self.epoch,
+            resolution=self.geometry.resolution,
+            rows=self.geometry.rows,
+            cols=self.geometry.cols,
+            origin=self.geometry.origin,
+            low=self.low,
+            high=self.high,
+            tile=TILE,
+        )

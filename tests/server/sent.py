@@ -6,15 +6,17 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from server.stream.protocol import Message, encode_text
+from msgspec import Struct
+
+from server.stream.protocol import encode_text
 
 
-def sent(messages: Iterable[Message]) -> list[dict[str, Any]]:
+def sent(messages: Iterable[Struct]) -> list[dict[str, Any]]:
     """The messages as JSON has them."""
     return [sent_one(message) for message in messages]
 
 
-def sent_one(message: Message) -> dict[str, Any]:
+def sent_one(message: Struct) -> dict[str, Any]:
     """The message as JSON has it."""
     plain: dict[str, Any] = json.loads(encode_text(message))
     return plain

@@ -133,6 +133,17 @@ def test_a_large_map_is_edited_and_drawn_in_slices(command: dict[str, Any], pass
     assert host.yielded >= (passes + 2) * n * n // BAND_CELLS
 
 
+def test_steps_through_no_edits_change_nothing() -> None:
+    shown = model()
+    edit = {"type": "map_edit", "op": "keepout", "value": 100, "points": [[0.1, 0.1], [0.5, 0.1], [0.5, 0.5]]}
+    undo, stay, redo = ({"type": "map_history", "steps": steps} for steps in (-1, 0, 1))
+    for command, is_change in ((undo, False), (edit, True), (redo, False), (undo, True), (stay, False), (redo, True)):
+        result = TickResult()
+        shown.handle(command_of(command), result)
+        shown.draw(result)
+        assert (result.changed, "map_edits" in result.slots) == (is_change, is_change), command
+
+
 def test_what_a_map_refuses() -> None:
     shown = model()
     for command, said in (

@@ -16,6 +16,7 @@ import msgspec
 import numpy as np
 import pytest
 import viser
+from msgspec import Struct
 from websockets.asyncio.client import connect, unix_connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
@@ -27,7 +28,6 @@ from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
 from server.stream.messages import PickedMessage
-from server.stream.protocol import Message
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
@@ -132,7 +132,7 @@ async def test_play_and_pause(service: Service) -> None:
 
 async def test_a_click_on_a_column_of_a_log_means_its_cell(service: Service) -> None:
     session = await new_log(service.sessions, "ann", sample_log(n_scans=40))
-    told: list[Message] = []
+    told: list[Struct] = []
     session.hub.send_all = told.append
     session.post(command_of({"type": "pause"}))
     session.post(command_of({"type": "seek", "index": 40}))

@@ -39,3 +39,7 @@ def test_each_costmap_of_a_recording_is_played_cell_for_cell(data_file: Callable
             assert now.geometry.origin[:2] == (meta.origin.position.x, meta.origin.position.y)
             played += 1
     assert model.progress == (played, 231)
+    for command, is_change in (("seek", False), ("step", True)):
+        result = TickResult()
+        model.handle(command_of({"type": command, "index": played, "scans": -1}), result)
+        assert result.changed is is_change

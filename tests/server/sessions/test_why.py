@@ -15,7 +15,6 @@ from mapper.sensors.scan import ScanLog
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
-from server.stream.protocol import encode_text
 from tests.mapper.mapping.sweeping import swept
 from tests.server.begin import new_log, new_simulation
 
@@ -164,7 +163,7 @@ async def test_earlier_contributions_can_be_requested(
         key: newest[key] for key in newest if key != "contributions"
     }
     assert (await answer(obey, session, row=row, col=col, until=10**9))["contributions"] == newest["contributions"]
-    assert len(encode_text(newest)) < 80_000
+    assert len(json.dumps(newest, separators=(",", ":"))) < 80_000
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mapper.grid import CellBox
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client
-from server.stream.messages import ScanFields
+from server.stream.messages import NotesMessage, Pong, ScanFields
 from server.stream.protocol import ProtocolError
 from server.stream.tiles import MOST_CHANGES
 from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source, frame_message
@@ -258,11 +258,11 @@ def test_answers_do_not_pile_up() -> None:
     client = source.hub.join()
     client.take()
     for i in range(10 * MAX_ANSWERS):
-        client.send({"type": "pong", "id": i})
-        source.hub.set_slot({"type": "parameters", "values": {"i": i}})
+        client.send(Pong(i, 0.0))
+        source.hub.set_slot(NotesMessage(float(i)))
     out = client.take()
     assert len(out) == MAX_ANSWERS + 1
-    assert json.loads(out[0])["values"] == {"i": 10 * MAX_ANSWERS - 1}
+    assert json.loads(out[0])["changed_s"] == 10 * MAX_ANSWERS - 1
     assert json.loads(out[-1])["id"] == 10 * MAX_ANSWERS - 1
 
 

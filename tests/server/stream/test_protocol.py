@@ -14,6 +14,7 @@ from server.parts.path.messages import GoalCommand
 from server.parts.volume.messages import VoxelCommand
 from server.parts.wire import command_of, decode_command
 from server.stream.commands import ParametersCommand
+from server.stream.messages import NotesMessage, Trajectories
 from server.stream.protocol import ProtocolError, encode_text, place_of
 
 
@@ -81,6 +82,6 @@ def test_a_place_has_all_of_its_coordinates() -> None:
 
 
 def test_values_that_json_cannot_represent_are_a_defect() -> None:
-    assert json.loads(encode_text({"type": "x", "ω": 1.5})) == {"type": "x", "ω": 1.5}
+    assert json.loads(encode_text(Trajectories([]))) == {"type": "trajectories", "trajectories": []}
     with pytest.raises(ValueError, match="JSON"):
-        encode_text({"type": "x", "value": float("nan")})
+        encode_text(NotesMessage(float("nan")))

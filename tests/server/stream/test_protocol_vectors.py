@@ -241,7 +241,7 @@ def vectors() -> dict[str, Any]:
         "changes": changes(),
         "broken": broken(),
         "messages": [encode_text(message) for message in MESSAGES],
-        "commands": [encode_text(command) for command in COMMANDS],
+        "commands": [json.dumps(command, separators=(",", ":")) for command in COMMANDS],
         "lattices": lattices(),
         "compose": [
             {"a": list(a), "b": list(b), "c": compose(np.array(a), np.array(b)).tolist()}
