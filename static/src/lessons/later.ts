@@ -12,11 +12,9 @@ import { PathControls } from "./navigation/PathControls";
 import { Stack } from "./navigation/Stack";
 import { inflationScene, layersScene, lifetimeScene, pathScene } from "./navigation/scenes";
 import { stackScene } from "./navigation/stackScene";
-import { Octree } from "./octree/Octree";
-import { octreeScene } from "./octree/octreeScene";
+import { Octree, octreeScene } from "./octree/Octree";
 import type { Later, LaterId } from "./stage/later";
-import { Tsdf } from "./tsdf/Tsdf";
-import { tsdfScene } from "./tsdf/tsdfScene";
+import { Tsdf, tsdfScene } from "./tsdf/Tsdf";
 
 export const LATER: Readonly<Record<LaterId, Later>> = {
   particles: { scene: particlesScene, figure: Particles, more: ParticleNumber },

@@ -1,20 +1,28 @@
-import "../style/index.css";
-import "./lab/lab.css";
-import "./lab/bar.css";
-import "./lab/groups.css";
-import { computed, type Signal, signal, useSignal, useSignalEffect } from "@preact/signals";
-import { render } from "preact";
-import { useMemo, useRef } from "preact/hooks";
+import {
+  computed,
+  effect,
+  type ReadonlySignal,
+  type Signal,
+  signal,
+  untracked,
+  useSignal,
+  useSignalEffect,
+} from "@preact/signals";
+import { type RefObject, render } from "preact";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../render/picture/Picture";
 import { classroom, followedCode } from "../store/classroom";
 import { connect } from "../store/connect";
 import { firstPicture } from "../store/firstPicture";
+import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { followPages } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
+import { profileReading } from "../tools/profile/reading";
 import { useOpenGroup } from "../tools/why/useOpenGroup";
+import { watchVisibility } from "../ui/browser/visibility";
 import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -25,13 +33,58 @@ import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
 import { groupsOf } from "./lab/groups";
 import { groupFromAddress, namesNoWorld, visibleState } from "./lab/link";
-import { useReading } from "./lab/reading";
 import { Stage } from "./lab/Stage";
 import { keepAddress, openSession, restore } from "./lab/session";
 import { Starting } from "./Starting";
 import { hasPicture, shownStore } from "./shownStore";
 import { useClass } from "./useClass";
 import { replay } from "./worldSession";
+import "../style/index.css";
+import "./lab/lab.css";
+import "./lab/bar.css";
+import "./lab/groups.css";
+
+type Reading = number | null | undefined;
+
+/** How often the profile is updated for a beam that is pointed at, and for the default one. */
+const POINTED_MS = 100;
+const IDLE_MS = 300;
+/** If a smaller share of the profile is visible, it is not updated, to leave the time to the pictures. */
+const LEAST_SHARE = 0.35;
+
+/**
+ * The reading of the inspected beam, for the profile, which is drawn again with each one. Without graphics hardware
+ * that takes longer than a frame of both pictures, so it is updated at a low rate and only while visible.
+ */
+function useReading(store: Store, place: RefObject<HTMLElement | null>): ReadonlySignal<Reading> {
+  const reading = useMemo(() => signal<Reading>(undefined), []);
+  useEffect(() => {
+    const seen = signal(false);
+    const onChange = ({ intersectionRatio }: IntersectionObserverEntry): void => {
+      seen.value = intersectionRatio >= LEAST_SHARE;
+    };
+    const unwatch = place.current && watchVisibility(place.current, onChange, { threshold: [0, LEAST_SHARE] });
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let readAt = Number.NEGATIVE_INFINITY;
+    const read = (): void => {
+      timer = undefined;
+      readAt = performance.now();
+      reading.value = untracked(() => profileReading(store));
+    };
+    const stop = effect(() => {
+      const beam = store.inspectedBeam.value;
+      const pointed = store.probe.value !== null;
+      if (!beam || (!pointed && !seen.value && reading.peek() !== undefined)) return;
+      timer ??= setTimeout(read, Math.max(0, readAt + (pointed ? POINTED_MS : IDLE_MS) - performance.now()));
+    });
+    return () => {
+      stop();
+      unwatch?.();
+      clearTimeout(timer);
+    };
+  }, [store, place, reading]);
+  return reading;
+}
 
 /** The current session; null until the server has opened one. */
 const live = signal<Live | null>(null);

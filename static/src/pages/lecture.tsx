@@ -15,7 +15,7 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { renderNearFigures, showSection } from "./lecture/awaitedFigures";
 import { LectureStage } from "./lecture/LectureStage";
-import { LECTURE_PARTS, LESSONS, type Lesson, type LessonId, sectionOf } from "./lecture/lessons";
+import { LECTURE_PARTS, LESSONS, type Lesson, type LessonId, type Part, sectionOf } from "./lecture/lessons";
 import { AlgorithmSection } from "./lecture/mapping/AlgorithmSection";
 import { CellSection } from "./lecture/mapping/CellSection";
 import { DigitsSection } from "./lecture/mapping/DigitsSection";
@@ -27,7 +27,6 @@ import { NoReturnSection } from "./lecture/mapping/NoReturnSection";
 import { RaysSection } from "./lecture/mapping/RaysSection";
 import { SonarSection } from "./lecture/mapping/SonarSection";
 import { WindowSection } from "./lecture/mapping/WindowSection";
-import { PartHead } from "./lecture/PartHead";
 import { ClassPointer } from "./lecture/present/ClassPointer";
 import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
@@ -66,6 +65,31 @@ import { MountSection } from "./lecture/wrong/MountSection";
 import { OdometrySection } from "./lecture/wrong/OdometrySection";
 import { ProbableSection } from "./lecture/wrong/ProbableSection";
 import { ResolutionSection } from "./lecture/wrong/ResolutionSection";
+import "./lecture/partHead.css";
+
+interface PartHeadProps {
+  /** Its place among the parts, from 1. */
+  readonly number: number;
+  readonly part: Part;
+}
+
+/** The heading of a part, with its sections. */
+function PartHead({ number, part: { title, sentence, lessons } }: PartHeadProps) {
+  return (
+    <nav class="part-head no-print" aria-label={`Part ${number}: ${title}`}>
+      <p class="part-number">Part {number}</p>
+      <p class="part-title">{title}</p>
+      <p>{sentence}</p>
+      <ol start={(lessons[0]?.index ?? 0) + 1}>
+        {lessons.map(({ id, title: name }) => (
+          <li key={id}>
+            <a href={`#${id}`}>{name}</a>
+          </li>
+        ))}
+      </ol>
+    </nav>
+  );
+}
 
 interface Entry extends Lesson {
   readonly body: ComponentType<SectionHead>;

@@ -29,8 +29,22 @@ import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
-import { PartState } from "./part";
 import type { Stepping } from "./stepping";
+
+class PartState<M extends ServerMessage = ServerMessage> {
+  /** Null before the first message. */
+  readonly message = signal<M | null>(null);
+  readonly values = new Optimistic();
+  /** Whether its layer is laid over the belief. */
+  readonly isOver = signal(false);
+  /** Whether the user has ended it: it does not begin by itself then. */
+  readonly isEnded = signal(false);
+
+  take(message: M): void {
+    this.message.value = message;
+    if ("values" in message) this.values.update(message.values);
+  }
+}
 
 interface Notice {
   readonly kind: "note" | "error";

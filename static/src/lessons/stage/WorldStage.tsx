@@ -3,24 +3,102 @@ import type { ComponentChildren, RefObject } from "preact";
 import { useId, useLayoutEffect, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
-import { FREE, OCCUPIED } from "../../render/chart/LogOddsBackground";
+import {
+  evidenceScale,
+  FREE,
+  LogOddsBackground,
+  OCCUPIED,
+  readingScale,
+  ZoneNames,
+} from "../../render/chart/LogOddsBackground";
+import { toPixel } from "../../render/chart/scale";
 import { mapColours, palette } from "../../render/map/palette";
 import { isDark } from "../../ui/browser/theme";
-import { written } from "../../ui/numbers";
-import type { Point } from "../../wire/protocol";
+import { signed, written } from "../../ui/numbers";
+import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
 import { type Projection, projection, type Rect } from "./camera";
-import { ownCell } from "./controls";
-import { FLOOR } from "./floor";
-import { Ladder } from "./Ladder";
+import { ownCell, ownPoses, ownRobot } from "./controls";
+import { FLOOR, POLISHED, TABLE, WALLS } from "./floor";
 import { Marks, World } from "./Marks";
-import { moveRobot, robotOf } from "./robot";
 import type { Scene, Shown } from "./scene";
 import { useCamera } from "./useCamera";
 import { useStageMap } from "./useStageMap";
 import "../common/lesson.css";
 import "./worldStage.css";
+
+interface LadderProps {
+  readonly rect: Rect;
+  readonly scene: Scene;
+  readonly shown: Shown;
+}
+
+/** ℓ of the selected cell before the first scan and after each, up to the scan that is shown. */
+function Ladder({ rect, scene, shown }: LadderProps) {
+  const { history, count, index } = shown;
+  if (scene.bare)
+    return (
+      <g class="world-stage-ladder" transform={`translate(${rect.left} ${rect.top})`}>
+        <rect class="world-stage-ladder-ground" width={rect.width} height={rect.height} />
+        <text x={rect.width / 2} y={rect.height / 2} text-anchor="middle">
+          A map of landmarks has no cells.
+        </text>
+      </g>
+    );
+  const path = scene.ladder ?? (index < 0 ? [0] : history.ladder(index).slice(0, count + 1));
+  const limits = scene.config.clamp ? [scene.config.log_odds_min, scene.config.log_odds_max] : [];
+  const up = evidenceScale(rect.height, limits, path);
+  const across = readingScale(rect.width, 0, Math.max(10, scene.ladder ? 0 : scene.poses.length));
+  const x = (i: number): number => toPixel(i, across);
+  const y = (l: number): number => toPixel(l, up);
+  const line = path.map((l, i) => (i === 0 ? `M${x(0)} ${y(l)}` : `H${x(i)}V${y(l)}`)).join("");
+  const last = path.at(-1) ?? 0;
+  return (
+    <g class="world-stage-ladder" transform={`translate(${rect.left} ${rect.top})`}>
+      <rect class="world-stage-ladder-ground" width={rect.width} height={rect.height} />
+      <LogOddsBackground width={rect.width} evidence={up} limits={limits} />
+      <path class="profile-line" d={line} />
+      <ZoneNames width={rect.width} evidence={up} />
+      <circle class="world-stage-ladder-now" cx={x(path.length - 1)} cy={y(last)} r={5} />
+      <text class="world-stage-ladder-name" x={rect.width > 300 ? 44 : 0} y={-6}>
+        {rect.width > 300 && (scene.ladder ? "visited cell: " : "marked cell: ")}ℓ = {signed(last)} after{" "}
+        {path.length - 1} {path.length === 2 ? "scan" : "scans"}
+      </text>
+    </g>
+  );
+}
+
+/** The reader adds a scan after this way, metres. */
+const WAY = 0.25;
+const MOST_SCANS = 150;
+/** The robot's centre keeps this far from walls, metres. */
+const RADIUS = 0.2;
+
+const robotOf = (scene: Scene, shown: Shown): Pose | null =>
+  ownRobot.value ?? scene.poses[Math.max(0, Math.min(shown.count, scene.poses.length) - 1)] ?? null;
+
+function isFree([x, y]: Point): boolean {
+  return [...WALLS, POLISHED, ...TABLE].every(([x0, y0, x1, y1]) => {
+    const [wx, wy] = [x1 - x0, y1 - y0];
+    const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy)));
+    return Math.hypot(x - x0 - t * wx, y - y0 - t * wy) >= RADIUS;
+  });
+}
+
+const isInside = ([x, y]: Point): boolean => x > 0.6 && x < 11.4 && y > 0.6 && y < 7.4;
+
+/** Move the robot to a point, if it is free, and add scans on the way. */
+function moveRobot(point: Point, from: Pose): void {
+  if (!isInside(point) || !isFree(point)) return;
+  const way = Math.hypot(point[0] - from[0], point[1] - from[1]);
+  const yaw = way > 0.02 ? Math.atan2(point[1] - from[1], point[0] - from[0]) : from[2];
+  const pose: Pose = [point[0], point[1], yaw];
+  ownRobot.value = pose;
+  const last = ownPoses.peek().at(-1);
+  const isFar = !last || Math.hypot(point[0] - last[0], point[1] - last[1]) >= WAY - 1e-9;
+  if (isFar && ownPoses.peek().length < MOST_SCANS) ownPoses.value = [...ownPoses.peek(), pose];
+}
 
 interface Size {
   readonly width: number;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { consensus, momentsOf, type Place, planeOf, scoreOf, slopeWithoutRoot } from "./model";
-import { PRESETS } from "./patches";
+import { PRESETS } from "./Patch";
 import vectors from "./terrain.vectors.json";
 
 test("moments, points that agree, and planes are those of the library", () => {

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { type Scene, scene, WALL_CELL } from "../stage/scene";
 import {
   type Crossing,
   distancesOf,
@@ -16,6 +17,16 @@ import {
 } from "./model";
 import { Profiles } from "./Profiles";
 import "./tsdf.css";
+
+export const tsdfScene = (): Scene =>
+  scene({
+    scans: 77,
+    trinary: true,
+    marks: ["lines"],
+    view: { x: WALL_CELL[0], y: WALL_CELL[1], width: 2.4, height: 1.6 },
+    caption:
+      "A wall of the map in cells of 10 cm, which are occupied or not. Where in its cell the wall is, and which way it faces, is not in this map.",
+  });
 
 const FIRST = { wall: 1.23, truncation: 0.4, readings: 20, sigma: 0.02, maxWeight: 64 };
 /** A place on the beam that is free for sure, and one behind the wall, m. */

@@ -6,17 +6,110 @@
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
+import { Toolbar } from "../../tools/editing/Toolbar";
+import { Sensor3d } from "../../tools/map3d/Sensor3d";
+import { ParameterRows } from "../../tools/parameters/ParameterRows";
 import { changedOf } from "../../tools/parameters/parameters";
 import { groupsOfParts } from "../../tools/parts";
+import { PlaceRobot } from "../../tools/placing/Placing";
 import { ProfileText } from "../../tools/profile/Profile";
 import type { ProfileView } from "../../tools/profile/view";
 import { Steps } from "../../tools/steps/Steps";
 import { WhyGroup } from "../../tools/why/Why";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
 import { Downloads } from "./groups/Downloads";
-import { MapSettings, ModelSettings, SensorSettings } from "./groups/Settings";
-import { WorldGroup } from "./groups/World";
+
+interface SettingsProps {
+  readonly store: Store;
+}
+
+function Rows({ store, groups }: SettingsProps & { readonly groups: readonly string[] }) {
+  const rows = store.hello.value?.parameters.table.filter((row) => groups.includes(row.group)) ?? [];
+  return (
+    <ParameterRows rows={rows} values={store.mapping.values} set={(name, value) => store.setParameter(name, value)} />
+  );
+}
+
+function Defaults({ store }: SettingsProps) {
+  return (
+    <Button kind="quiet" icon="restart" onClick={() => store.reset()}>
+      Reset to defaults
+    </Button>
+  );
+}
+
+function ModelSettings({ store }: SettingsProps) {
+  return (
+    <div class="lab-settings">
+      <Rows store={store} groups={["model"]} />
+      <Defaults store={store} />
+    </div>
+  );
+}
+
+function MapSettings({ store }: SettingsProps) {
+  return (
+    <div class="lab-settings">
+      <Rows store={store} groups={["update", "map"]} />
+      <Defaults store={store} />
+    </div>
+  );
+}
+
+function SensorSettings({ store }: SettingsProps) {
+  const table = store.hello.value?.sensor?.table ?? [];
+  return (
+    <div class="lab-settings lab-sensor">
+      <h3>The sensor in the world</h3>
+      <ParameterRows rows={table} values={store.sensor.values} set={(name, value) => store.setSensor(name, value)} />
+      <Sensor3d store={store} />
+      <h3>Its mount, as the map assumes it</h3>
+      <Rows store={store} groups={["mount"]} />
+      <Defaults store={store} />
+    </div>
+  );
+}
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 8].map((speed) => ({ value: String(speed), label: `${speed}×` }));
+
+/** What changes the world and how the robot goes through it. */
+function WorldGroup({ store }: { readonly store: Store }) {
+  const off = !store.isReady.value;
+  const auto = store.auto.value;
+  return (
+    <div class="lab-world">
+      <h3>A click on the world</h3>
+      <div class="actions">
+        <PlaceRobot store={store} />
+        <Toolbar store={store} />
+      </div>
+      <div class="actions">
+        <Button icon="undo" disabled={!store.history.canUndo.value} onClick={() => store.history.undo()}>
+          Undo
+        </Button>
+        <Button icon="redo" disabled={!store.history.canRedo.value} onClick={() => store.history.redo()}>
+          Redo
+        </Button>
+      </div>
+      <h3>The robot</h3>
+      <div class="actions">
+        <Button icon="robot" pressed={auto} disabled={off} onClick={() => store.send({ type: "auto", value: !auto })}>
+          Auto-drive
+        </Button>
+      </div>
+      <Choice
+        label="Speed"
+        options={SPEEDS}
+        value={String(store.speed.value)}
+        disabled={off}
+        onChange={(speed) => store.send({ type: "speed", value: Number(speed) })}
+      />
+    </div>
+  );
+}
 
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);

@@ -1,11 +1,54 @@
-import { computed } from "@preact/signals";
+import { computed, type ReadonlySignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
-import { ParameterPanel } from "../../tools/parameters/ParameterPanel";
+import { ParameterRows } from "../../tools/parameters/ParameterRows";
+import { changedOf, grouped, readable } from "../../tools/parameters/parameters";
 import { Profile } from "../../tools/profile/Profile";
 import { profileReading } from "../../tools/profile/reading";
+import { Disclosure } from "../../ui/Panel";
+import type { Parameter, Value, Values } from "../../wire/protocol";
 import { CutForm } from "./sensor/CutForm";
 import type { SensorState } from "./sensor/useSensor";
+
+const TITLES: Record<string, string> = {
+  model: "Sensor model",
+  update: "Update",
+  map: "Map",
+  mount: "Sensor mount",
+  sensor: "Sensor",
+};
+
+interface PanelProps {
+  readonly table: readonly Parameter[];
+  readonly values: ReadonlySignal<Values>;
+  readonly set: (name: string, value: Value) => void;
+  /** Groups that are open at first, in addition to the first group. */
+  readonly open?: readonly string[];
+}
+
+/** Every parameter of a table as a control, by group; rows that do not apply to the current model are hidden. */
+function ParameterPanel({ table, values, set, open = [] }: PanelProps) {
+  const now = values.value;
+  return (
+    <div class="parameters">
+      {grouped(table, now).map((group, n) => (
+        <Disclosure
+          key={group.name}
+          title={TITLES[group.name] ?? readable(group.name)}
+          note={changedNote(group.rows, now)}
+          open={n === 0 || open.includes(group.name)}
+        >
+          <ParameterRows rows={group.rows} values={values} set={set} />
+        </Disclosure>
+      ))}
+    </div>
+  );
+}
+
+function changedNote(rows: readonly Parameter[], values: Values): string | null {
+  const changed = changedOf(rows, values);
+  return changed === 0 ? null : `${changed} changed`;
+}
 
 interface SettingsProps {
   readonly store: Store;

@@ -1,10 +1,11 @@
-// @vitest-environment happy-dom
 import { computed, signal } from "@preact/signals";
 import { h, render } from "preact";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test, vi } from "vitest";
-import { type Classroom, questionInHeading } from "../../store/classroom";
-import { LecturerBar } from "./LecturerBar";
+import { type Classroom, openClass, questionInHeading } from "../../store/classroom";
+import { CodeDialog, LecturerBar } from "./LecturerBar";
+
+// @vitest-environment happy-dom
 
 afterEach(() => {
   render(null, document.body);
@@ -67,4 +68,30 @@ test("below a slide that has the question as its heading it is not repeated", ()
   expect(document.querySelector(".class-bars")).toBeNull();
   press("Show answers");
   expect(listed()).toBe("A Yes1B No2");
+});
+
+// @vitest-environment happy-dom
+
+afterEach(() => {
+  render(null, document.body);
+  openClass.value = null;
+});
+
+test.each([
+  ["http://127.0.0.1:8000", true],
+  ["http://localhost:8000", true],
+  ["http://[::1]:8000", true],
+  ["http://192.168.1.7:8000", false],
+  ["https://maps.example.org", false],
+])("the code of a class at %s says whether other devices cannot open it: %s", (origin, isSaid) => {
+  openClass.value = {
+    present: 1,
+    page: "lab",
+    code: "BCDFGH",
+    address: `${origin}/class/BCDFGH`,
+    qr: "/qr.svg",
+    results: "/results.csv",
+  };
+  act(() => render(h(CodeDialog, { isOpen: signal(true) }), document.body));
+  expect(document.body.textContent?.includes("Only this computer reaches this address.")).toBe(isSaid);
 });

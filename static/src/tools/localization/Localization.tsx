@@ -1,14 +1,16 @@
 /** The robot localized in the plan of its world: begun, kidnapped, and what goes wrong. */
 
-import { useSignal, useSignalEffect } from "@preact/signals";
+import { computed, type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
+import { Disclosure } from "../../ui/Panel";
 import type { LocalizationMessage, Parameter, Values } from "../../wire/protocol";
+import { ParameterRows } from "../parameters/ParameterRows";
 import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";
-import { FilterModels } from "./FilterModels";
+import { MotionFan } from "./MotionFan";
 import {
   type Given,
   grown,
@@ -20,9 +22,54 @@ import {
   type Setting,
   turned,
 } from "./model";
+import { SensorCurve } from "./SensorCurve";
+import { filterOf } from "./state";
 import { filterTable } from "./table";
 import "./localization.css";
-import { filterOf } from "./state";
+
+interface ModelsProps {
+  readonly table: readonly Parameter[];
+  /** Those that differ from the first values. */
+  readonly values: ReadonlySignal<Values>;
+  /** The sensor's longest range, m. */
+  readonly range_max: number;
+  readonly set: (values: Values) => void;
+}
+
+const of = (table: readonly Parameter[], group: string): readonly Parameter[] =>
+  table.filter((row) => row.group === group);
+
+function FilterModels({ table, values, range_max, set }: ModelsProps) {
+  const all = useMemo(
+    () =>
+      computed(
+        (): Values => ({
+          ...Object.fromEntries(table.map((row) => [row.name, row.initial])),
+          ...values.value,
+        }),
+      ),
+    [table, values],
+  );
+  const setOne = useMemo(() => (name: string, value: Values[string]) => set({ [name]: value }), [set]);
+  const sensor = of(table, "sensor");
+  const model = sensor.filter((row) => row.name === "laser_model_type");
+  const numbers = sensor.filter((row) => row.name !== "laser_model_type");
+  const now = all.value;
+  if (table.length === 0) return null;
+  return (
+    <>
+      <Disclosure title="Sensor model">
+        <ParameterRows rows={model} values={all} set={setOne} />
+        <SensorCurve values={now} rows={sensor} range_max={range_max} set={set} />
+        <ParameterRows rows={numbers} values={all} set={setOne} />
+      </Disclosure>
+      <Disclosure title="Motion model">
+        <MotionFan values={now} />
+        <ParameterRows rows={of(table, "motion")} values={all} set={setOne} />
+      </Disclosure>
+    </>
+  );
+}
 
 const LONGEST = 12;
 

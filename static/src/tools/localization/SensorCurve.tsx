@@ -9,13 +9,40 @@ import {
   normalPeak,
   shortDensity,
 } from "../../grid/rangeModels";
-import { type Scale, ticks, toPixel } from "../../render/chart/scale";
+import { type Scale, ticks, toPixel, toValue } from "../../render/chart/scale";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
 import type { Parameter, Values } from "../../wire/protocol";
-import { distances, type LogScale, logScale } from "./sensorAxes";
 import "./localization.css";
+
+/** Decades of likelihood that are shown: below the lowest nothing is told apart. */
+export const [LOWEST, HIGHEST] = [-4, 1.3];
+
+interface LogScale {
+  /** The pixel of a likelihood, at the lower end for those that are not shown. */
+  readonly at: (likelihood: number) => number;
+  /** The likelihood at a pixel, 0 below the axis. */
+  readonly of: (pixel: number) => number;
+}
+
+function logScale(from: number, to: number): LogScale {
+  const scale: Scale = { low: LOWEST, high: HIGHEST, from, to };
+  return {
+    at: (likelihood) => toPixel(Math.min(HIGHEST, Math.max(LOWEST, Math.log10(Math.max(likelihood, 1e-12)))), scale),
+    of: (pixel) => {
+      const power = toValue(pixel, scale);
+      return power < LOWEST ? 0 : 10 ** Math.min(power, HIGHEST);
+    },
+  };
+}
+
+/** Distances at which a curve is drawn, closer together around a peak. */
+function distances(reach: number, peak: number, sigma: number): readonly number[] {
+  const even = Array.from({ length: 61 }, (_, i) => (reach * i) / 60);
+  const near = Array.from({ length: 61 }, (_, i) => peak + sigma * (i / 7.5 - 4));
+  return [...even, ...near].filter((z) => z >= 0 && z <= reach).sort((a, b) => a - b);
+}
 
 const HEIGHT = 230;
 const [LEFT, RIGHT, TOP, BOTTOM] = [46, 42, 14, HEIGHT - 36];

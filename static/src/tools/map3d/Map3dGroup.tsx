@@ -1,23 +1,102 @@
 /** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
 
 import { useEffect, useMemo } from "preact/hooks";
+import { SurfaceProfile } from "../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
-import { plural } from "../../ui/numbers";
-import type { Value } from "../../wire/protocol";
+import { plural, bytes as sizeOf } from "../../ui/numbers";
+import type { Map3dMessage, SurfaceMessage, Value } from "../../wire/protocol";
 import { costmapOf } from "../costmap/state";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
 import { VoxelWhy } from "../volume/VoxelWhy";
 import { ClickChoice } from "./ClickChoice";
-import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
-import { SurfacePanel } from "./SurfacePanel";
 import "../volume/volume.css";
 import "./map3d.css";
+import "./surfacePanel.css";
+
+/** Bytes of an empty bar. */
+const LEAST = 1000;
+
+/** The share 0 … 1 of a bar on a logarithmic scale that ends at `most`. */
+const shareOf = (bytes: number, most: number): number =>
+  bytes <= LEAST || most <= LEAST ? 0 : Math.min(1, Math.log(bytes / LEAST) / Math.log(most / LEAST));
+
+interface MemoryProps {
+  readonly message: Map3dMessage;
+  /** The surface that is shown; null for none. */
+  readonly surface: SurfaceMessage | null;
+}
+
+function Memory({ message, surface }: MemoryProps) {
+  const { known, nodes, leaves, octree_bytes, block_bytes, dense_bytes, scans, taken } = message;
+  const rows = [
+    { name: "Octree", bytes: octree_bytes, what: `${nodes.toLocaleString("en")} nodes` },
+    { name: "Blocks of 8³", bytes: block_bytes, what: `${known.toLocaleString("en")} known voxels` },
+    ...(surface ? [{ name: "Signed distances", bytes: surface.bytes, what: "of blocks near surfaces" }] : []),
+    { name: "Dense grid", bytes: dense_bytes, what: "of the whole world" },
+  ];
+  const most = Math.max(dense_bytes, block_bytes, 1);
+  return (
+    <section class="map3d-memory" aria-label="Memory of the 3D map">
+      <dl>
+        {rows.map(({ name, bytes, what }) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>
+              <span class="map3d-bar" style={{ inlineSize: `${100 * shareOf(bytes, most)}%` }} aria-hidden="true" />
+              <span class="map3d-bytes">
+                {sizeOf(bytes)} · {what}
+              </span>
+            </dd>
+          </div>
+        ))}
+      </dl>
+      <p class="map3d-note">
+        {scans < taken
+          ? `The map is being computed again: ${scans} of ${taken} scans.`
+          : `${scans} scans. Eight equal voxels are one node: ${leaves.toLocaleString("en")} leaves hold ${known.toLocaleString("en")} voxels.`}{" "}
+        Bars are logarithmic.
+      </p>
+    </section>
+  );
+}
+
+function SurfacePanel({ store }: { readonly store: Store }) {
+  const rows = useMap3dRows(store, "tsdf_3d");
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
+  const { values } = store.part("map3d").values;
+  return (
+    <section class="surface-panel" aria-label="The same beam, two beliefs">
+      <h3>The same beam, two beliefs</h3>
+      <p class="map3d-note">
+        20 readings of a wall, as occupied cells and as signed distances. Drag the truncation or the maximum weight: the
+        surface is made again.
+      </p>
+      <SurfaceProfile resolution={Number(values.value.voxel)} values={values.value} set={set} />
+      <Facts store={store} />
+      <div class="map3d-settings">
+        <ParameterRows rows={rows} values={values} set={set} />
+      </div>
+    </section>
+  );
+}
+
+function Facts({ store }: { readonly store: Store }) {
+  const now = store.part("surface").message.value;
+  if (!now) return <p class="map3d-note">The surface is being made …</p>;
+  if (now.problem !== null) return <p role="alert">{now.problem}</p>;
+  const many = (count: number): string => count.toLocaleString("en");
+  return (
+    <p class="map3d-note surface-facts">
+      <b>{many(now.triangles)}</b> triangles of {many(now.index)} scans, in {many(now.blocks)} blocks of 8³ voxels.
+    </p>
+  );
+}
 
 /** The world with a low table, a ramp and stairs. */
 const LEVELS = "levels";

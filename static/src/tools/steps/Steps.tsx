@@ -1,7 +1,7 @@
 import { effect, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { bayesFilter } from "../../grid/textbook";
-import type { Size } from "../../render/view";
+import type { Size, View } from "../../render/view";
 import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -9,8 +9,25 @@ import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { key } from "./model";
 import { endStaleSteps, step, UNITS, type Unit, valuesNow } from "./stepping";
-import { viewWithCell, zoomedInScale } from "./zoomToCell";
 import "./steps.css";
+import { type Cell, centreOf } from "../../grid/lattice";
+import type { Geometry } from "../../wire/protocol";
+
+/** Width of a cell in the zoomed-in view, pixels. */
+const CELL_PX = 16;
+/** The view does not move while the cell is in this central fraction of the picture. */
+const CENTRAL = 0.7;
+
+/** Metres per pixel of the zoomed-in view. */
+export const zoomedInScale = (geometry: Geometry): number => geometry.resolution / CELL_PX;
+
+/** A view that contains a cell: the present one if the cell is well inside, else centred on the cell. */
+export function viewWithCell(view: View, size: Size, geometry: Geometry, cell: Cell): View {
+  const [x, y] = centreOf(geometry, cell);
+  const reach = (CENTRAL / 2) * view.scale;
+  const isInSight = Math.abs(x - view.x) <= reach * size.width && Math.abs(y - view.y) <= reach * size.height;
+  return isInSight ? view : { ...view, x, y };
+}
 
 const unit = signal<Unit>("scan");
 

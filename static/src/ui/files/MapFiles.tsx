@@ -1,5 +1,51 @@
 import { Button } from "../Button";
-import { MapSnapshots } from "./mapSnapshots";
+
+/** Milliseconds after which the second file of a pair is of a new instant. */
+const PAIR_MS = 600_000;
+
+/**
+ * Names of the instants of maps whose files are downloaded one after the other. Files of a session that are asked for
+ * with the same name are of the same map, and their file names end in it. No name is given to two pairs.
+ */
+export class MapSnapshots {
+  private session = "";
+  private name = "";
+  private begun = 0;
+  private readonly taken = new Set<string>();
+  private readonly names = new Set<string>();
+
+  /**
+   * Return the name for a file of a kind: that of the session's file of the other kind before it, else the time now,
+   * or the first second after it that is not the name of an earlier pair.
+   */
+  next(session: string, kind: string, now: Date): string {
+    const isLate = now.getTime() - this.begun > PAIR_MS;
+    if (this.name === "" || session !== this.session || this.taken.has(kind) || isLate) {
+      this.session = session;
+      this.name = this.unused(now);
+      this.begun = now.getTime();
+      this.taken.clear();
+      this.names.add(this.name);
+    }
+    this.taken.add(kind);
+    return this.name;
+  }
+
+  private unused(now: Date): string {
+    let time = now.getTime();
+    while (this.names.has(localTime(new Date(time)))) {
+      time += 1000;
+    }
+    return localTime(new Date(time));
+  }
+}
+
+/** Local time in letters that any file name takes: 2026-01-31_09-05-59. */
+function localTime(time: Date): string {
+  const two = (value: number): string => String(value).padStart(2, "0");
+  const date = [time.getFullYear(), two(time.getMonth() + 1), two(time.getDate())].join("-");
+  return `${date}_${[time.getHours(), time.getMinutes(), time.getSeconds()].map(two).join("-")}`;
+}
 
 /** One for the page: the names differ from pair to pair in all sessions that it shows. */
 const snapshots = new MapSnapshots();

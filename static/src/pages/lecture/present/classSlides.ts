@@ -4,13 +4,15 @@ import { effect, signal } from "@preact/signals";
 import { askedAs, type Classroom, classroom } from "../../../store/classroom";
 import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
-import type { ClassView } from "../../../wire/protocol";
+import type { ClassSlide, ClassView } from "../../../wire/protocol";
 import { showSection } from "../awaitedFigures";
+import { LESSONS } from "../lessons";
+import { pageAddress, type Slide } from "./deck/deck";
 import { answerOf, answers } from "./shownAnswers";
-import { shownSlide, slideOfMessage } from "./shownSlide";
 import {
   blank,
   deck,
+  paragraphsOf,
   place,
   placeHashOf,
   presenting,
@@ -21,6 +23,37 @@ import {
   slide,
   stage,
 } from "./state";
+
+/** Pages that who has the link may open, unlike the lab and the logs of the lecturer. */
+const SHARED = /^\/shared\//;
+
+/** What followers get of a slide at a step: of a text, the paragraphs so far; of a section, its answer once shown. */
+export function shownSlide(slide: Slide, step: number, answer?: string): ClassSlide {
+  const { kind } = slide;
+  if (kind === "section") return { kind, section: slide.section, ...(answer === undefined ? {} : { text: answer }) };
+  if (kind === "derivation") return { kind, section: slide.section };
+  const { title } = slide;
+  if (kind === "title") return { kind, title };
+  if (kind === "text") {
+    const text = paragraphsOf(slide.text).slice(0, step + 1);
+    return { kind, title, text: text.join("\n\n") };
+  }
+  return { kind, title, ...(SHARED.test(slide.address) ? { address: slide.address } : {}) };
+}
+
+/**
+ * The slide of a message; null for a section that this page does not have. A page in a slide that followers may not
+ * open has no address. Throws a DeckError for an address that no slide may have.
+ */
+export function slideOfMessage({ kind, section, title, text, address }: ClassSlide): Slide | null {
+  if (kind === "section" || kind === "derivation") {
+    const known = LESSONS.find(({ id }) => id === section)?.id;
+    return known ? { kind, section: known } : null;
+  }
+  if (kind === "title") return { kind, title: title ?? "" };
+  if (kind === "text") return { kind, title: title ?? "", text: text ?? "" };
+  return { kind, title: title ?? "", address: address ? pageAddress(kind, address, "The slide") : "" };
+}
 
 const SHOW_EVERY_MS = 60;
 const PRESENT = "?present";

@@ -10,11 +10,14 @@ import type { ScanSeries } from "../../../wire/http";
 import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { COMPUTED } from "../fields/fields";
-import { Strip } from "./LazyStrip";
 import "./plots.css";
+import { lazy } from "../../../ui/lazy";
 import { shownTime } from "../time/shownTime";
 import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
+
+/** One low plot over time. uPlot is fetched when the first one is shown. */
+const Strip = lazy(async () => (await import("./Strip")).Strip);
 
 /** Colour roles: the robot's motion, its readings, the clock. */
 const TONES: Record<string, string> = { returns: "--miss", interval: "--foreground-soft" };

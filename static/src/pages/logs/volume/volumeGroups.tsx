@@ -2,16 +2,180 @@
 
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
+import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { groupsOfParts } from "../../../tools/parts";
+import { BeliefView } from "../../../tools/picture/BeliefView";
 import { LookGroup } from "../../../tools/volume/LookGroup";
+import { useLook } from "../../../tools/volume/useLook";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
+import { Button } from "../../../ui/Button";
 import type { DockGroup } from "../../../ui/dock/Dock";
+import { MapFiles } from "../../../ui/files/MapFiles";
+import { bytes } from "../../../ui/numbers";
+import { Panel } from "../../../ui/Panel";
 import { SurfaceGroup } from "./SurfaceGroup";
-import { UpChoice } from "./UpChoice";
-import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
-import { VolumeDownloads } from "./VolumeDownloads";
-import { VolumeMapGroup } from "./VolumeMapGroup";
+
+/** The parameters of the map, and what it takes. */
+function VolumeMapGroup({ store }: { readonly store: Store }) {
+  const table = store.hello.value?.parameters.table ?? [];
+  const notes = store.hello.value?.log?.notes ?? [];
+  return (
+    <>
+      <Panel title="Voxels">
+        {table.length === 0 ? (
+          <p class="quiet">An octree has no scans: its voxels cannot be made again.</p>
+        ) : (
+          <ParameterRows
+            rows={table}
+            values={store.mapping.values}
+            set={(name, value) => store.setParameter(name, value)}
+          />
+        )}
+      </Panel>
+      <Memory store={store} />
+      {notes.length > 0 && (
+        <Panel title="Notes on the file">
+          <ul class="volume-notes">
+            {notes.map((note) => (
+              <li key={note}>{note}</li>
+            ))}
+          </ul>
+        </Panel>
+      )}
+    </>
+  );
+}
+
+/** The octree beside a dense grid of the same box. */
+function Memory({ store }: { readonly store: Store }) {
+  const now = store.part("volume").message.value;
+  if (!now) return null;
+  return (
+    <Panel title="Memory">
+      <dl class="volume-memory number">
+        <dt>Octree</dt>
+        <dd>
+          {now.nodes === null ? "…" : `${now.nodes.toLocaleString("en")} nodes, ${bytes(5 * now.nodes)} as a file .ot`}
+        </dd>
+        <dt>Blocks of 8 × 8 × 8</dt>
+        <dd>{bytes(now.bytes)}</dd>
+        <dt>Dense grid</dt>
+        <dd>{bytes(now.dense_bytes)}</dd>
+      </dl>
+      <p class="quiet">
+        A dense grid has four bytes for each voxel of the box around the points. The octree joins eight equal voxels,
+        again and again: large free regions are single nodes.
+      </p>
+    </Panel>
+  );
+}
+
+/** The map as an octree and from above. */
+function VolumeDownloads({ store, session }: { readonly store: Store; readonly session: string }) {
+  const address = (name: string): string => `/api/sessions/${encodeURIComponent(session)}/${name}`;
+  const hasSurface = (store.part("surface").message.value?.table.length ?? 0) > 0;
+  return (
+    <Panel title="Download">
+      <div class="actions downloads">
+        <Button icon="download" href={address("volume.bt")} download>
+          bt
+        </Button>
+        <Button icon="download" href={address("volume.ot")} download>
+          ot
+        </Button>
+        <MapFiles session={session} />
+        <Button icon="download" href={address("selection.ply")} download>
+          points in the clip box
+        </Button>
+        {hasSurface && (
+          <>
+            <Button icon="download" href={address("surface.ply")} download>
+              ply
+            </Button>
+            <Button icon="download" href={address("surface.glb")} download>
+              glb
+            </Button>
+          </>
+        )}
+      </div>
+      <p class="quiet">
+        bt and ot are octrees for OctoMap: bt has free and occupied voxels, ot their log-odds. pgm and yaml together are
+        the map from above for map_server and Nav2.
+        {hasSurface && " ply and glb are the surface as triangles with normals, for MeshLab, Blender and others."}
+      </p>
+    </Panel>
+  );
+}
+
+const BAND = ["band_low", "band_high"];
+
+/** The map from above, of a band of heights or a slice, and its files. */
+function VolumeAbove({ store, session }: { readonly store: Store; readonly session: string }) {
+  const look = useLook(store);
+  if (!look) return null;
+  const { rows, values, set } = look;
+  const low = Number(values.value.band_low);
+  const high = Number(values.value.band_high);
+  const [first, last] = BAND.map((name) => rows.find((row) => row.name === name));
+  return (
+    <div class="volume-above">
+      <div class="volume-above-map">
+        <BeliefView store={store} />
+      </div>
+      <ParameterRows rows={rows.filter(({ name }) => BAND.includes(name))} values={values} set={set} />
+      <div class="actions">
+        <Button
+          onClick={() => {
+            const middle = Math.round(50 * (low + high)) / 100;
+            store.send({ type: "volume_look", values: { band_low: middle, band_high: middle } });
+          }}
+        >
+          Slice in the middle
+        </Button>
+        <Button
+          onClick={() =>
+            store.send({
+              type: "volume_look",
+              values: { band_low: first?.initial ?? low, band_high: last?.initial ?? high },
+            })
+          }
+        >
+          All heights
+        </Button>
+        <MapFiles session={session} />
+      </div>
+    </div>
+  );
+}
+
+const AXES = ["z", "-z", "y", "-y", "x", "-x"];
+
+interface UpChoiceProps {
+  readonly store: Store;
+  readonly onUp: (axis: string) => void;
+}
+
+/** The axis of the file that points up: depth cameras and scanners often have another one than z. */
+function UpChoice({ store, onUp }: UpChoiceProps) {
+  const now = store.part("volume").message.value;
+  if (!now?.has_scans) return null;
+  return (
+    <Panel title="Up">
+      <label class="field">
+        <span class="field-label">Axis of the file that points up</span>
+        <select class="select" value={now.up} onChange={(event) => onUp(event.currentTarget.value)}>
+          {AXES.map((axis) => (
+            <option key={axis} value={axis}>
+              {axis.replace("-", "−")}
+            </option>
+          ))}
+        </select>
+      </label>
+      <p class="quiet">The map is opened again, turned.</p>
+    </Panel>
+  );
+}
 
 /** What the groups show. */
 interface VolumeView {

@@ -2,7 +2,7 @@
 import { expect, it } from "vitest";
 import { LECTURE_PARTS } from "../../lessons";
 import { readDeck, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { allShown, onlyPart } from "./partsOfDeck";
+import { allShown, onlyPart } from "./deckOrder";
 import { SHORT_LECTURE } from "./shortDeck";
 
 it("is planned for 45 minutes on 16 to 18 slides, from the filter to the use of the map", () => {

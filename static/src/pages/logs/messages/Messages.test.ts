@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { yamlOf } from "./yaml";
+import { yamlOf } from "./Messages";
 
 test("a message is written as ros2 topic echo writes it", () => {
   const message = {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LocalizationMessage, Values } from "../../wire/protocol";
-import { FilterSettings } from "./filterSettings";
+import { FilterSettings } from "./state";
 
 const message = (values: Values, map = "plan", is_on = true): LocalizationMessage =>
   ({ type: "localization", is_on, values, map }) as unknown as LocalizationMessage;

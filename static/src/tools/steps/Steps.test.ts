@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { toScreen } from "../../render/view";
 import type { Geometry } from "../../wire/protocol";
-import { viewWithCell, zoomedInScale } from "./zoomToCell";
+import { viewWithCell, zoomedInScale } from "./Steps";
 
 const GEOMETRY = { resolution: 0.05, rows: 100, cols: 100, origin: [-1, -2, 0] } as unknown as Geometry;
 const SIZE = { width: 400, height: 200 };

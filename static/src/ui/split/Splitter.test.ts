@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { keyedShare, limited } from "./share";
+import { keyedShare, limited } from "./Splitter";
 
 const LIMITS = { low: 0.2, high: 0.8 };
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { MapSnapshots } from "./mapSnapshots";
+import { MapSnapshots } from "./MapFiles";
 
 const at = (minute: number, second = 0): Date => new Date(2026, 0, 31, 9, minute, second);
 

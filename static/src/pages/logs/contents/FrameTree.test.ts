@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { FrameEdgeAnswer } from "../../../wire/http";
 import { ageLabel, rateLabel } from "./contents";
-import { isLate, placedFrames } from "./placedFrames";
+import { isLate, placedFrames } from "./FrameTree";
 
 const edge = (parent: string, child: string, more: Partial<FrameEdgeAnswer> = {}): FrameEdgeAnswer => ({
   parent,

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Parameter } from "../../../wire/protocol";
-import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./CutForm";
 
 const row = (unit: string, low: number, high: number): Parameter => ({
   name: "angle_min",

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
+import { shownSlide, slideOfMessage } from "./classSlides";
 import type { Slide } from "./deck/deck";
-import { shownSlide, slideOfMessage } from "./shownSlide";
 
 const TEXT: Slide = { kind: "text", title: "Mine", text: "One\n\nTwo\n\nThree", notes: "private", hidden: true };
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { heightsOf, limitsOf, placesOf } from "./askedPatch";
+import { heightsOf, limitsOf, placesOf } from "./AskedPatch";
 import { momentsOf, planeOf, ratiosOf, scoreOf, stepOf } from "./model";
 
 const VALUES = {
