@@ -16,9 +16,12 @@ import laspy
 import numpy as np
 import pytest
 from laspy.vlrs.vlr import VLR
+from numpy.typing import ArrayLike
 
 from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.clouds import read_cloud
+from mapper.io.clouds.depth_archive import unpack_depth_archive
 from mapper.io.clouds.projection import units_of
 from mapper.io.logs import open_log
 from mapper.io.maps import load_map
@@ -458,3 +461,75 @@ def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Pat
     assert json.loads(again.out)["occupied"] == json.loads(done.out)["occupied"]
     told = run("info", tmp_path / "n.ot")
     assert "The map's origin is at 523,000, 4,812,000, 600 m of the file" in told.out
+
+
+def rows(*columns: ArrayLike) -> bytes:
+    """POINTS twice, each with further numbers, as a file of 32-bit numbers has them."""
+    return np.column_stack([np.vstack([POINTS, POINTS]), *columns]).astype("<f4").tobytes()
+
+
+SHARES, WHOLE, RINGS = np.linspace(0.0, 0.99, 60), np.arange(60) * 4, np.arange(60) % 32
+HEADERLESS = {
+    "KITTI": (rows(SHARES), ["intensity"]),
+    "KITTI, intensities of one byte": (rows(WHOLE), ["intensity"]),
+    "nuScenes": (rows(WHOLE, RINGS), ["intensity", "ring"]),
+    "a first number like a byte-order mark": (b"\xff\xfe" + rows(SHARES)[2:], ["intensity"]),
+}
+
+
+@pytest.mark.parametrize("case", HEADERLESS)
+def test_points_without_a_header_are_known_by_their_numbers(tmp_path: Path, case: str) -> None:
+    data, names = HEADERLESS[case]
+    (tmp_path / "000000.bin").write_bytes(data)
+    cloud = read_cloud(tmp_path / "000000.bin")
+    expected = np.frombuffer(data, "<f4").reshape(60, -1)
+    np.testing.assert_array_equal(cloud.points, expected[:, :3])
+    assert list(cloud.fields) == names
+    for column, name in enumerate(names):
+        np.testing.assert_array_equal(cloud.fields[name], expected[:, 3 + column])
+    assert "has no header" in cloud.notes[0]
+    np.testing.assert_array_equal(cloud.sensor_pose, np.eye(4))
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        rows(),
+        np.vstack([POINTS] * 4).tobytes(),
+        rows(-SHARES),
+        rows(WHOLE, SHARES * 90),
+        np.random.default_rng(3).random((60, 4)).astype("<f4").tobytes(),
+        rows(SHARES)[:160],
+        b"0.25 1.25\n" * 100,
+        bytes(1600),
+    ],
+    ids=["x, y, z", "64 bits", "negative", "no rings", "a table of shares", "few", "text", "zeros"],
+)
+def test_other_numbers_without_a_header_are_no_points(tmp_path: Path, data: bytes) -> None:
+    with pytest.raises(ReadError, match=r"none of the known formats|a cloud needs"):
+        read(tmp_path, data, "a.bin")
+
+
+def test_points_without_a_header_that_do_not_go_on_so_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="does not go on so"):
+        read(tmp_path, rows(SHARES) * 5 + rows(SHARES - 3.0), "a.bin")
+    with pytest.raises(ReadError, match="does not go on so"):
+        read(tmp_path, rows(SHARES) + b"\0", "a.bin")
+
+
+def unpacked(path: Path) -> None:
+    """Read a dropped archive as the service does."""
+    unpack_depth_archive(path, path.parent, DEFAULT_LIMITS)
+
+
+@pytest.mark.parametrize(
+    ("save", "read_it"),
+    [(np.save, read_cloud), (np.save, open_log), (np.savez, read_cloud), (np.savez, open_log), (np.savez, unpacked)],
+)
+def test_arrays_of_numpy_are_named_with_what_converts_them(
+    tmp_path: Path, save: Callable[..., None], read_it: Callable[[Path], object]
+) -> None:
+    with (tmp_path / "a").open("wb") as file:
+        save(file, POINTS)
+    with pytest.raises(ReadError, match=r"arrays? of NumPy \(save its points as text"):
+        read_it(tmp_path / "a")

@@ -12,6 +12,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds.content import content, plain_text
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
+from mapper.io.clouds.kitti import looks_like_kitti, read_kitti
 from mapper.io.clouds.las import read_las
 from mapper.io.clouds.pcd import read_pcd
 from mapper.io.clouds.pcd_header import looks_like_pcd
@@ -34,12 +35,15 @@ FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
     "LAS": (lambda head: head.startswith(b"LASF"), read_las),
     "PCD": (looks_like_pcd, read_pcd),
 }
+HEADERLESS = "KITTI or nuScenes"  #: points without a header
 TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
 HEAD_BYTES = 1 << 12
 
 
 def cloud_format(head: bytes) -> str | None:
     """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
+    if looks_like_kitti(head):
+        return HEADERLESS
     head = plain_text(head)
     if looks_like_graph(head):
         return "scan graph"
@@ -59,13 +63,15 @@ def read_cloud(
 ) -> PointCloud:
     """Return the points of the file at ``path``, plain or packed with gzip or Zstandard, float64, in the file's order.
 
-    PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), or OctoMap's scan graph, whose scans are joined in the map's
-    frame. Points that are not finite stay where they
-    are, so that rows agree with the file's. Raises :class:`ReadError`, saying what is wrong and where, and
-    :class:`LimitError`.
+    PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), points of KITTI and nuScenes (.bin), or OctoMap's scan graph,
+    whose scans are joined in the map's frame. Points that are not finite stay where they are, so that rows agree with
+    the file's. Raises :class:`ReadError`, saying what is wrong and where, and :class:`LimitError`.
     """
-    data = plain_text(content(Path(path), limits, progress))
+    data = content(Path(path), limits, progress)
     kind = cloud_format(data[:HEAD_BYTES])
+    if kind == HEADERLESS:
+        return read_kitti(data, limits)
+    data = plain_text(data)
     if kind == "scan graph":
         return _joined(graph_nodes(data, limits), limits)
     if kind is None:
@@ -104,7 +110,7 @@ def _joined(nodes: Iterator[PosedCloud], limits: Limits) -> PointCloud:
 
 
 def _known() -> str:
-    return ", ".join([*FORMATS, "LAZ, scan graph (OctoMap), XYZ, PTS, CSV"])
+    return ", ".join([*FORMATS, "LAZ, scan graph (OctoMap), XYZ, PTS, CSV, points of KITTI and nuScenes (.bin)"])
 
 
 def open_clouds(

@@ -13,11 +13,15 @@ from mapper.io.logs.text.lines import BOM
 
 OLD_BAGS = (b"#ROSRECORD V", b"#ROSLOG V")  #: first bytes of ROS 1 bags before format 2.0
 KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"
-KNOWN_3D = "PCD, PLY, VTK, LAS, LAZ, XYZ, PTS, CSV, a scan graph, an octree (.bt, .ot) or a zip of depth images"
+KNOWN_3D = (
+    "PCD, PLY, VTK, LAS, LAZ, XYZ, PTS, CSV, points of KITTI and nuScenes (.bin), a scan graph, an octree (.bt, .ot) "
+    "or a zip of depth images"
+)
 #: What every file of an unknown kind is told.
 READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 
 AS_CLOUD = "save its points as PLY, LAS or PCD, as CloudCompare does"
+AS_TEXT = "save its points as text, numpy.savetxt('cloud.xyz', points[:, :3])"
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
@@ -38,7 +42,7 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"solid ", f"a mesh in the format STL ({AS_CLOUD})"),
     (b"OFF\n", f"a mesh in the format OFF ({AS_CLOUD})"),
     (b"\x89HDF", "an HDF5 file"),
-    (b"\x93NUMPY", "an array of NumPy"),
+    (b"\x93NUMPY", f"an array of NumPy ({AS_TEXT})"),
     (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
 )
@@ -66,6 +70,7 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
+NPZ = re.compile(rb"PK\x03\x04.{26}[^/\0]{1,200}\.npy", re.DOTALL)  #: a zip archive whose first file is an array
 MAP = "log.map"  #: of the error for the yaml of a map
 #: Lines of yaml files that belong to logs and are none, and what such a file is.
 YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
@@ -122,6 +127,8 @@ def _old_bag(head: bytes) -> ReadError:
 
 def what_else(head: bytes) -> str | None:
     """Return what a file is that begins with ``head`` and is neither a log nor a cloud; None where it is not known."""
+    if NPZ.match(head):
+        return f"an archive of arrays of NumPy ({AS_TEXT})"
     known = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     return known or next((what for pattern, what in FOREIGN_TEXT if pattern.match(head)), None)
 

@@ -19,7 +19,7 @@ from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.containers.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.containers.kept_copies import journal_of
-from mapper.io.logs.foreign import READ_HERE, not_a_log
+from mapper.io.logs.foreign import NPZ, READ_HERE, not_a_log
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.text import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, sonar
@@ -274,6 +274,8 @@ def _kind_of(file: Source) -> Container | Reader:
         if head.startswith(magic):
             return container
     archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+    if NPZ.match(head):
+        raise not_a_log(head)
     if archive is not None:  # it may contain the lines of a log
         raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")
     words = _first_words(head)
