@@ -91,7 +91,7 @@ class LiveMap:
         grid = self._empty_grid(altered, self.config, [])
         self.simulation = Simulation(altered, sensor, self.seed)
         self.first_sensor, self.first_edits = sensor, edits
-        self.journal: list[tuple[int, dict[str, Any]]] = []
+        self.journal: list[tuple[int, Any]] = []  #: each action, as who acts has it, with the step before it
         self._noise = np.random.default_rng(self.seed)
         self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
         self.recordings = [Recording(sensor)]

@@ -1,4 +1,4 @@
-"""Making of the spoiled log of a puzzle: from a recipe, a story of the lab, or a log."""
+"""Making of the spoiled log of a puzzle: from a recipe, a history of the lab, or a log."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from mapper.puzzles.drives import ODOMETRY, TRUE
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults
-from server.puzzles.spec import AS_IT_IS, LogSpec, StorySpec
+from server.puzzles.spec import AS_IT_IS, LogSpec, WorldSpec
 from server.sources.log_recording import first_config
-from server.sources.story import replayed
+from server.sources.simulation_replay import replayed
 
 Wanted = Callable[[], bool]
 Tell = Callable[[str, float | None], None]
@@ -60,21 +60,22 @@ class RecipeSource:
 
 
 @dataclass(frozen=True, slots=True)
-class StorySource:
+class WorldSource:
     """A puzzle of a world of the lab."""
 
-    spec: StorySpec
+    spec: WorldSpec
 
     def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle of the recording with most scans."""
         spec = self.spec
         tell(DRIVING, None)
-        story = spec.story | {"faults": {}, "parameters": {}}
-        mapper = replayed(story, limits=limits, wanted=wanted)
+        history = spec.history
+        driven = history.model_copy(update={"faults": {}, "parameters": {}})
+        mapper = replayed(driven, limits=limits, wanted=wanted)
         clean = _renamed(max(mapper.logs(Faults()), key=lambda log: log.n_scans))
         if spec.fault != AS_IT_IS:
             return _ready(spoil(clean, spec.cause, spec.seed, TRUE), spec.cause, limits, wanted, tell)
-        faults = Faults().with_values(spec.story["faults"])
+        faults = Faults().with_values(history.faults)
         shown = _renamed(max(mapper.logs(replace(faults, slam=False)), key=lambda log: log.n_scans))
         drifts = faults.drift and not faults.slam
         spoiled = Spoiled(
@@ -82,7 +83,7 @@ class StorySource:
             ODOMETRY if drifts else TRUE,
             clean,
             TRUE,
-            spec.story["parameters"],
+            history.parameters,
             repair_trajectory=TRUE if drifts else "",
         )
         return _ready(spoiled, spec.cause, limits, wanted, tell)

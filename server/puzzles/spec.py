@@ -1,4 +1,4 @@
-"""Definition of a visitor's puzzle, stored as JSON: a story of the lab or a log, and the fault."""
+"""Definition of a visitor's puzzle, stored as JSON: a history of the lab or a log, and the fault."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import msgspec
-from msgspec import Struct
+from msgspec import Struct, field
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Values
 from mapper.mapping.parameters import CONES, MappingConfig
 from mapper.puzzles import CAUSES
 from server.sessions.view import LogView
+from server.sources.history import SimulationHistory
 
 AS_IT_IS = "as-it-is"  #: the fault that the session's parameters, or the robot, have now
 COARSE, WIDE = 0.1, 0.4  #: metres: cells and windows above this are a fault
 
 
-class StorySpec(Struct, frozen=True, tag_field="kind", tag="story"):
-    """A puzzle of a simulated world: its story, the wanted ``fault``, its ``cause``, and the seed of its size."""
+class WorldSpec(Struct, frozen=True, tag_field="kind", tag="story"):
+    """A puzzle of a simulated world: its history, the wanted ``fault``, its ``cause``, and the seed of its size."""
 
-    story: dict[str, Any]
+    history: SimulationHistory = field(name="story")
     fault: str
     cause: str
     seed: int
@@ -47,17 +48,17 @@ class LogSpec(Struct, frozen=True, tag_field="kind", tag="log"):
     seed: int
 
 
-Spec: TypeAlias = StorySpec | LogSpec
+Spec: TypeAlias = WorldSpec | LogSpec
 
 
 def spec_text(spec: Spec) -> str:
     """Return a spec as it is stored."""
-    return json.dumps(msgspec.to_builtins(spec))
+    return json.dumps(msgspec.to_builtins(spec, enc_hook=SimulationHistory.model_dump))
 
 
 def spec_from_text(text: str) -> Spec:
     """Return the spec of which :func:`spec_text` made ``text``. Raises ``msgspec.DecodeError`` for anything else."""
-    spec: Spec = msgspec.json.decode(text, type=Spec)
+    spec: Spec = msgspec.json.decode(text, type=Spec, dec_hook=lambda _, story: SimulationHistory.model_validate(story))
     return spec
 
 
@@ -98,16 +99,16 @@ def changed(config: MappingConfig, first: MappingConfig) -> Values:
     return {name: value for name, value in asdict(config).items() if value != before[name]}
 
 
-def spec_of_story(story: dict[str, Any], cause: str, seed: int, *, cone: bool) -> StorySpec:
+def spec_of_world(history: SimulationHistory, cause: str, seed: int, *, cone: bool) -> WorldSpec:
     """Return the spec of a puzzle of a simulated world. Raises as :func:`cause_of`, and for a fault it cannot have.
 
     A world of which only the pose is known, and not the drive, is refused.
     """
     wanted = _checked(cause)
-    if story.get("journal") is None:
+    if history.journal is None:
         raise ConfigError("puzzle.story", "The history of this world is too long to be repeated: press Reset first.")
-    named = cause_of(story["parameters"], story["faults"], cone=cone) if wanted == AS_IT_IS else wanted
-    return StorySpec(story, wanted, named, seed)
+    named = cause_of(history.parameters, history.faults, cone=cone) if wanted == AS_IT_IS else wanted
+    return WorldSpec(history, wanted, named, seed)
 
 
 def spec_of_log(view: LogView, values: Values, cause: str, seed: int, *, cone: bool) -> LogSpec:

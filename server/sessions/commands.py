@@ -63,6 +63,12 @@ class ShowCourse(Struct):
     course: Course
 
 
+class UseTerrain(Struct, tag_field="type", tag="use_terrain"):
+    """As the history of a session has :class:`UseCosts`: the upload ``log`` has the costs."""
+
+    log: str
+
+
 class UseCosts(Struct):
     """Take the costs of an upload for a layer of the costmap; None for none."""
 

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from msgspec import Struct
 
@@ -127,8 +127,8 @@ class SessionModel(ABC):
         """Return the messages for a new client, the newest of each type: by default those of the parts."""
         return [message for part in self.parts for message in part.messages()]
 
-    def history(self) -> list[dict[str, Any]]:
-        """Return the commands from which the parts of another session get the same, as JSON has them."""
+    def history(self) -> list[Struct]:
+        """Return the commands from which the parts of another session get the same."""
         return [command for part in self.parts for command in part.history()]
 
     def complete_frame(self, frame: FrameMessage) -> None:  # noqa: B027 - some kinds have none

@@ -180,9 +180,9 @@ class Part:
         """Return the messages for a new client: the newest of each type."""
         return ()
 
-    def history(self) -> list[dict[str, Any]]:
-        """Return the commands from which another session gets the same, as JSON has them; none while it is off."""
-        return []
+    def history(self) -> Sequence[Struct]:
+        """Return the commands from which another session gets the same; none while it is off."""
+        return ()
 
     def handle(self, command: Any, result: TickResult) -> None:  # noqa: ANN401 - one of the part's own commands
         """Carry out one of :attr:`commands`. Raises as :meth:`server.sessions.model.SessionModel.handle`."""

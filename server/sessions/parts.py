@@ -1,11 +1,11 @@
-"""Optional parts of a model: a recording, a comparison, a story. Routes check for these, not for a kind."""
+"""Optional parts of a model: a recording, a comparison, costs. Routes check for these, not for a kind."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.compare import Comparison
@@ -266,14 +266,6 @@ class Costed(ABC):
 
         ``keepout``, −1 for none, and ``speed``, 0 for none; none of them where nothing is painted.
         """
-
-
-class Story(ABC):
-    """The recorded history of a session, from which it can be reproduced."""
-
-    @abstractmethod
-    async def current(self) -> dict[str, Any]:
-        """Return the story, between two ticks, of all that was asked of the session before."""
 
 
 class LayerCosts(Protocol):

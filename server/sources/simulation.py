@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from msgspec import Struct
@@ -21,7 +21,6 @@ from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing
 from server.parts import parts_of
 from server.parts.mapping.part import MappingParameters
-from server.parts.wire import command_of
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
@@ -32,11 +31,12 @@ from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
+from server.sources.history import Action, History
 from server.sources.map_drawings import map_drawings
 from server.sources.robot_report import ScanReport
-from server.sources.simulation_commands import Action, act
+from server.sources.simulation_commands import act
 from server.sources.simulation_messages import forgetting_message, world_message
-from server.sources.story import SimulationStory
+from server.sources.simulation_replay import SimulationReplay
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,
@@ -73,7 +73,7 @@ class SimulationModel(SessionModel):
     }
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
-        """``max_story_s`` is the longest computing time for replaying its story, seconds."""
+        """``max_story_s`` is the longest computing time for replaying its history, seconds."""
         super().__init__()
         self._host = host
         self._mapper = mapper
@@ -89,8 +89,8 @@ class SimulationModel(SessionModel):
             simulation=mapper,
             playback=self.playback,
         )
-        story = SimulationStory(host, mapper, self.playback, max_story_s, self.history)
-        self.parts = (self.parameters, CellQuestions(self._explained), story, *parts_of(offers))
+        replay = SimulationReplay(host, mapper, self.playback, max_story_s, self.history)
+        self.parts = (self.parameters, CellQuestions(self._explained), replay, *parts_of(offers))
         self._report = ScanReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
@@ -261,16 +261,16 @@ class SimulationModel(SessionModel):
 
     # -- computing ------------------------------------------------------------------------------------------------
 
-    def resume(self, story: dict[str, Any]) -> None:
-        """Set playing, speed and the costmap as in a story. Raises :class:`ConfigError`, :class:`ProtocolError`."""
+    def resume(self, history: History) -> None:
+        """Set playing, speed and the costmap as in a history. Raises :class:`ConfigError`, :class:`ProtocolError`."""
         low, high = self.playback.speeds
-        speed = story.get("speed") or self.playback.speed
+        speed = history.speed or self.playback.speed
         if not low <= speed <= high:
             raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
-        self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
-        recorded = tuple(command for part in self.parts for command in part.recorded)
-        for command in map(command_of, story.get("navigation") or ()):
-            if not isinstance(command, recorded):
+        self.playback.speed, self.playback.playing = speed, history.playing
+        kinds = tuple(command for part in self.parts for command in part.recorded)
+        for command in history.navigation:
+            if not isinstance(command, kinds):
                 raise ProtocolError("story.navigation", f"A story cannot hold the command {type_of(command)!r:.80}.")
             self.handle(command, TickResult())
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from msgspec import UNSET, structs
 
 from mapper.simulation import Edits
 from mapper.simulation.live_map import LiveMap
 from server.sessions.tick import TickResult
+from server.sources.history import Action
 from server.stream.commands import AutoCommand, DriveCommand, EditCommand, SensorCommand, TeleportCommand
-from server.stream.protocol import fields_of
-
-Action: TypeAlias = TeleportCommand | DriveCommand | AutoCommand | SensorCommand | EditCommand
 
 
 def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
@@ -30,6 +28,8 @@ def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
         case SensorCommand(values=values):
             result.new_grid |= mapper.set_sensor(simulation.sensor.with_values(values))
         case EditCommand(added=added, erased=erased, watch=watch):
-            if mapper.edit(Edits.of(added, erased), watch=watch):
+            if mapper.edit(Edits.of(added, erased), watch=bool(watch)):
                 result.notice("edit.moved", "The robot stood where you drew, so it was moved aside.")
-    mapper.journal.append((steps, {name: value for name, value in fields_of(command).items() if name != "watch"}))
+    if isinstance(command, EditCommand):
+        command = structs.replace(command, watch=UNSET)
+    mapper.journal.append((steps, command))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import DrawnSolid, Number, Point, Values, Whole
 
@@ -142,7 +142,7 @@ class EditCommand(Struct, tag_field="type", tag="edit"):
 
     added: Annotated[list[DrawnSolid], Meta(description="walls and boxes to draw")] = []
     erased: Annotated[list[Whole], Meta(description="indices of the built solids to erase")] = []
-    watch: Annotated[bool, Meta(description="send `forgetting` about what this erases")] = False
+    watch: Annotated[bool | UnsetType, Meta(description="send `forgetting` about what this erases")] = UNSET
 
 
 class WorldCommand(Struct, tag_field="type", tag="world"):

@@ -8,6 +8,7 @@ from typing import Any
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sources import log_plan
+from server.sources.history import History, SimulationHistory
 from server.sources.simulation_kind import simulation_plan
 
 
@@ -16,13 +17,14 @@ async def new_simulation(
     owner: str,
     world: str | None = None,
     seed: int | None = None,
-    story: dict[str, Any] | None = None,
+    history: SimulationHistory | dict[str, Any] | None = None,
     *,
     max_story_s: float = math.inf,
     **more: Any,
 ) -> Any:
     """Begin a session of a simulated world."""
-    return await registry.begin(simulation_plan(world, seed, story, max_story_s=max_story_s, **more), owner)
+    begun = None if history is None else History.model_validate(history)
+    return await registry.begin(simulation_plan(world, seed, begun, max_story_s=max_story_s, **more), owner)
 
 
 async def new_log(registry: SessionRegistry, owner: str, log: ScanLog, *, link: str | None = None, **more: Any) -> Any:

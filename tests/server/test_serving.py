@@ -246,13 +246,13 @@ def test_it_ends_while_a_session_computes_that_cannot_be_interrupted(tmp_path: P
     """As a kernel that compiles: a thread that never ends holds neither the service nor its process."""
     program = f"""
 import time
-import server.sources.story
+import server.sources.simulation_replay
 
 def never_ends(*_, **__):
     print("computing", flush=True)
     time.sleep(10_000)
 
-server.sources.story.replayed = never_ends
+server.sources.simulation_replay.replayed = never_ends
 {RUN}
 """
     process, address = started(program, tmp_path)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import segno
 from fastapi import APIRouter, Request, WebSocket
@@ -36,9 +36,10 @@ from server.http.services import (
 )
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
-from server.sessions.parts import Recording, Story
+from server.sessions.parts import Recording
 from server.sources import log_plan
-from server.sources.simulation_kind import NewSimulation, simulation_plan
+from server.sources.history import Replayable
+from server.sources.simulation_kind import simulation_plan
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -282,18 +283,13 @@ async def fork(
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:
     """Return the plan of a session with the state that another one has now: a world, or a view of a log."""
-    recording, story = session.model.find(Recording), session.model.find(Story)
+    recording, replayable = session.model.find(Recording), session.model.find(Replayable)
     if recording is not None:
         return log_plan(recording.log, title=session.model.title, view=recording.view(), playing=False)
-    if story is None:
+    if replayable is None:
         raise MapperError("class.fork", "Only a simulated world or the map of a log can be copied.")
-    now = NewSimulation.model_validate(_request_of(await story.current()))
-    begun = None if now.story is None else now.story.model_dump()
-    return simulation_plan(now.world, now.seed, begun, max_story_s=max_story_s)
-
-
-def _request_of(story: dict[str, Any]) -> dict[str, Any]:
-    return {"kind": "simulation", "world": story["world"], "seed": story["seed"], "story": story}
+    history = await replayable.present_history()
+    return simulation_plan(history.world, history.seed, history, max_story_s=max_story_s)
 
 
 # -- pages --------------------------------------------------------------------------------------------------------

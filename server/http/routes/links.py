@@ -29,6 +29,7 @@ from server.sessions import LogView, SessionRegistry
 from server.sessions.commands import ShowReferenceMap, UseCosts
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
+from server.stream.protocol import fields_of
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -126,7 +127,7 @@ async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLi
     first = {} if recording is None else asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
-        navigation = model.history()
+        navigation = [fields_of(command) for command in model.history()]
     count = model.progress[1]
     view = {
         "view": asdict(seen),

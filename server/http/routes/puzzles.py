@@ -26,7 +26,8 @@ from server.http.session_access import writable_session
 from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
 from server.library.library import Library
 from server.puzzles.answers import Attempt, NamedCause, OfferedPuzzle
-from server.sessions.parts import Recording, Story
+from server.sessions.parts import Recording
+from server.sources.history import Replayable
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost, SessionRegistry
@@ -118,18 +119,18 @@ async def make(
     from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
         changed,
         spec_of_log,
-        spec_of_story,
+        spec_of_world,
         spec_text,
     )
 
     session, seed = sessions.get(session_id), secrets.randbelow(2**31)
-    story = session.model.find(Story)
-    if story is not None:
+    replayable = session.model.find(Replayable)
+    if replayable is not None:
         if session.owner != visitor:
             raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
-        told = await story.current()
-        cone = told["sensor"].get("kind") == "sonar_ring"
-        text, record = spec_text(spec_of_story(told, wanted.fault, seed, cone=cone)), None
+        history = await replayable.present_history()
+        cone = history.sensor.get("kind") == "sonar_ring"
+        text, record = spec_text(spec_of_world(history, wanted.fault, seed, cone=cone)), None
     else:
         of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
@@ -174,8 +175,8 @@ async def begin_puzzle(
     ``place`` is what a reverse proxy finds this service by; None: as the request says.
     """
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
-    from server.puzzles.making import LogSource, StorySource  # noqa: PLC0415
-    from server.puzzles.spec import StorySpec, spec_from_text  # noqa: PLC0415
+    from server.puzzles.making import LogSource, WorldSource  # noqa: PLC0415
+    from server.puzzles.spec import WorldSpec, spec_from_text  # noqa: PLC0415
 
     if key in RECIPES:
         recipe = RECIPES[key]
@@ -183,8 +184,8 @@ async def begin_puzzle(
     else:
         made = library.puzzles.get(key)
         title, story, level, spec = made.title, "", 0, spec_from_text(made.spec)
-        if isinstance(spec, StorySpec):
-            source = StorySource(spec)
+        if isinstance(spec, WorldSpec):
+            source = WorldSource(spec)
         else:
             if made.log_id is None:
                 raise PuzzleGoneError("puzzle.gone", "The log of this puzzle no longer exists.")

@@ -22,8 +22,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, ServiceSettings, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
-from server.sessions.parts import Story
-from server.sources.simulation_kind import PresentStory
+from server.sources.history import Replayable, SimulationHistory
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -179,12 +178,12 @@ async def end(sessions: Sessions, visitor: Visitor, session_id: str) -> None:
 
 
 @router.get("/sessions/{session_id}/story")
-async def current_story(sessions: Sessions, session_id: str) -> PresentStory:
+async def history(sessions: Sessions, session_id: str) -> SimulationHistory:
     """Return the history of a simulation, from which another session can begin."""
-    story = sessions.get(session_id).model.find(Story)
-    if story is None:
+    replayable = sessions.get(session_id).model.find(Replayable)
+    if replayable is None:
         raise MapperError("session.not_a_world", "Only a simulation has a story.")
-    return PresentStory.model_validate(await story.current())
+    return await replayable.present_history()
 
 
 @router.get("/worlds")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import BrushStroke, LayerCost, Number, Point, Values
 
@@ -12,7 +12,7 @@ from server.stream.message_parts import BrushStroke, LayerCost, Number, Point, V
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
-    value: Annotated[bool, Meta(description="whether there is one")] = True
+    value: Annotated[bool | UnsetType, Meta(description="false: end it")] = UNSET
     values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
     footprint: Annotated[list[Point] | None, Meta(description="corners of the robot's outline, in its frame")] = None
     keepout: Annotated[list[BrushStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from msgspec import Struct, to_builtins
+from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
@@ -38,7 +38,7 @@ from server.parts.costmap.parameters import (
     rows_with,
 )
 from server.parts.costmap.zones import painted_filters, strokes_of
-from server.sessions.commands import UseCosts
+from server.sessions.commands import UseCosts, UseTerrain
 from server.sessions.part import Offers, Part, Robot, StaticMap
 from server.sessions.parts import Costed, FootprintAnswer, LayerCosts, UploadedCosts
 from server.sessions.tick import TickResult
@@ -110,7 +110,7 @@ class CostmapPart(Part, Costed):
         )
         return (message,)
 
-    def history(self) -> list[dict[str, Any]]:
+    def history(self) -> list[Struct]:
         """Return the commands from which another session gets the same costmap.
 
         Where a Nav2 file was loaded that has more than the table of parameters, the command ``nav2`` has that. It has
@@ -122,17 +122,15 @@ class CostmapPart(Part, Costed):
             return []
         loaded = costmap.parameters
         values = {name: value for name, value in loaded.values.items() if value != INITIAL[name]}
-        message: dict[str, Any] = to_builtins(self.messages()[0])
-        found: list[dict[str, Any]] = [
-            {"type": "costmap", "values": values, "footprint": message["footprint"], "keepout": message["keepout"]}
-        ]
+        (message,) = self.messages()
+        found: list[Struct] = [CostmapCommand(values=values, footprint=message.footprint, keepout=message.keepout)]
         if loaded.has_more:
             flags = {name: loaded.values[name] for name in IN_NAV2}
             every = loaded.with_values(dict.fromkeys(IN_NAV2, True))
             text = nav2_yaml(every.nav2, costmap.geometry.resolution) + nav2_path_yaml(every.path)
-            found += [{"type": "nav2", "text": text}, {"type": "costmap", "values": flags}]
+            found += [Nav2Command(text), CostmapCommand(values=flags)]
         if self._uploaded is not None:
-            found.append({"type": "use_terrain", "log": self._uploaded.log_id})
+            found.append(UseTerrain(self._uploaded.log_id))
         return found
 
     def present_costs(self) -> RecordedCostmap | None:
@@ -169,7 +167,7 @@ class CostmapPart(Part, Costed):
             self._exchange(costmap, command, result)
 
     def _set(self, command: CostmapCommand, result: TickResult) -> None:
-        if not command.value:
+        if command.value is False:
             self._end(result)
             return
         costmap = self._costmap

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from msgspec import Struct
 
@@ -72,12 +71,12 @@ class PathPart(Part):
         """Return the message ``path``."""
         return (self._path.message(),)
 
-    def history(self) -> list[dict[str, Any]]:
+    def history(self) -> list[GoalCommand]:
         """Return the command that sets the goal."""
         if self._path.goal is None:
             return []
         x, y = self._path.goal
-        return [{"type": "goal", "x": x, "y": y, "drives": self._path.drives}]
+        return [GoalCommand(x, y, self._path.drives)]
 
     def handle(self, command: GoalCommand, result: TickResult) -> None:
         """Set the goal. Raises :class:`ProtocolError` without a costmap."""

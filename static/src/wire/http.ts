@@ -704,36 +704,6 @@ export interface PresentHistory {
   readonly course: FilterHistory | null;
 }
 
-/** The history of a simulation, and the world and the seed that it begins with. */
-export interface PresentStory {
-  /** Initial values of the simulated sensor. */
-  readonly sensor: Readonly<Record<string, unknown>>;
-  /** Initial edits of the world: added, erased. */
-  readonly edits: Readonly<Record<string, readonly unknown[]>>;
-  /** Physics steps of 0.02 s since the beginning. */
-  readonly steps: number;
-  /** Each action with the step before which it was carried out; null if only the pose is known. */
-  readonly journal: readonly (readonly [number, Readonly<Record<string, unknown>>])[] | null;
-  /** Final pose of the robot, if journal is null. */
-  readonly pose: readonly [number, number, number] | null;
-  /** Whether the robot explores by itself then. */
-  readonly auto: boolean;
-  /** Mapping parameters that differ from the initial ones. */
-  readonly parameters: Readonly<Record<string, unknown>>;
-  /** The robot's faults. */
-  readonly faults: Readonly<Record<string, unknown>>;
-  /** The commands that begin the costmap and set the goal of its path. */
-  readonly navigation: readonly (Readonly<Record<string, unknown>>)[];
-  /** Whether the session plays. */
-  readonly playing: boolean;
-  /** Simulated seconds per second. */
-  readonly speed: number | null;
-  /** Name of the world. */
-  readonly world: string;
-  /** Seed of the random numbers. */
-  readonly seed: number;
-}
-
 /**
  * The mean error of a program's poses over the relations of a log, metres and degrees; null: not published. `policy` is
  * how stamps were mapped, as :attr:`mapper.evaluation.relations.RelationErrors.policy`, or "paper": that of the source.
@@ -910,6 +880,36 @@ export interface Shown {
   readonly note: string | null;
   /** The views beside the map, as the page writes them. */
   readonly layout: string | null;
+}
+
+/** The history of a simulation, and the world and the seed that it begins with. */
+export interface SimulationHistory {
+  /** Name of the world. */
+  readonly world: string;
+  /** Seed of the random numbers. */
+  readonly seed: number;
+  /** Initial values of the simulated sensor. */
+  readonly sensor: Readonly<Record<string, boolean | number | string>>;
+  /** Initial edits of the world. */
+  readonly edits: WorldEdits;
+  /** Physics steps of 0.02 s since the beginning. */
+  readonly steps: number;
+  /** Each action with the step before which it was carried out; null if only the pose is known. */
+  readonly journal: readonly (readonly [number, Readonly<Record<string, unknown>>])[] | null;
+  /** Final pose of the robot, if journal is null. */
+  readonly pose: readonly [number, number, number] | null;
+  /** Whether the robot explores by itself then. */
+  readonly auto: boolean;
+  /** Mapping parameters that differ from the initial ones. */
+  readonly parameters: Readonly<Record<string, boolean | number | string>>;
+  /** The robot's faults. */
+  readonly faults: Readonly<Record<string, boolean | number | string>>;
+  /** Simulated seconds per second. */
+  readonly speed: number | null;
+  /** Whether the session plays. */
+  readonly playing: boolean;
+  /** The commands that begin the costmap and set the goal of its path. */
+  readonly navigation: readonly (Readonly<Record<string, unknown>>)[];
 }
 
 /** What SLAM has made of a log: `trajectory` is its name; figures of the map before and after it. */
@@ -1091,6 +1091,14 @@ export interface WorldAnswer {
   readonly bounds: readonly [number, number, number, number];
 }
 
+/** Edits of a world, as the command `edit` has them. */
+export interface WorldEdits {
+  /** Walls and boxes that were drawn. */
+  readonly added: readonly (readonly (string | number)[])[];
+  /** Indices of the built solids that were erased. */
+  readonly erased: readonly number[];
+}
+
 /** The simulated worlds. */
 export interface WorldList {
   readonly worlds: readonly WorldAnswer[];
@@ -1154,7 +1162,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}/notes": NoteList;
   "GET /api/sessions/{session_id}/puzzle": Attempt;
   "GET /api/sessions/{session_id}/scan-series": ScanSeries;
-  "GET /api/sessions/{session_id}/story": PresentStory;
+  "GET /api/sessions/{session_id}/story": SimulationHistory;
   "GET /api/sessions/{session_id}/trajectory-errors": TrajectoryErrors;
   "GET /api/shared-puzzles/{token}": SharedPuzzle;
   "GET /api/shared/{token}": SharedAnswer;

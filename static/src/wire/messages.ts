@@ -1371,7 +1371,7 @@ export interface TerrainCommand {
 /** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
 export interface CostmapCommand {
   readonly type: "costmap";
-  /** whether there is one */
+  /** false: end it */
   readonly value?: boolean;
   /** navigation parameters to change */
   readonly values?: Values;

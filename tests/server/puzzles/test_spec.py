@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.puzzles.spec import LogSpec, StorySpec, spec_from_text, spec_text
+from server.puzzles.spec import LogSpec, WorldSpec, spec_from_text, spec_text
 
 OF_A_STORY = (
     '{"kind": "story", "story": {"world": "room", "seed": 2, "sensor": {}, "edits": {"added": [], "erased": []}, '
@@ -19,7 +19,7 @@ OF_A_LOG = (
 )
 
 
-@pytest.mark.parametrize(("text", "kind"), [(OF_A_STORY, StorySpec), (OF_A_LOG, LogSpec)])
+@pytest.mark.parametrize(("text", "kind"), [(OF_A_STORY, WorldSpec), (OF_A_LOG, LogSpec)])
 def test_a_stored_spec_is_read_and_written_the_same(text: str, kind: type) -> None:
     spec = spec_from_text(text)
     assert isinstance(spec, kind)

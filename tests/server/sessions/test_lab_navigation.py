@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError, MapperError
@@ -16,12 +17,15 @@ from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
 from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
+from server.parts.costmap.messages import CostmapCommand
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
+from server.sources.history import History
 from server.sources.simulation import SimulationModel
+from server.stream.commands import DriveCommand
 from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
@@ -370,6 +374,11 @@ async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: 
     assert found.others["obstacle_layer", "scan", "topic"] == "/scan"
 
 
+def resumed(navigation: list[Struct]) -> History:
+    """The history of which a page has kept the commands."""
+    return History.model_validate_json(History(navigation=navigation).model_dump_json())
+
+
 async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     """Its parameters, outline, zones and goal; what is no costmap in a story is refused."""
     corners = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
@@ -381,13 +390,13 @@ async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     commands = lab.model.history()
     lab.do(type="costmap", value=False)
     assert not lab.costmap["is_on"]
-    lab.model.resume({"navigation": commands})
+    lab.model.resume(resumed(commands))
     lab.model.draw(TickResult())
     assert (lab.costmap["values"]["inflation_radius"], lab.costmap["footprint"]) == (0.8, corners)
     assert lab.costmap["keepout"] == zones
     assert (lab.path["goal"], lab.path["drives"]) == ([BEYOND[0], BEYOND[1]], True)
     with pytest.raises(ProtocolError, match="A story cannot hold the command 'drive'"):
-        lab.model.resume({"navigation": [{"type": "drive", "linear": 1, "angular": 0}]})
+        lab.model.resume(resumed([DriveCommand(1.0, 0.0)]))
 
 
 async def test_the_potential_is_written_only_while_it_is_watched(registry: SessionRegistry) -> None:
@@ -414,7 +423,7 @@ async def test_the_potential_is_written_only_while_it_is_watched(registry: Sessi
 async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
     """Also of a layer that is off now, and values of the follower that no slider has."""
     lab.do(type="costmap")
-    assert [one["type"] for one in lab.model.history()] == ["costmap"]
+    assert [type(one) for one in lab.model.history()] == [CostmapCommand]
     lab.do(type="nav2")
     text = lab.answers[0]["text"].replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
     text = text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown").replace("/scan", "/front")
@@ -423,7 +432,7 @@ async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])
     commands = lab.model.history()
     lab.do(type="costmap", value=False)
-    lab.model.resume({"navigation": commands})
+    lab.model.resume(resumed(commands))
     lab.model.draw(TickResult())
     assert lab.model.history() == commands
     assert (lab.costmap["values"]["obstacle_layer"], lab.costmap["values"]["inflation_radius"]) == (False, 0.8)

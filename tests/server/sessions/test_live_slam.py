@@ -17,7 +17,7 @@ from server.parts.slam.live import SlamView
 from server.parts.slam.live_slam import LiveSlam, live_slam
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
-from server.sources.story import SimulationStory
+from server.sources.history import Replayable
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 
@@ -100,9 +100,9 @@ async def test_a_session_and_its_copy_have_the_same_healed_map(
     await obey(session, type="faults", values={"drift": True, "slam": True})
     assert [layer.name for layer in session.model.layers] == ["map", "true_path", "slam"]
     assert all(layer.number > 0 for layer in session.model.layers[1:])
-    story = await session.model.find(SimulationStory).current()
-    assert story["faults"] == {"drift": True, "slam": True}
-    copy = await new_simulation(registry, "somebody", story["world"], story["seed"], story)
+    history = await session.model.find(Replayable).present_history()
+    assert history.faults == {"drift": True, "slam": True}
+    copy = await new_simulation(registry, "somebody", history.world, history.seed, history)
     np.testing.assert_array_equal(view_of(copy).log_odds, view_of(session).log_odds)
     await obey(session, type="faults", values={"slam": False})
     assert [layer.name for layer in session.model.layers] == ["map"]

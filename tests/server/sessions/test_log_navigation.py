@@ -21,7 +21,7 @@ from server.parts.localization.logged import LogLocalization
 from server.parts.terrain.costs import TerrainMap
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.commands import UseCosts
+from server.sessions.commands import UseCosts, UseTerrain
 from server.sessions.tick import TickResult
 from server.sources.log import LogModel
 from server.stream.protocol import ProtocolError
@@ -209,7 +209,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     log.do(type="costmap", value=False)
     log.do(type="costmap", values=only)
     assert (log.costs == 254).any()
-    assert log.part.history()[-1] == {"type": "use_terrain", "log": "slopes"}
+    assert log.part.history()[-1] == UseTerrain("slopes")
     far = ReferenceMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
     log.take(UseCosts(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.grid import OccupancyGrid
@@ -16,7 +17,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
 from mapper.simulation.live_map import SNAP_M, LiveMap
 from server.sessions import SessionRegistry
-from server.sources.story import SimulationStory, replayed, story_of
+from server.sources.history import Replayable, SimulationHistory
+from server.sources.simulation_replay import history_of, replayed
+from server.stream.commands import AutoCommand
 from server.stream.layers import GridLayer
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
@@ -166,9 +169,10 @@ async def test_replaying_a_story_gives_the_same_map(registry: SessionRegistry, o
         await obey(session, type="step", scans=13)
     await obey(session, type="parameters", values={"window": 0.35, "clamp": False})
     await obey(session, type="faults", values={"drift": True})
-    story = json.loads(json.dumps(await session.model.find(SimulationStory).current()))
-    assert len(story["journal"]) == len(ACTS)
-    other = await new_simulation(registry, "somebody", story["world"], story["seed"], story)
+    history = await session.model.find(Replayable).present_history()
+    assert len(history.journal) == len(ACTS)
+    sent = json.loads(history.model_dump_json())
+    other = await new_simulation(registry, "somebody", history.world, history.seed, sent)
     here, there = view_of(session), view_of(other)
     assert there.pose == here.pose
     assert there.config == here.config
@@ -176,24 +180,24 @@ async def test_replaying_a_story_gives_the_same_map(registry: SessionRegistry, o
     np.testing.assert_array_equal(there.ranges, here.ranges)
     np.testing.assert_array_equal(there.log_odds, here.log_odds)
     assert [s.tobytes() for s in there.world.solids] == [s.tobytes() for s in here.world.solids]  # type: ignore[union-attr]
-    assert json.loads(json.dumps(await other.model.find(SimulationStory).current())) == story
+    assert await other.model.find(Replayable).present_history() == history
 
 
 def test_a_story_that_is_too_long_begins_at_the_present_state() -> None:
     mapper = LiveMap(WORLDS["room"], seed=3)
     for i in range(1001):
-        mapper.journal.append((i, {"type": "auto", "value": True}))
+        mapper.journal.append((i, AutoCommand(value=True)))
     mapper.edit(Edits((Drawn("box", 520, 470, 580, 530),)))
     mapper.teleport(4.0, 5.0, 1.0)
-    story = story_of(mapper)
-    assert story["journal"] is None
-    other = replayed(json.loads(json.dumps(story)))
+    history = history_of(mapper)
+    assert history.journal is None
+    other = replayed(SimulationHistory.model_validate_json(history.model_dump_json()))
     assert other.simulation.pose == pytest.approx((4.0, 5.0, 1.0))
     assert other.edits == mapper.edits
 
 
-BAD: dict[str, tuple[dict[str, Any], type[MapperError]]] = {
-    "many": ({"journal": [[0, {"type": "auto", "value": True}]] * 1001}, LimitError),
+BAD: dict[str, tuple[dict[str, Any], type[Exception]]] = {
+    "many": ({"journal": [[0, {"type": "auto", "value": True}]] * 1001}, ValidationError),
     "long": ({"journal": [], "steps": 10**6}, LimitError),
     "action": ({"journal": [[0, {"type": "restart"}]], "steps": 100}, MapperError),
     "nothing": ({"journal": [[0, {}]], "steps": 100}, MapperError),
@@ -208,7 +212,7 @@ BAD: dict[str, tuple[dict[str, Any], type[MapperError]]] = {
 
 @pytest.mark.parametrize(("story", "error"), BAD.values(), ids=BAD)
 async def test_a_story_that_makes_no_sense_is_refused(
-    registry: SessionRegistry, story: dict[str, Any], error: type[MapperError]
+    registry: SessionRegistry, story: dict[str, Any], error: type[Exception]
 ) -> None:
     with pytest.raises(error):
         await new_simulation(registry, "me", "room", 1, story)

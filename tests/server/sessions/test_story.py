@@ -19,24 +19,27 @@ from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.parts import Story
 from server.sessions.tick import TickResult
-from server.sources import story as story_module
+from server.sources import simulation_replay
+from server.sources.history import History, Replayable, SimulationHistory
 from server.sources.simulation_commands import act
-from server.sources.story import action_of, check_story, replayed, story_of, story_seconds
+from server.sources.simulation_replay import check_cost, history_of, replay_seconds, replayed
+from server.stream.commands import AutoCommand, EditCommand, SensorCommand, TeleportCommand
+from server.stream.message_parts import DrawnSolid
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 
-BOX = ["box", 300, 300, 340, 340]
+BOX: DrawnSolid = ("box", 300, 300, 340, 340)
 
 
-def edits(count: int, every: int = 2) -> dict[str, Any]:
-    """A story of so many edits, each of another box; every world has walked for 100 steps before the first."""
+def edits(count: int, every: int = 2) -> SimulationHistory:
+    """A history of so many edits, each of another box; every world has walked for 100 steps before the first."""
     journal = [
         [100 + every * i, {"type": "edit", "added": [["box", 300 + i, 300, 340 + i, 340]], "erased": []}]
         for i in range(count)
     ]
-    return {"world": "room", "seed": 1, "journal": journal, "steps": 100 + every * count}
+    fields = {"world": "room", "seed": 1, "journal": journal, "steps": 100 + every * count}
+    return SimulationHistory.model_validate(fields)
 
 
 def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,7 +55,7 @@ def test_a_story_of_many_edits_is_replayed_in_short_slices(monkeypatch: pytest.M
         done.append("step")
         return advance(self, dt)
 
-    monkeypatch.setattr(story_module, "act", edit)
+    monkeypatch.setattr(simulation_replay, "act", edit)
     monkeypatch.setattr(LiveMap, "advance", step)
     asked = []
 
@@ -83,16 +86,16 @@ def test_a_story_that_is_not_wanted_any_more_ends(at: int) -> None:
 def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> None:
     live = LiveMap(WORLDS["room"], 5)
     acts = (
-        {"type": "teleport", "x": 6.0, "y": 6.2},
-        {"type": "sensor", "values": {"n_beams": 90}},
-        {"type": "edit", "added": [BOX], "erased": [9]},
-        {"type": "sensor", "values": {"kind": "sonar_ring"}},
-        {"type": "auto", "value": True},
+        TeleportCommand(6.0, 6.2),
+        SensorCommand({"n_beams": 90}),
+        EditCommand([BOX], [9]),
+        SensorCommand({"kind": "sonar_ring"}),
+        AutoCommand(value=True),
     )
     for command in acts:
-        act(live, action_of(command), TickResult())
+        act(live, command, TickResult())
         live.advance(1.3)
-    told = replayed(json.loads(json.dumps(story_of(live))))
+    told = replayed(SimulationHistory.model_validate_json(history_of(live).model_dump_json()))
     assert told.config == live.config
     assert told.grid.geometry == live.grid.geometry
     np.testing.assert_array_equal(told.grid.log_odds, live.grid.log_odds)
@@ -103,43 +106,38 @@ def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> 
 
 
 def test_a_story_costs_more_the_more_happens_in_it() -> None:
-    plain = {"world": "office", "seed": 1, "steps": 10_000}
-    cost = story_seconds(plain)
-    assert cost > story_seconds(plain | {"steps": 5000})
-    assert story_seconds(plain | {"sensor": {"n_beams": 1080, "scan_rate": 25}}) > 2 * cost
-    sonar = {"kind": "sonar_ring", "n_sonars": 48, "beam_width": 1.0, "scan_rate": 25}
-    early, late = ([[at, {"type": "sensor", "values": sonar}]] for at in (0, 9000))
-    assert story_seconds(plain | {"journal": early}) > story_seconds(plain | {"journal": late}) > cost
-    assert story_seconds(edits(900)) > 10 * story_seconds(edits(30))
-    many = [[0, {"type": "edit", "added": [BOX] * 100}]]
-    assert story_seconds({"journal": many}) > story_seconds({"journal": [[0, {"type": "edit", "added": [BOX]}]]})
+    cost = replay_seconds(History(steps=10_000))
+    assert cost > replay_seconds(History(steps=5000))
+    assert replay_seconds(History(steps=10_000, sensor={"n_beams": 1080, "scan_rate": 25})) > 2 * cost
+    sonar = SensorCommand({"kind": "sonar_ring", "n_sonars": 48, "beam_width": 1.0, "scan_rate": 25})
+    early, late = (History(steps=10_000, journal=[(at, sonar)]) for at in (0, 9000))
+    assert replay_seconds(early) > replay_seconds(late) > cost
+    assert replay_seconds(edits(900)) > 10 * replay_seconds(edits(30))
+    one, many = (History(journal=[(0, EditCommand([BOX] * count))]) for count in (1, 100))
+    assert replay_seconds(many) > replay_seconds(one)
 
 
-@pytest.mark.parametrize(
-    "story",
-    [{"sensor": {"n_beams": "x"}}, {"journal": [[0, {}]]}, {"journal": [[5, {"type": "edit", "added": 3}]]}, {}],
-)
-def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
-    assert story_seconds(story) < 0.1
+@pytest.mark.parametrize("sensor", [{}, {"n_beams": "x"}, {"beams": 4}])
+def test_the_cost_with_a_sensor_that_there_is_not_is_a_number(sensor: dict[str, Any]) -> None:
+    assert replay_seconds(History(sensor=sensor)) == replay_seconds(History())
 
 
 async def test_a_story_contains_what_was_asked_of_the_session_before(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", 1, playing=False)
     session.enqueue(command_of({"type": "faults", "values": {"drift": True}}))
-    story = session.model.find(Story)
-    assert story is not None
-    assert (await story.current())["faults"] == {"drift": True}
+    replayable = session.model.find(Replayable)
+    assert (await replayable.present_history()).faults == {"drift": True}
     session.enqueue(command_of({"type": "step", "scans": 30}))  # in three ticks
     session.enqueue(command_of({"type": "play"}))
-    closing = asyncio.create_task(story.current())
+    closing = asyncio.create_task(replayable.present_history())
     await registry.close(session.id)
-    assert (await closing)["world"] == "room"  # of a session that has ended nothing is waited for
+    assert (await closing).world == "room"  # of a session that has ended nothing is waited for
 
 
 async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.sources.story.replayed", lambda *_, **__: pytest.fail("it began"))
+    monkeypatch.setattr("server.sources.simulation_replay.replayed", lambda *_, **__: pytest.fail("it began"))
     with pytest.raises(LimitError, match=r"about 8 s of computing, more than the 2 s .* GRIDBLOOM_MAX_STORY_S"):
         await new_simulation(registry, "me", "room", 1, edits(900), max_story_s=2.0)
     assert len(registry) == 0
@@ -149,12 +147,12 @@ def test_the_story_of_a_long_simulation_can_be_opened() -> None:
     """The service opens the stories that it writes: where the whole is too costly, that is the present state."""
     mapper = LiveMap(WORLDS["room"], 3)
     for i in range(20):
-        mapper.journal.append((i, {"type": "edit", "added": [BOX], "erased": []}))
-    cost = story_seconds(story_of(mapper))
-    assert story_of(mapper, max_s=1.01 * cost)["journal"] is not None
-    short = story_of(mapper, max_s=0.99 * cost)
-    assert short["journal"] is None
-    check_story(short, 0.99 * cost)
+        mapper.journal.append((i, EditCommand([BOX])))
+    cost = replay_seconds(history_of(mapper))
+    assert history_of(mapper, max_s=1.01 * cost).journal is not None
+    short = history_of(mapper, max_s=0.99 * cost)
+    assert short.journal is None
+    check_cost(short, 0.99 * cost)
 
 
 async def test_replaying_a_story_ends_when_its_client_disconnects(registry: SessionRegistry) -> None:
@@ -185,7 +183,7 @@ def test_a_page_reads_how_far_its_story_is_and_leaving_it_ends_it(
         raise WorkCancelledError("story.unwanted", "It is not wanted.")
 
     with running(settings_for(tmp_path)) as service:
-        monkeypatch.setattr("server.sources.story.replayed", slow)
+        monkeypatch.setattr("server.sources.simulation_replay.replayed", slow)
         _check_leaving(service, went_on, ended)
 
 
