@@ -122,6 +122,16 @@ def test_figures_are_enlarged_with_the_text(page: Page, server: str, width: int,
     assert page.evaluate(TABLES_OUT) == []
 
 
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_text_of_twice_the_size_fits_a_phone(page: Page, server: str) -> None:
+    sizes = {"standard": 32, "fixed": 26}
+    page.context.new_cdp_session(page).send("Page.setFontSizes", {"fontSizes": sizes})
+    open_lecture(page, server)
+    assert page.evaluate("matchMedia('(max-width: 20rem)').matches")
+    set_up_every_figure(page)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+
+
 @pytest.mark.moving
 def test_the_page_is_read_by_wheel_and_keys(page: Page, server: str) -> None:
     page.add_init_script(

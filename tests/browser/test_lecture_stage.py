@@ -15,7 +15,7 @@ from tests.marks import also_long_rows
 # What each place of the lecture makes visible to a reader who only scrolls.
 POINTS = {
     "start": r"passed are free, cells in which they ended are occupied",
-    "landmarks": r"[1-9]\d* of 22 corners were seen, \d+ numbers in all",
+    "landmarks": r"[1-9]\d* of 22 corners seen, \d+ numbers",
     "grid": r"9,600 cells with a side of 0\.1 m",
     "cell": r"marked cell has ℓ = \+3\.50, which is p = 0\.97",
     "log-odds": r"Each scan only adds to ℓ",
@@ -38,7 +38,7 @@ POINTS = {
     "matching": r"end points lie on the walls",
     "graph": r"each wall is drawn once",
     "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
-    "particles": r"4,000 poses anywhere, .* amount to \d+ particles of equal weight",
+    "particles": r"4,000 poses, .* worth \d+ of equal weight",
     "sensor-models": r"Here log q = −52\.\d, at the ring log q = −19",
     "kidnapping": r"carried away 4 scans ago\. 0 % of the belief",
     "layers": r"Under the cross: cost 1\d\d\.",

@@ -132,8 +132,8 @@ function Legend() {
     <ul class="map-legend" title="RViz and map.pgm draw free cells white and unknown ones grey.">
       <li class="occupied">occupied</li>
       <li class="free">free</li>
-      <li class="undecided">unknown</li>
-      <li class="unobserved">never observed</li>
+      <li class="undecided">seen, unknown</li>
+      <li class="unobserved">never seen</li>
     </ul>
   );
 }

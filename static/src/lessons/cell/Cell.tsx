@@ -19,7 +19,7 @@ import {
   ZoneNames,
 } from "../../render/chart/LogOddsBackground";
 
-export const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
+const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
 const SHOWN = 26;
 
 const HEIGHT = 260;

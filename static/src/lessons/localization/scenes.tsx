@@ -70,7 +70,7 @@ export const particlesScene = (): Scene =>
     },
     drawing: ScanningRobot,
     caption: () =>
-      `On the floor: ${weighed.value.poses.length.toLocaleString("en")} poses anywhere, weighed by one scan of ${weighed.value.points.length} beams; the size shows the weight; they amount to ${written(effectiveNumber(weighed.value.weights), 0)} particles of equal weight. Several places fit so few beams.`,
+      `${weighed.value.poses.length.toLocaleString("en")} poses, weighed by one scan of ${weighed.value.points.length} beams (size: weight), worth ${written(effectiveNumber(weighed.value.weights), 0)} of equal weight: several places fit so few beams.`,
     task: "Drag the robot.",
   });
 
@@ -111,7 +111,7 @@ export const sensorScene = (): Scene =>
     overlay: paintField,
     drawing: SupposedRobot,
     caption: () =>
-      `The likelihood field (table 6.3): each end point scores by its distance to the nearest wall, and no ray is cast. Here ${scoreOf(supposedAt.value)}, at the ring ${scoreOf(TAKEN_AT)}.`,
+      `The likelihood field (table 6.3): each end point scores by its distance to the nearest wall. Here ${scoreOf(supposedAt.value)}, at the ring ${scoreOf(TAKEN_AT)}.`,
     task: "Drag the robot to where its scan fits.",
   });
 

@@ -1,3 +1,4 @@
+import { useRef } from "preact/hooks";
 import { bresenhamSteps } from "../../grid/bresenhamSteps";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
@@ -8,9 +9,10 @@ const LINE = bresenhamSteps({ row: 0, col: 0 }, { row: DY, col: DX }, { directio
 
 /** The line from (0, 0) to (4, 3), step by step. */
 export function Worked() {
+  const room = useRef<HTMLDivElement>(null);
   const rows = LINE.steps.slice(1).map(({ cell }, i) => ({ cell, nabla: LINE.steps[i]?.nabla ?? 0 }));
   return (
-    <div class="rays-worked">
+    <div class="rays-worked" ref={room}>
       <div class="table-room">
         <table class="plain-table number">
           <caption>
@@ -49,6 +51,7 @@ export function Worked() {
           onClick={() => {
             rayFrom.value = [0.5, 0.5];
             rayTo.value = [DX + 0.5, DY + 0.5];
+            room.current?.closest(".lesson")?.querySelector(".lesson-figure")?.scrollIntoView({ block: "nearest" });
           }}
         >
           Draw this line in the figure

@@ -123,7 +123,7 @@ export const SCENES = {
         if (mapKind.value === "grid")
           return `As a grid: ${now.map.logOdds.length.toLocaleString("en")} cells, one number for each. Walls, free space, and what is not yet known.`;
         const seen = sightings(DRIVE.slice(0, 18)).filter((count) => count > 0).length;
-        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${5 * seen} numbers in all: place and covariance. Each further sighting shrinks its circle. Walls and free space are not in this map.`;
+        return `Landmarks: ${seen} of ${CORNERS.length} corners seen, ${5 * seen} numbers (place and covariance). Each further sighting shrinks a circle. Walls and free space are not in this map.`;
       },
     }),
   cell: () =>
@@ -232,7 +232,7 @@ export const SCENES = {
     scene({
       scans: 64,
       resolution: 0.1,
-      view: { x: 7.76, y: 3.4, width: 1.7, height: 1.3 },
+      view: { x: 7.76, y: 3.4, width: 1.5, height: 1.1 },
       config: { update: countingUpdate.value },
       marks: ["lines", "counts"],
       caption:

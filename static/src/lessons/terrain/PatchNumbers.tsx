@@ -64,6 +64,9 @@ interface ResultProps {
   readonly edges: readonly Place[];
 }
 
+/** A further term of a sum, with its sign apart: what is written as 0.00 is not negative. */
+const added = (factor: number): string => `${factor <= -0.005 ? "−" : "+"} ${written(Math.abs(factor), 2)}`;
+
 /** The plane, its residual, its slope, and the class that follows. */
 export function Result({ plane, limits, edges }: ResultProps) {
   if (!plane) return <p>These points give no plane.</p>;
@@ -74,8 +77,7 @@ export function Result({ plane, limits, edges }: ResultProps) {
         <div>
           <dt>Plane</dt>
           <dd>
-            h = {written(a, 2)} {b < 0 ? "−" : "+"} {written(Math.abs(b), 2)} x {c < 0 ? "−" : "+"}{" "}
-            {written(Math.abs(c), 2)} y
+            h = {written(a, 2)} {added(b)} x {added(c)} y
           </dd>
         </div>
         <div>

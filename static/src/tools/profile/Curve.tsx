@@ -123,7 +123,9 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const [leftRoom, rightRoom] = [labelTo - curve.left, curve.right - labelFrom];
   const labelLeft = rightRoom < hitWidth && leftRoom > rightRoom;
   const hitLabel = Math.max(leftRoom, rightRoom) < hitWidth ? signed(model.hit) : hitText;
-  const windowTextY = Math.max(y(model.hit) - 13, curve.top + 1);
+  // Wholly in the curve or wholly above it: never across its upper edge.
+  const overHit = y(model.hit) - 13;
+  const windowTextY = overHit > curve.top + 11 ? overHit : curve.top - 3;
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;

@@ -141,15 +141,22 @@ function Values({ texts, kind, store, isShown }: ValuesProps) {
   );
 }
 
+const LEGEND = [
+  ["occupied", "occupied"],
+  ["free", "free"],
+  ["unknown", "seen, unknown"],
+  ["unobserved", "never seen"],
+];
+
 /** What the colours of the map mean, while no cell is inspected. */
 function MapLegend({ isShown }: { readonly isShown: boolean }) {
   return (
     <div class="readout-legend" data-shown={isShown}>
       <ul>
-        {["occupied", "free", "unknown", "unobserved"].map((name) => (
+        {LEGEND.map(([name, words]) => (
           <li key={name}>
             <span class={`readout-swatch ${name}`} aria-hidden="true" />
-            {name === "unobserved" ? "never observed" : name}
+            {words}
           </li>
         ))}
       </ul>

@@ -2,19 +2,16 @@ import { computed, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { type CellEvent, logOddsHistory } from "../../../grid/cellUpdate";
 import { probability } from "../../../grid/logOdds";
-import { Cell, START } from "../../../lessons/cell/Cell";
+import { Cell } from "../../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../../lessons/common/parameters";
 import { DragNumber } from "../../../ui/DragNumber";
 import { signed, written } from "../../../ui/numbers";
 import { Sub } from "../formulas";
-import { presenting } from "../present/state";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
 
-/** The readings of the text and of a slide, which asks about a cell without any. */
-const textEvents = signal<readonly CellEvent[]>(START);
-const slideEvents = signal<readonly CellEvent[]>([]);
-const events = computed(() => (presenting.value ? slideEvents : textEvents).value);
+/** The cell has no reading at first: the text and the slide ask about four hits. */
+const events = signal<readonly CellEvent[]>([]);
 const path = computed(() => logOddsHistory(events.value, cellParameters.value));
 
 /** z with its index: all readings up to one of them (1:t), or that one alone. */
@@ -270,7 +267,7 @@ export function CellSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <div class="narrow-figure">
-          <Cell parameters={cellParameters} events={presenting.value ? slideEvents : textEvents} />
+          <Cell parameters={cellParameters} events={events} />
         </div>
       }
       sources={[
