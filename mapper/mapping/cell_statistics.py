@@ -27,8 +27,8 @@ def begin(grid: OccupancyGrid, strategy: ModelStrategy) -> None:
     """
     keeps = strategy.statistics != "none"
     if keeps and grid.cell_statistics is None:
-        known = False if grid.prior_map is None else ~np.isnan(grid.prior_map)
-        if np.any(grid.observed & ~known):
+        updated = grid.observed if grid.prior_map is None else grid.observed & np.isnan(grid.prior_map)
+        if updated.any():
             raise _mixed(strategy)
         initial = _INITIAL[strategy.statistics]
         grid.cell_statistics = initial(grid.prior())
