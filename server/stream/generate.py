@@ -292,6 +292,9 @@ def schema() -> str:
         "ClassCommand": ClassCommand,
     }
     found, parts = msgspec.json.schema_components(unions.values(), ref_template="#/$defs/{name}")
+    for part in parts.values():
+        if "description" in part:  # a docstring, from which only Python 3.13 and newer take the indentation
+            part["description"] = inspect.cleandoc(part["description"])
     whole = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": protocol.SUBPROTOCOL,

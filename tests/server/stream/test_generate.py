@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from pathlib import Path
 
@@ -41,5 +42,6 @@ def test_every_field_has_a_description() -> None:
         if part.get("type") != "object":
             continue
         assert part["description"]
+        assert part["description"] == inspect.cleandoc(part["description"]), "as Python 3.13 compiles docstrings"
         for key, field in part["properties"].items():
             assert key == "type" or field.get("description"), f"{name}.{key}"
