@@ -12,7 +12,7 @@ MAX_STEM_BYTES = 150  #: in UTF-8; file systems take 255 with all that is added
 
 _ENDINGS = re.compile(r"\.(gz|zst|log|clf|bag|mcap|db3|csv|dat|txt|tar|tgz|relations|yaml|pgm|png)$", re.IGNORECASE)
 _UNSAFE = re.compile(r"[^\w.+-]+")  # \w: letters and digits of all scripts
-_RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?", re.IGNORECASE)  # devices of Windows
+_RESERVED = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³])(\..*)?", re.IGNORECASE)  # devices of Windows
 
 
 def file_stem(title: str) -> str:
