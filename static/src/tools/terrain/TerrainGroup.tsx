@@ -58,10 +58,10 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { values } = terrain.values;
   return (
     <div class="terrain-group">
-      {shown === COSTS && <Key />}
       <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
       <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />
+      {shown === COSTS && <Key />}
       {!isFile && <CostmapChoice store={store} />}
       <h3>Patches</h3>
       <ParameterRows rows={patches} values={values} set={set} />
@@ -119,6 +119,7 @@ interface NumbersProps {
 
 const many = (n: number): string => n.toLocaleString("en");
 
+/** The same sentences at all times: what comes and goes would move the rows below under the pointer. */
 function Numbers({ message, isFile, rows }: NumbersProps) {
   const { points, ground, unsure, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } =
     message;
@@ -135,9 +136,8 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
           : "Change a parameter to compare these numbers with those after it."}
       </p>
       <p class="quiet">
-        {many(ground)} of {many(points)} points are classified as ground
-        {unsure > 0 && `; ${many(unsure)} points may well be wrong: choose “unsure” over the map to see where they are`}
-        .{left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
+        {many(ground)} of {many(points)} points are classified as ground, {many(left_out)} of them left out of the
+        planes by RANSAC; {many(unsure)} points may well be wrong: choose “unsure” over the map to see where they are.
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: Cohen’s κ ${written(kappa, 1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
