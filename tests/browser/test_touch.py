@@ -214,8 +214,8 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
             assert place, name
             before = scrolled(page)
             x, y = place
-            fingers.drag(((x, y), (x + 2, y - 200)), steps=5)
-            until(f"the page to scroll on {name}", lambda before=before: scrolled(page) > before + 60)  # type: ignore[misc]
+            fingers.drag(((x, y), (x + 2, y + 200)), steps=5)  # back: the last figure is at the end of the page
+            until(f"the page to scroll on {name}", lambda before=before: scrolled(page) < before - 60)  # type: ignore[misc]
             page.evaluate(_STILL)
     assert met > 100
     assert driven == met // every
