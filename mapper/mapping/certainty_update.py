@@ -17,7 +17,7 @@ def update_certainties(
     """Add all scans to the certainties in ``grid.cell_statistics``; widen ``box`` (4,) to hold what was touched.
 
     Return the number of cell updates and, of the cell number ``watched`` (row · cols + col, −1: none), the readings
-    (n, 2) that touched it, as :func:`mapper.mapping.contributions.contributions`, and its certainties after each
+    (n, 2) that touched it, as :func:`mapper.mapping.provenance.contributions`, and its certainties after each
     (n, 2): occupied, empty.
     """
     assert grid.cell_statistics is not None  # noqa: S101 - begun before

@@ -16,7 +16,7 @@ class Method:
     """A method: how poses to begin with are searched for, and how each of them is refined.
 
     ``search`` is a name of :data:`mapper.matching.search.SEARCHES`, ``refinement`` one of
-    :data:`mapper.matching.refine.REFINEMENTS`.
+    :data:`mapper.matching.match.REFINEMENTS`.
     """
 
     name: str

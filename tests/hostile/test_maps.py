@@ -15,7 +15,7 @@ from PIL import Image, PpmImagePlugin
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.maps import LoadedMap, load_map
-from mapper.io.maps.plain_images import open_plain_image
+from mapper.io.maps.reading import open_plain_image
 from mapper.io.untrusted_yaml import UntrustedLoader
 from tests.hostile.corpus import MAP_YAML, images
 from tests.hostile.damage import ALL, ROUNDS, check_sentence, flipped, mangled

@@ -10,7 +10,9 @@ says ``negate``; a cell's value is
 
 from __future__ import annotations
 
+import io
 import os
+import re
 import struct
 import zlib
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin
+from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin, PpmImagePlugin
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
@@ -36,7 +38,77 @@ from mapper.grid import (
 from mapper.io.maps.bee import is_bee_map, read_bee_map
 from mapper.io.maps.description import MapDescription, image_path, parse_description
 from mapper.io.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
-from mapper.io.maps.plain_images import PLAIN, open_plain_image
+
+MOST_HEADER_BYTES = 1 << 17  #: with its comments: Pillow reads a header byte by byte
+PLAIN = (b"P1", b"P2", b"P3")
+_BLOCK = 1 << 20
+_COMMENT = re.compile(rb"#[^\r\n]*[\r\n]?")
+
+
+def open_plain_image(file: BinaryIO, named: str) -> PpmImagePlugin.PpmImageFile:
+    """Return the PGM, PBM or PPM image in ``file``; ``named`` begins the sentence of an error. Source: netpbm's pgm(5).
+
+    Pillow's reader gets a header of limited length, and plain files without comments.
+
+    Raises :class:`LimitError` for a header longer than :data:`MOST_HEADER_BYTES`, and what Pillow raises.
+    """
+    head = file.read(MOST_HEADER_BYTES)
+    file.seek(0)
+    header = io.BytesIO(head)
+    try:
+        PpmImagePlugin.PpmImageFile(header)
+    except ValueError:
+        if header.tell() < MOST_HEADER_BYTES:
+            raise
+        raise LimitError(
+            "map.image_header", f"{named} has a header of more than {MOST_HEADER_BYTES} bytes, comments included."
+        ) from None
+    is_plain = head.startswith(PLAIN)
+    return PpmImagePlugin.PpmImageFile(_WithoutComments(file) if is_plain else file)  # type: ignore[arg-type]
+
+
+class _WithoutComments:
+    """A file read without its comments, from # to the end of the line, in time linear in its length.
+
+    Pillow copies the rest of a block of 1 MB for every comment in it.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._window = io.BytesIO()
+        self._in_comment = False
+        self._at = 0
+
+    def read(self, size: int) -> bytes:
+        """Return at most ``size`` bytes, and none only at the end."""
+        while not (data := self._window.read(size)):
+            block = self._file.read(_BLOCK)
+            if not block:
+                return b""
+            self._window = io.BytesIO(self._stripped(block))
+        self._at += len(data)
+        return data
+
+    def tell(self) -> int:
+        """Return how many bytes were read."""
+        return self._at
+
+    def seek(self, offset: int) -> None:
+        """Go to ``offset``, counted without the comments."""
+        self._file.seek(0)
+        self._window = io.BytesIO()
+        self._in_comment = False
+        self._at = 0
+        while self._at < offset and self.read(min(_BLOCK, offset - self._at)):
+            pass
+
+    def _stripped(self, block: bytes) -> bytes:
+        if self._in_comment:
+            block = b"#" + block
+        last = block.rfind(b"#")
+        self._in_comment = last >= 0 and not re.search(rb"[\r\n]", block[last:])
+        return _COMMENT.sub(b"", block)
+
 
 #: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
 _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
