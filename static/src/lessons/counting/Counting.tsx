@@ -36,7 +36,7 @@ export function Counting({ beams, scans }: CountingProps) {
   const index = indexOf(GEOMETRY, cell);
   const touched = counts.value[index] ?? 0;
   return (
-    <figure class="counting" aria-label="The map of the same scans, updated per beam and per scan">
+    <figure class="counting stack" aria-label="The map of the same scans, updated per beam and per scan">
       <div class="side-by-side">
         {KINDS.map(({ update, name }, i) => {
           const map = maps[i];

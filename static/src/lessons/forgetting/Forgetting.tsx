@@ -72,7 +72,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
   // The chart shows the answers where the lecturer sees it.
   const { asked, ask } = useClassGuess(QUESTION, done ? clamped.forgottenAfter : null, isInSight.value);
   return (
-    <figure class="forgetting" ref={root} aria-label="A table is removed: the map with the clamp and without it">
+    <figure class="forgetting stack" ref={root} aria-label="A table is removed: the map with the clamp and without it">
       <div class="side-by-side">
         <Room name="with the clamp" line="clamped" history={clamped} seen={seen.value} t={t} />
         <Room name="without a clamp" line="free" history={free} seen={seen.value} t={t} />

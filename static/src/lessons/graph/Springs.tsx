@@ -170,7 +170,7 @@ export function Springs() {
     at(edge) < 0 ? [] : [{ name, residual: residuals[at(edge)] ?? 0, weight: weights[at(edge)] ?? 1 }],
   );
   return (
-    <figure class="springs" aria-label="A pose graph whose measurements are springs" ref={figure}>
+    <figure class="springs stack" aria-label="A pose graph whose measurements are springs" ref={figure}>
       <Stage geometry={GEOMETRY} label="The poses of a drive round a block, the springs between them, and their scans">
         {(transform) => (
           <>

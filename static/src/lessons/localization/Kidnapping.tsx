@@ -31,7 +31,7 @@ export function Kidnapping() {
   };
   const { alphaSlow, alphaFast, particles } = settings.value;
   return (
-    <div class="kidnapping" ref={root}>
+    <div class="kidnapping stack-narrow" ref={root}>
       <Averages past={past} />
       <p class="legend">
         <Key tone="slow">slow average</Key>

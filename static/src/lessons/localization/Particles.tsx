@@ -59,7 +59,7 @@ export function Particles() {
   const kinds = counts.reduce((sum, count) => sum + (count > 0 ? 1 : 0), 0);
   const count = now.particles.length;
   return (
-    <figure class="particles" aria-label="A belief as a curve and as particles">
+    <figure class="particles stack-narrow" aria-label="A belief as a curve and as particles">
       <div class="particles-both">
         <Plot height={HEIGHT}>
           {(width) => {

@@ -30,7 +30,7 @@ export function SensorModels() {
   const z = useSignal(EXPECTED);
   const prior = useSignal(PRIOR);
   return (
-    <figure class="sensor-models" aria-label="The beam model forwards and inverted">
+    <figure class="sensor-models stack-narrow" aria-label="The beam model forwards and inverted">
       <div>
         <h3>Forwards: the map is known, which readings are likely?</h3>
         <ForwardChart mix={mix} expected={expected} />

@@ -235,7 +235,7 @@ export function Matching() {
   const found = ends.reduce((sum, end) => sum + (end === TRUE_POSE ? 1 : 0), 0);
   const where = `x ${written(hand.value[0], 2)} m, y ${written(hand.value[1], 2)} m, ${isSnapped ? "snapped, " : ""}${written(100 * distance, 1)} cm from the true position`;
   return (
-    <figure class="matching" aria-label="Two scans, one to be moved over the other" ref={figure}>
+    <figure class="matching stack" aria-label="Two scans, one to be moved over the other" ref={figure}>
       <div class="side-by-side">
         <div>
           <h3>Score at this heading</h3>

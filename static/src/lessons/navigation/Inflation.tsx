@@ -14,7 +14,7 @@ const CORNER = Math.SQRT2;
 /** The curve of the cost over the distance, and the robot's radius. */
 export function InflationCurve() {
   return (
-    <div class="inflation-controls">
+    <div class="inflation-controls stack-narrow">
       <CostCurve
         inscribed={robotRadius.value}
         circumscribed={robotRadius.value * CORNER}

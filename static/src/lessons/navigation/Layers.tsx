@@ -18,7 +18,7 @@ export function Layers() {
   const shown = useInSight(root, currentSheets);
   const cell = cellOf(probeAt.value);
   return (
-    <div class="costmap-layers" ref={root}>
+    <div class="costmap-layers stack-narrow" ref={root}>
       <div class="table-room">
         <table class="plain-table">
           <thead>

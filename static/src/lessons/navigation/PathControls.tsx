@@ -50,7 +50,7 @@ export function PathControls() {
   const { wave, directed } = useInSight(root, bothSearches);
   const count = (cells: number): string => cells.toLocaleString("en");
   return (
-    <div class="path-controls" ref={root}>
+    <div class="path-controls stack-narrow" ref={root}>
       <div class="figure-controls no-print">
         <Choice
           label="Search"

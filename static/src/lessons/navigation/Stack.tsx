@@ -38,7 +38,7 @@ export function Stack() {
     step.value = to;
   };
   return (
-    <div class="stack-controls" ref={root}>
+    <div class="stack-controls stack-narrow" ref={root}>
       <ol class="production">
         {PARTS.map((part) => (
           <li key={part.phase} aria-current={part.phase === phase ? "step" : undefined}>

@@ -65,7 +65,7 @@ export function Octree() {
   ];
   const most = Math.max(...rows.map(({ size }) => size));
   return (
-    <div class="octree-controls">
+    <div class="stack-narrow">
       <div class="figure-controls no-print">
         <Choice
           label="Finest cells, cm"

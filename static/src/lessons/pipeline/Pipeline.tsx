@@ -104,7 +104,7 @@ export function Pipeline() {
     () => go(pipelineStep.peek() + 1),
   );
   return (
-    <div class="pipeline" ref={root}>
+    <div class="pipeline stack" ref={root}>
       <div class="pipeline-loop">
         <p class="pipeline-loop-name">for each scan, with its pose x, y, θ</p>
         <div class="pipeline-loop">

@@ -58,7 +58,7 @@ export function Rays() {
     step.value = Number.MAX_SAFE_INTEGER;
   };
   return (
-    <figure class="rays" ref={root} aria-label="Bresenham's line on a grid, step by step">
+    <figure class="rays stack" ref={root} aria-label="Bresenham's line on a grid, step by step">
       <Stage geometry={GEOMETRY} label={`The line's cells from ${named(from.value)} to ${named(to.value)}`} lines>
         {(transform) => (
           <>

@@ -99,7 +99,7 @@ export function Table91() {
   const { cell, inField, evidence, before, after } = visitOf(done - 1);
   const lit = inField ? IN_FIELD : OUTSIDE;
   return (
-    <div class="table91" ref={root}>
+    <div class="table91 stack-narrow" ref={root}>
       <ol aria-label="Lines of table 9.1">
         {LINES.map(({ depth, text }, i) => (
           <li

@@ -78,7 +78,7 @@ function Asked({ patch, size, values, fit }: AskedProps) {
   const x = written(patch.x, 1);
   const y = written(patch.y, 1);
   return (
-    <section class="terrain-asked patch" aria-label="The patch that was clicked">
+    <section class="terrain-asked patch stack" aria-label="The patch that was clicked">
       <p>
         <b>
           {across > 1 ? `Window of ${across} × ${across} patches of` : "Patch of"} {written(size, 2)} m at ({x}, {y})

@@ -51,7 +51,7 @@ export function Patch() {
   const slope = useSignal(SLOPE.initial);
   const roughness = useSignal(ROUGHNESS.initial);
   return (
-    <figure class="patch" aria-label="A patch of terrain, its moments, its plane and its class">
+    <figure class="patch stack" aria-label="A patch of terrain, its moments, its plane and its class">
       <Choice
         label="Begin with"
         options={PRESETS.map(({ id, label }) => ({ value: id, label }))}

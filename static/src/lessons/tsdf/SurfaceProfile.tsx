@@ -29,7 +29,7 @@ export function SurfaceProfile({ resolution, values, set }: SurfaceProfileProps)
   };
   const voxels = distancesOf(readings, fusion);
   return (
-    <figure class="tsdf" aria-label="One beam as occupancy and as signed distance">
+    <figure class="tsdf stack-narrow" aria-label="One beam as occupancy and as signed distance">
       <Profiles
         wall={wall.value}
         isMoved={false}

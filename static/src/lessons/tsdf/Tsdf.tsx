@@ -53,7 +53,7 @@ export function Tsdf() {
   });
   const crossing = zeroCrossing(voxels);
   return (
-    <figure class="tsdf" aria-label="One beam as occupancy and as signed distance">
+    <figure class="tsdf stack-narrow" aria-label="One beam as occupancy and as signed distance">
       <Profiles
         wall={wall.value}
         isMoved={isMoved.value}
@@ -79,7 +79,7 @@ export function Tsdf() {
         voxels={voxels}
         crossing={crossing}
       />
-      <div class="tsdf-controls no-print">
+      <div class="no-print stack-narrow">
         <div class="figure-controls">
           <Slider
             label="Readings"

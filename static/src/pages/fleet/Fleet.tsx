@@ -137,7 +137,7 @@ function Work({ all }: { all: Counts }) {
   const ended = all.done + all.failed;
   const busy = isBusy(all);
   return (
-    <section class="fleet-work" aria-label="Progress">
+    <section class="fleet-work stack" aria-label="Progress">
       <p>
         <strong class="number">
           {ended.toLocaleString("en")} of {plural(total, "log")}

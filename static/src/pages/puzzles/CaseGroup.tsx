@@ -51,7 +51,7 @@ export function CaseGroup(props: CaseProps) {
     </Button>
   );
   return (
-    <div class="case">
+    <div class="case stack">
       {now.answer && <Answer store={store} attempt={now} onClose={onClose} next={next} onNext={onNext} />}
       {!now.answer && (
         <>
@@ -176,7 +176,7 @@ function RepairedWith({ store, attempt }: { readonly store: Store; readonly atte
   const table = store.hello.value?.parameters.table;
   if (!found || !table) return null;
   return (
-    <div class="case-with" ref={box}>
+    <div class="stack" ref={box}>
       <ParameterRows
         rows={table.filter(({ name }) => found.parameters.includes(name))}
         values={store.mapping.values}

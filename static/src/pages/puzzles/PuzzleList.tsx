@@ -82,7 +82,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
         </p>
       )}
       {Object.entries(LEVELS).map(([level, title]) => (
-        <section key={level} class="puzzles-level" aria-label={title}>
+        <section key={level} class="puzzles-level stack" aria-label={title}>
           <h2>{title}</h2>
           <ul class="cards">
             {puzzles
@@ -93,7 +93,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
           </ul>
         </section>
       ))}
-      <section class="puzzles-level" aria-label="Your puzzles">
+      <section class="puzzles-level stack" aria-label="Your puzzles">
         <h2>Your puzzles</h2>
         {(all.value?.mine.length ?? 0) === 0 ? (
           <p class="quiet">

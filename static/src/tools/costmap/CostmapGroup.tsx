@@ -49,7 +49,7 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
   const { costmap, values } = costmapOf(store);
   if (costmap.value?.is_on !== true) return <Begin store={store} />;
   return (
-    <div class="navigation">
+    <div class="navigation stack-narrow">
       <Sheets store={store} />
       <WhyCost store={store} />
       <OverChoice store={store} />

@@ -37,7 +37,7 @@ export function Tools({ store }: { readonly store: Store }) {
     store.editing.take(null);
   };
   return (
-    <div class="navigation-tools">
+    <div class="stack-narrow">
       <div class="choice" role="radiogroup" aria-label="What a click on a map does">
         {TOOLS.map(({ tool, label }) => (
           <label class="choice-option" key={tool}>

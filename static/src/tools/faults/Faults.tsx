@@ -30,7 +30,7 @@ export function Faults({ store, comparison }: FaultsProps) {
   const faults = availableFaults(hello.parameters.table);
   const active = faults.filter((fault) => wrong.value.on.includes(fault.name));
   return (
-    <div class="faults">
+    <div class="faults stack">
       <div class="actions">
         {faults.map((fault) => {
           const on = wrong.value.on.includes(fault.name);

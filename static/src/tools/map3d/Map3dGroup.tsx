@@ -138,7 +138,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
   const { values } = map3d.values;
   const isSurface = values.value.kind === "tsdf";
   return (
-    <div class="map3d">
+    <div class="map3d stack-narrow">
       {/* First, so that it is in sight in a panel of 200 px: the tabs take as much above it. */}
       <div class="map3d-view">
         <Scene session={session} hasColumns={false} />

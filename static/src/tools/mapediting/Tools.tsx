@@ -50,7 +50,7 @@ export function Tools({ store }: { readonly store: Store }) {
   const isDrawn = DRAWN.some((tool) => tool === now);
   const isArea = now === "area" || now === "keepout" || now === "speed";
   return (
-    <div class="mapediting">
+    <div class="stack-narrow">
       <div class="mapediting-tools" role="radiogroup" aria-label="Tool">
         {TOOLS.map(({ tool, label, icon }) => (
           <label class="mapediting-tool" key={label}>
@@ -61,7 +61,7 @@ export function Tools({ store }: { readonly store: Store }) {
         ))}
       </div>
       <p class="mapediting-note">{TOOLS.find(({ tool }) => tool === now)?.hint}</p>
-      <div class="mapediting-options">
+      <div class="mapediting-options stack-narrow">
         {isDrawn && (
           <Choice
             label="Cells become"
@@ -155,7 +155,7 @@ export function WholeMap({ store }: { readonly store: Store }) {
     store.send({ type: "map_edit", op: "rotate", angle });
   };
   return (
-    <div class="mapediting">
+    <div class="stack-narrow">
       <div class="mapediting-row">
         <Slider
           label="Specks"

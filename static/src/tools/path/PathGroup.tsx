@@ -27,7 +27,7 @@ export function PathGroup({ store }: { readonly store: Store }) {
   );
   if (costmapOf(store).costmap.value?.is_on !== true) return <Begin store={store} />;
   return (
-    <div class="navigation">
+    <div class="navigation stack-narrow">
       <Tools store={store} />
       <Outcome store={store} />
       {costmapOf(store).lastTool.value === "cost" && <WhyCost store={store} />}

@@ -35,7 +35,7 @@ export function Scenes({ store }: { readonly store: Store }) {
     }
   };
   return (
-    <section class="navigation-scenes" aria-label="Try">
+    <section class="stack-narrow" aria-label="Try">
       <h2>Try</h2>
       {SCENES.map((scene) => {
         const isShown = now?.scene === scene;

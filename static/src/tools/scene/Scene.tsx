@@ -90,7 +90,7 @@ function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { rea
   if (!now.value) return null; // all of them come at once, so that none moves when others come
   const { cameras, layers, height } = now.value;
   return (
-    <div class="scene-controls">
+    <div class="scene-controls stack-tight">
       <fieldset class="actions" aria-label="Camera">
         {cameras.map((camera) => (
           <Button key={camera} onClick={() => void change({ camera })}>

@@ -51,7 +51,7 @@ const UNIT_OPTIONS = UNITS.map((one) => ({ value: one, label: one }));
 /** How far a step goes, and the current one in numbers. */
 export function Steps({ store }: { readonly store: Store }) {
   return (
-    <div class="steps">
+    <div class="steps stack">
       <Choice
         label="Step size"
         options={UNIT_OPTIONS}

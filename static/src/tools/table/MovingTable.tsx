@@ -173,7 +173,7 @@ function Outcome({
   const { with_clamp: clamped, without_clamp: free } = forgetting ?? { with_clamp: null, without_clamp: null };
   const passes = passesToForget(values);
   return (
-    <div class="table-outcome" role="status">
+    <div class="table-outcome stack-tight" role="status">
       <p>
         <span class="key guess" /> Your guess: <b>{guess}</b> scans. <span class="key clamped" /> With the clamp:{" "}
         <b>{clamped ?? "not yet"}</b>. <span class="key free" /> Without: <b>{free ?? "not yet"}</b>.

@@ -14,7 +14,7 @@ export function FileTerrain({ store }: { readonly store: Store }) {
   );
   if (!hasPoints) return <p class="quiet">An octree has no points: a terrain is made of a cloud.</p>;
   return (
-    <div class="volume-above volume-terrain">
+    <div class="volume-above volume-terrain stack">
       <h2 class="visually-hidden">Terrain</h2>
       <div class="volume-above-map">
         <BeliefView store={store} />

@@ -57,7 +57,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   if (!isOn || !message) return <Begin store={store} />;
   const { values } = terrain.values;
   return (
-    <div class="terrain-group">
+    <div class="terrain-group stack-narrow">
       <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
       <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />

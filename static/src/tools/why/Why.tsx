@@ -157,7 +157,7 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
   const isOtherLog = store.explainedLayer.value === SECOND_MAP && Boolean(store.compared.value?.log);
   const isLog = store.hello.value?.kind === "log" && !isOtherLog;
   return (
-    <div class="why-history" hidden={why !== null && total === 0}>
+    <div class="why-history stack" hidden={why !== null && total === 0}>
       {why && <Chart why={why} selected={store.selectedContribution} onSelect={choose} />}
       {!why && <div class="why-chart" />}
       <div class="why-slider">

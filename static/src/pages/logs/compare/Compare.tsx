@@ -55,7 +55,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
     <div class="viewer-compare">
       <Panel title="Compare" note={!compared && "this map, B, with another map, A"}>
         <div class="compare">
-          <div class="compare-choose">
+          <div class="stack">
             <Choice
               label="A is"
               options={options}
@@ -92,7 +92,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
           </div>
           {compared && (
             <>
-              <div class="compare-mode">
+              <div class="compare-mode stack">
                 <Choice
                   label="Show as"
                   options={VIEW_MODES.map((mode) => ({ value: mode, label: TITLES[mode] }))}

@@ -53,7 +53,7 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
   useEffect(() => () => shown && URL.revokeObjectURL(shown.address), [shown]);
   const at = store.frame.value?.stamp ?? 0;
   return (
-    <div class="pictures">
+    <div class="pictures stack">
       <label class="field">
         <span class="field-label">Topic</span>
         <select

@@ -172,7 +172,7 @@ function Facts({ store }: { readonly store: Store }) {
   return (
     <Panel title="Costmap">
       {log && log.trajectories.length > 1 && (
-        <label class="costmaps-topic">
+        <label class="stack-tight">
           <span>Topic</span>
           <select
             class="select"

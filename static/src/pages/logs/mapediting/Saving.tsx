@@ -55,13 +55,13 @@ export function Saving({ store, session }: SavingProps) {
     <>
       <Panel title="Save as a new map">
         <form
-          class="mapediting"
+          class="stack-narrow"
           onSubmit={(event) => {
             event.preventDefault();
             void save();
           }}
         >
-          <label class="mapediting-field">
+          <label class="stack-tight">
             <span class="field-label">Name</span>
             <input
               class="field-text"
@@ -100,7 +100,7 @@ export function Saving({ store, session }: SavingProps) {
         )}
       </Panel>
       <Panel title="Download">
-        <div class="mapediting">
+        <div class="stack-narrow">
           <div class="actions">
             {files.map(([file, label]) => (
               <Button key={file} icon="download" href={`${address}/${file}`} download>

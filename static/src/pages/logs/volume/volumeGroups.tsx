@@ -119,7 +119,7 @@ function VolumeAbove({ store, session }: { readonly store: Store; readonly sessi
   const high = Number(values.value.band_high);
   const [first, last] = BAND.map((name) => rows.find((row) => row.name === name));
   return (
-    <div class="volume-above">
+    <div class="volume-above stack">
       <div class="volume-above-map">
         <BeliefView store={store} />
       </div>
