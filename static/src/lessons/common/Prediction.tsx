@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
-import { shownDecimals, written } from "../../ui/numbers";
+import { bound, shownDecimals, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { type GuessQuestion, useClassGuess } from "./classGuess";
 import { GuessColumns } from "./GuessColumns";
@@ -97,16 +97,13 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
         <Slider
           label="My guess"
           sentence="Your guess, the dashed line on the axis above."
-          value={guess.value}
+          {...bound(guess)}
           initial={middle}
           low={axis.low}
           high={axis.high}
           step={step}
           unit={axis.unit ?? ""}
           disabled={result.value !== null}
-          onInput={(value) => {
-            guess.value = value;
-          }}
         />
         {ask && result.value === null && (
           <Button icon="people" onClick={ask}>

@@ -3,7 +3,7 @@ import { useMemo } from "preact/hooks";
 import { cellAt } from "../../grid/lattice";
 import { probability } from "../../grid/logOdds";
 import { INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
@@ -97,14 +97,11 @@ export function Counting({ beams, scans }: CountingProps) {
         <Slider
           label="Beams of a scan"
           sentence="Number of beams in one scan, evenly spaced over 360°."
-          value={beams.value}
+          {...bound(beams)}
           initial={180}
           low={36}
           high={720}
           step={12}
-          onInput={(value) => {
-            beams.value = value;
-          }}
         />
       </div>
       <figcaption class="number">

@@ -54,7 +54,7 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
   const at = Math.min(cursor.value ?? total, total);
   const now = path.value[at] ?? { p: 0.5, odds: 1, logOdds: 0 };
   return (
-    <figure class="digits" aria-label="The same evidence stored as probability, as odds and as log-odds">
+    <figure class="digits stack" aria-label="The same evidence stored as probability, as odds and as log-odds">
       <Plot height={HEIGHT} label={summary(path.value)}>
         {(width) => <Lines path={path.value} hits={hits} misses={misses} at={at} width={width} />}
       </Plot>

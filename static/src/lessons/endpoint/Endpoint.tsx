@@ -1,6 +1,6 @@
 import { useRef } from "preact/hooks";
 import { toLattice } from "../../grid/lattice";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import { cellSide, originAt, pipelineBeam } from "../stage/controls";
@@ -61,15 +61,12 @@ export function Endpoint() {
         <Slider
           label="Beam k"
           sentence="Number of the beam in the scan, counter-clockwise from straight ahead."
-          value={pipelineBeam.value}
+          {...bound(pipelineBeam)}
           initial={36}
           low={0}
           high={239}
           step={1}
           tone="beam"
-          onInput={(value) => {
-            pipelineBeam.value = value;
-          }}
         />
       </div>
     </div>

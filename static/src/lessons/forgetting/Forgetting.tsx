@@ -4,6 +4,7 @@ import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../..
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { ClassQuestion } from "../../wire/protocol";
 import { type GuessQuestion, useClassGuess } from "../common/classGuess";
@@ -96,16 +97,13 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
         <Slider
           label="My guess"
           sentence="Your guess: after how many scans the map with the clamp has forgotten the table."
-          value={prediction.value}
+          {...bound(prediction)}
           initial={20}
           low={1}
           high={MOST_SCANS}
           step={1}
           unit="scans"
           disabled={t !== null}
-          onInput={(value) => {
-            prediction.value = value;
-          }}
         />
         {ask && t === null && (
           <Button icon="people" onClick={ask}>

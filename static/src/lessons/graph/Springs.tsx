@@ -5,7 +5,7 @@ import { compose } from "../../grid/lattice";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { Choice } from "../../ui/Choice";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { ToggleOf } from "../../ui/Toggle";
 import type { Point, Pose } from "../../wire/protocol";
@@ -233,16 +233,13 @@ export function Springs() {
         <Slider
           label="Scale of the kernel"
           sentence="The residual at which a loop has lost a good part of its weight."
-          value={scale.value}
+          {...bound(scale)}
           initial={SCALE}
           low={0.5}
           high={20}
           step={0.5}
           unit="σ"
           disabled={kernel.value === "none"}
-          onInput={(value) => {
-            scale.value = value;
-          }}
         />
         <Button onClick={reset}>Reset</Button>
       </div>

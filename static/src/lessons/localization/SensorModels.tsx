@@ -4,7 +4,7 @@ import type { BeamMixture } from "../../grid/rangeModels";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { Handle } from "../../ui/Handle";
-import { keyed, signed, written } from "../../ui/numbers";
+import { bound, keyed, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import { ForwardChart } from "./ForwardChart";
@@ -48,14 +48,11 @@ export function SensorModels() {
         <Slider
           label="Prior of a cell"
           sentence="The probability of occupied of each cell before the reading."
-          value={prior.value}
+          {...bound(prior)}
           initial={PRIOR}
           low={0.01}
           high={0.5}
           step={0.01}
-          onInput={(value) => {
-            prior.value = value;
-          }}
         />
         <Button
           icon="restart"

@@ -1,5 +1,6 @@
 import { CostCurve } from "../../render/chart/CostCurve";
 import { Button } from "../../ui/Button";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { INFLATION, inflation, ROBOT_RADIUS, robotRadius } from "./state";
 import "./navigation.css";
@@ -28,15 +29,12 @@ export function InflationCurve() {
         <Slider
           label="Inscribed radius"
           sentence="Radius of the largest circle within the footprint, here a square one."
-          value={robotRadius.value}
+          {...bound(robotRadius)}
           initial={ROBOT_RADIUS}
           low={0.05}
           high={0.8}
           step={0.05}
           unit="m"
-          onInput={(value) => {
-            robotRadius.value = value;
-          }}
         />
         <Button
           icon="restart"

@@ -1,6 +1,7 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { NO_INFORMATION, nameOfCost } from "../../grid/costs";
 import { isDark } from "../../ui/browser/theme";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import type { Costs } from "./costmap";
@@ -71,15 +72,12 @@ export function Layers() {
         <Slider
           label="Lifetime in the dynamic layer"
           sentence="Obstacles that were not seen for longer are removed; a person walked past in the last 9 seconds."
-          value={lifetime.value}
+          {...bound(lifetime)}
           initial={LIFETIME}
           low={0}
           high={10}
           step={1}
           unit="s"
-          onInput={(value) => {
-            lifetime.value = value;
-          }}
         />
       </div>
       <p>The costs are those under the cross on the stage.</p>

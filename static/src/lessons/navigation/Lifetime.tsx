@@ -1,5 +1,6 @@
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { looked, type Place, placeOfTable, since, tableLifetime, walkerAt } from "./state";
 import "./navigation.css";
@@ -43,16 +44,13 @@ export function Lifetime() {
       <Slider
         label="Lifetime of an obstacle"
         sentence="Seconds after which an obstacle that is not seen again is forgotten."
-        value={tableLifetime.value}
+        {...bound(tableLifetime)}
         initial={LIVES}
         low={1}
         high={60}
         step={1}
         unit="s"
         disabled={placeOfTable.value !== "dynamic"}
-        onInput={(value) => {
-          tableLifetime.value = value;
-        }}
       />
       <Button
         icon="restart"

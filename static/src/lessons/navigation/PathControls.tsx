@@ -3,7 +3,7 @@ import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { Choice } from "../../ui/Choice";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import { useSeen, useSteps } from "../common/useSteps";
@@ -90,15 +90,12 @@ export function PathControls() {
         <Slider
           label="Inscribed radius"
           sentence="Radius of the robot: cells nearer than this to an obstacle are blocked."
-          value={robotRadius.value}
+          {...bound(robotRadius)}
           initial={ROBOT_RADIUS}
           low={0.05}
           high={0.8}
           step={0.05}
           unit="m"
-          onInput={(value) => {
-            robotRadius.value = value;
-          }}
         />
       </div>
       <div class="table-room">

@@ -1,6 +1,6 @@
 import { computed, type Signal, signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";
@@ -32,15 +32,12 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
         <Slider
           label="Max range of the lidar"
           sentence="Surfaces that are farther away give no return."
-          value={rangeMax.value}
+          {...bound(rangeMax)}
           initial={3}
           low={1}
           high={9}
           step={0.1}
           unit="m"
-          onInput={(value) => {
-            rangeMax.value = value;
-          }}
         />
       </div>
       <figcaption>Dashed: glass, which returns no beam. Dotted: beams without a return.</figcaption>

@@ -1,6 +1,6 @@
 import { tokenRgb } from "../../style/colour";
 import { Choice } from "../../ui/Choice";
-import { bytes, written } from "../../ui/numbers";
+import { bound, bytes, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { LOW_TABLE_HEIGHT } from "../stage/floor";
 import { type Scene, scene } from "../stage/scene";
@@ -79,15 +79,12 @@ export function Octree() {
         <Slider
           label="Height of the cut"
           sentence="Height above the floor at which the stage shows the leaves."
-          value={height.value}
+          {...bound(height)}
           initial={LASER}
           low={0.05}
           high={CEILING - 0.1}
           step={0.05}
           unit="m"
-          onInput={(value) => {
-            height.value = value;
-          }}
         />
       </div>
       <div class="table-room">

@@ -63,7 +63,11 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
   const { way, turn } = noise.value;
   const isDone = matched.value.length === TRUTH.length;
   return (
-    <figure class="drift" aria-label="One drive, mapped along its odometry and along corrected poses" ref={figure}>
+    <figure
+      class="drift stack"
+      aria-label="One drive, mapped along its odometry and along corrected poses"
+      ref={figure}
+    >
       <div class="side-by-side">
         <div>
           <h3>Poses from the odometry</h3>

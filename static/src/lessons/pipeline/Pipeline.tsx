@@ -6,7 +6,7 @@ import { indexOf } from "../../grid/occupancyGrid";
 import { bayesFilter, evidenceOfBeam } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
-import { signed, written } from "../../ui/numbers";
+import { bound, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import { useSeen, useSteps } from "../common/useSteps";
@@ -150,15 +150,12 @@ export function Pipeline() {
       <Slider
         label="Beam of the scan"
         sentence="Selects the beam whose reading is followed, counter-clockwise from straight ahead."
-        value={pipelineBeam.value}
+        {...bound(pipelineBeam)}
         initial={36}
         low={0}
         high={239}
         step={1}
         tone="beam"
-        onInput={(value) => {
-          pipelineBeam.value = value;
-        }}
       />
     </div>
   );

@@ -55,7 +55,10 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
   };
   const error = Math.abs(best - truth);
   return (
-    <figure class="probable" aria-label="The most probable position in a corridor, and the factors that it comes from">
+    <figure
+      class="probable stack"
+      aria-label="The most probable position in a corridor, and the factors that it comes from"
+    >
       <Stage
         geometry={GEOMETRY}
         label="A corridor, the end points of a scan at the most probable position, and the odometry's"

@@ -4,7 +4,7 @@ import { cellAt } from "../../grid/lattice";
 import { probability } from "../../grid/logOdds";
 import { emptyGrid, indexOf, type OccupancyGrid } from "../../grid/occupancyGrid";
 import { Choice } from "../../ui/Choice";
-import { signed, written } from "../../ui/numbers";
+import { bound, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
@@ -91,7 +91,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
     },
   ];
   return (
-    <figure class="sonar" aria-label="Sonar readings, combined in two ways">
+    <figure class="sonar stack" aria-label="Sonar readings, combined in two ways">
       <div class="side-by-side">
         {panels.map(({ name, grid, text }) => (
           <div key={name}>
@@ -127,14 +127,11 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
         <Slider
           label="Number of readings"
           sentence="Number of sonar readings that both maps are made from, in the order of their time."
-          value={count.value}
+          {...bound(count)}
           initial={ALL}
           low={1}
           high={ALL}
           step={1}
-          onInput={(value) => {
-            count.value = value;
-          }}
         />
         <Choice
           label="Profile of the cone, Bayes filter"

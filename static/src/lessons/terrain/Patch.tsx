@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { Choice } from "../../ui/Choice";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { PatchFigure } from "./PatchFigure";
 import "./terrain.css";
@@ -93,21 +94,15 @@ export function Patch() {
           label="Greatest safe slope"
           sentence="A slope that makes a smooth patch just safe."
           unit="°"
-          value={slope.value}
+          {...bound(slope)}
           {...SLOPE}
-          onInput={(value) => {
-            slope.value = value;
-          }}
         />
         <Slider
           label="Greatest safe roughness"
           sentence="A roughness that makes a level patch just safe."
           unit="m"
-          value={roughness.value}
+          {...bound(roughness)}
           {...ROUGHNESS}
-          onInput={(value) => {
-            roughness.value = value;
-          }}
         />
       </div>
     </figure>

@@ -1,7 +1,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { probability } from "../../grid/logOdds";
-import { written } from "../../ui/numbers";
+import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import { Stage } from "../common/Stage";
@@ -28,7 +28,7 @@ export function Thresholds({ readFree }: { readonly readFree: Signal<number> }) 
   const read = counted(greys.value, STATED.occupied, readFree.value);
   const trap = read.unknown === 0 && written3.unknown > 0;
   return (
-    <figure class="thresholds" aria-label="Thresholds, the map file, and the map as read from it">
+    <figure class="thresholds stack" aria-label="Thresholds, the map file, and the map as read from it">
       <div class="side-by-side three">
         <div>
           <h3>Probabilities</h3>
@@ -79,14 +79,11 @@ export function Thresholds({ readFree }: { readonly readFree: Signal<number> }) 
         <Slider
           label="free_thresh of the reader"
           sentence="A cell below this occupancy is read as free; the grey of an unknown cell is read as 0.196."
-          value={readFree.value}
+          {...bound(readFree)}
           initial={STATED.free}
           low={0.1}
           high={0.3}
           step={0.002}
-          onInput={(value) => {
-            readFree.value = value;
-          }}
         />
       </div>
     </figure>

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
-import { signed, written } from "../../ui/numbers";
+import { bound, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { type Scene, scene, WALL_CELL } from "../stage/scene";
 import {
@@ -97,14 +97,11 @@ export function Tsdf() {
             label="Range noise σ"
             sentence="Standard deviation of the readings about the wall."
             unit="m"
-            value={sigma.value}
+            {...bound(sigma)}
             initial={FIRST.sigma}
             low={0}
             high={0.1}
             step={0.005}
-            onInput={(value) => {
-              sigma.value = value;
-            }}
           />
           <Slider
             label="Maximum weight"

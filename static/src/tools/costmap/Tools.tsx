@@ -4,10 +4,10 @@ import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { limitUnit } from "./speedLimits";
-import type { MapTool, Over } from "./state";
-import { costmapOf } from "./state";
+import { costmapOf, type MapTool, type Over } from "./state";
 
 const TOOLS: readonly { readonly tool: MapTool; readonly label: string; readonly hint: string }[] = [
   { tool: "goal", label: "Set goal", hint: "Click a map to set the goal; drag the goal, and the path follows." },
@@ -53,14 +53,11 @@ export function Tools({ store }: { readonly store: Store }) {
             label="Brush"
             sentence="Width of the brush."
             unit="m"
-            value={state.brush.value}
+            {...bound(state.brush)}
             initial={0.5}
             low={0.1}
             high={2}
             step={0.1}
-            onInput={(width) => {
-              state.brush.value = width;
-            }}
           />
           {now === "speed" && <Limit store={store} />}
           <div class="actions">

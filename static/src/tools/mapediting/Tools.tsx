@@ -6,11 +6,11 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon, type IconName } from "../../ui/Icon";
+import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import type { MapTool } from "./state";
+import { type MapTool, mapEditingOf } from "./state";
 import { WIDEST_M } from "./strokes";
 import "./mapediting.css";
-import { mapEditingOf } from "./state";
 
 interface ToolText {
   readonly tool: MapTool | null;
@@ -94,14 +94,11 @@ export function Tools({ store }: { readonly store: Store }) {
             label="Limit"
             sentence="Value of the speed filter’s mask: percent of the robot’s greatest speed with type 1, base 0 and multiplier 1. 0 removes the limit."
             unit="%"
-            value={mapEditing.limit.value}
+            {...bound(mapEditing.limit)}
             initial={50}
             low={0}
             high={100}
             step={1}
-            onInput={(limit) => {
-              mapEditing.limit.value = limit;
-            }}
           />
         )}
         {isArea && (
@@ -122,14 +119,11 @@ export function Tools({ store }: { readonly store: Store }) {
             label="Width"
             sentence="Width of the brush and of lines; the keys [ and ] change it."
             unit="m"
-            value={mapEditing.width.value}
+            {...bound(mapEditing.width)}
             initial={0.1}
             low={0.01}
             high={WIDEST_M}
             step={0.01}
-            onInput={(width) => {
-              mapEditing.width.value = width;
-            }}
           />
         )}
       </div>
@@ -161,14 +155,11 @@ export function WholeMap({ store }: { readonly store: Store }) {
           label="Specks"
           sentence="Groups of at most this many occupied cells become free."
           unit="cells"
-          value={cells.value}
+          {...bound(cells)}
           initial={3}
           low={1}
           high={50}
           step={1}
-          onInput={(value) => {
-            cells.value = value;
-          }}
         />
         <Button icon="erase" onClick={() => store.send({ type: "map_edit", op: "despeckle", value: cells.peek() })}>
           Remove specks

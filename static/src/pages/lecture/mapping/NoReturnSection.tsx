@@ -4,6 +4,7 @@ import { NoReturn, robotAt } from "../../../lessons/noreturn/NoReturn";
 import { noReturn, noReturnRange as rangeMax } from "../../../lessons/stage/controls";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
+import { bound } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 
 const POLICIES = [
@@ -66,15 +67,12 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
         <DragNumber
           label="max range, lidar"
           sentence="Surfaces that are farther away give no return."
-          value={rangeMax.value}
+          {...bound(rangeMax)}
           unit="m"
           tone="beam"
           low={1}
           high={9}
           step={0.1}
-          onInput={(value) => {
-            rangeMax.value = value;
-          }}
           after=","
         />{" "}
         or a surface did not reflect the light back. The figure shows the same four scans, read in three ways.{" "}

@@ -1,6 +1,7 @@
 import { wallNoise, wallWindow } from "../../../lessons/stage/controls";
 import { Button } from "../../../ui/Button";
 import { DragNumber } from "../../../ui/DragNumber";
+import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { OnStage } from "../OnStage";
 import { Section, type SectionHead } from "../Section";
@@ -37,30 +38,24 @@ export function WindowSection({ id, number, title }: SectionHead) {
             <Slider
               label="Noise of a range, σ"
               sentence="Standard deviation of the measured distance."
-              value={wallNoise.value}
+              {...bound(wallNoise)}
               initial={0.05}
               low={0}
               high={0.15}
               step={0.01}
               unit="m"
               tone="beam"
-              onInput={(value) => {
-                wallNoise.value = value;
-              }}
             />
             <Slider
               label="Hit window of the wall"
               sentence="Width of the zone around the reading that counts as hit."
-              value={wallWindow.value}
+              {...bound(wallWindow)}
               initial={0.15}
               low={0}
               high={0.8}
               step={0.05}
               unit="m"
               tone="hit"
-              onInput={(value) => {
-                wallWindow.value = value;
-              }}
             />
           </div>
         </OnStage>
@@ -74,15 +69,12 @@ export function WindowSection({ id, number, title }: SectionHead) {
         <DragNumber
           label="noise of a range"
           sentence="Standard deviation of the measured distance."
-          value={wallNoise.value}
+          {...bound(wallNoise)}
           unit="m"
           tone="beam"
           low={0}
           high={0.15}
           step={0.01}
-          onInput={(value) => {
-            wallNoise.value = value;
-          }}
           after=":"
         />
       </p>

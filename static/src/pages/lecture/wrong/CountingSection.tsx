@@ -3,6 +3,7 @@ import { Counting } from "../../../lessons/counting/Counting";
 import { countingUpdate } from "../../../lessons/stage/controls";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
+import { bound } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 
 const beams = signal(180);
@@ -55,29 +56,23 @@ export function CountingSection({ id, number, title }: SectionHead) {
         <DragNumber
           label="beams of a scan"
           sentence="Number of beams in one scan, evenly spaced over 360°."
-          value={beams.value}
+          {...bound(beams)}
           text={`${beams.value} beams`}
           tone="beam"
           low={36}
           high={720}
           step={12}
-          onInput={(value) => {
-            beams.value = value;
-          }}
         />{" "}
         of one scan independent? The figure shows the map after{" "}
         <DragNumber
           label="scans"
           sentence="Number of scans, all from the same pose."
-          value={scans.value}
+          {...bound(scans)}
           text={scans.value === 1 ? "1 scan" : `${scans.value} scans`}
           tone="beam"
           low={1}
           high={10}
           step={1}
-          onInput={(value) => {
-            scans.value = value;
-          }}
           after=","
         />{" "}
         updated in two ways. <span class="no-print">Drag the cross over the cells.</span>

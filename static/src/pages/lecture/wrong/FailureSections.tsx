@@ -2,6 +2,7 @@
 
 import { SideView } from "../../../lessons/heights/SideView";
 import { peopleOn, peopleScans, polishedOn } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { ToggleOf } from "../../../ui/Toggle";
 import { OnStage } from "../OnStage";
@@ -53,14 +54,11 @@ export function PeopleSection({ id, number, title }: SectionHead) {
             <Slider
               label="Scans of the drive"
               sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
-              value={peopleScans.value}
+              {...bound(peopleScans)}
               initial={32}
               low={24}
               high={77}
               step={1}
-              onInput={(value) => {
-                peopleScans.value = value;
-              }}
             />
           </div>
         </OnStage>

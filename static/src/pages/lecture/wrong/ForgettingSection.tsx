@@ -4,7 +4,7 @@ import { Forgetting } from "../../../lessons/forgetting/Forgetting";
 import type { Clamp } from "../../../lessons/forgetting/model";
 import { scansAfter } from "../../../lessons/stage/controls";
 import { DragNumber } from "../../../ui/DragNumber";
-import { signed } from "../../../ui/numbers";
+import { bound, signed } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
@@ -26,15 +26,12 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
             <Slider
               label="On the stage: scans since the cupboard was removed"
               sentence="How many scans the robot of the stage has taken since the cupboard was removed."
-              value={scansAfter.value}
+              {...bound(scansAfter)}
               initial={4}
               low={0}
               high={15}
               step={1}
               unit="scans"
-              onInput={(value) => {
-                scansAfter.value = value;
-              }}
             />
           </div>
         </>
@@ -59,15 +56,12 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
         <DragNumber
           label="scans with the table"
           sentence="Number of scans that saw the table before it is removed."
-          value={seen.value}
+          {...bound(seen)}
           text={`${seen.value} scans`}
           tone="hit"
           low={2}
           high={80}
           step={1}
-          onInput={(value) => {
-            seen.value = value;
-          }}
           after="."
         />{" "}
         A clamp keeps ℓ between{" "}

@@ -1,5 +1,6 @@
 import { Mount } from "../../../lessons/mount/Mount";
 import { mountError } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead } from "../Section";
 
@@ -28,16 +29,13 @@ export function MountSection({ id, number, title }: SectionHead) {
             <Slider
               label="On the stage: rotation of the mount"
               sentence="Rotation of the mount that the stage’s map assumes."
-              value={mountError.value}
+              {...bound(mountError)}
               initial={8}
               low={-20}
               high={20}
               step={1}
               unit="°"
               tone="beam"
-              onInput={(value) => {
-                mountError.value = value;
-              }}
             />
           </div>
         </>

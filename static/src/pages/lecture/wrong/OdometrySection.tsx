@@ -4,6 +4,7 @@ import { Drift } from "../../../lessons/odometry/Drift";
 import { byOdometry, errorOf, USUAL } from "../../../lessons/odometry/model";
 import { driftError } from "../../../lessons/stage/controls";
 import { DragNumber } from "../../../ui/DragNumber";
+import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead } from "../Section";
 import { SectionLink } from "../SectionLink";
@@ -27,16 +28,13 @@ export function OdometrySection({ id, number, title }: SectionHead) {
             <Slider
               label="On the stage: error of the heading"
               sentence="By how much the heading of the stage's robot is off after each scan, added up."
-              value={driftError.value}
+              {...bound(driftError)}
               initial={0.15}
               low={-1}
               high={1}
               step={0.05}
               unit="° per scan"
               tone="hit"
-              onInput={(value) => {
-                driftError.value = value;
-              }}
             />
           </div>
         </>
