@@ -1,7 +1,7 @@
 """Point clouds as text: XYZ, PTS and CSV, with a line of names or without one.
 
 Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b, and what else
-:mod:`mapper.io.clouds.text_columns` knows. Without names the columns are x, y, z and what programs usually write
+:func:`columns_of` knows. Without names the columns are x, y, z and what programs usually write
 next: an intensity (4), a normal or a colour (6), both (7: intensity first). A PTS file may hold several scans, each
 after the number of its points.
 """
