@@ -129,6 +129,11 @@ def resets(name: str, way: int) -> list[Said]:
     ]
 
 
+def late(said: list[Said], topic: str, by: int) -> list[Said]:
+    """The same messages, those on a topic recorded later than they were stamped."""
+    return [replace(one, stamp_ns=one.stamp_ns + by) if one.topic == topic else one for one in said]
+
+
 def mixed(one: list[Said], other: list[Said]) -> list[Said]:
     """Two recordings message by message in turns."""
     return [said for pair in zip(one, other, strict=True) for said in pair]
@@ -228,6 +233,21 @@ CASES = {
     ),
     "scans by the time since the lidar was switched on": Case(
         stamped(BASE, "/scan", lambda at: at - T0 + 12 * SECOND), sensor_at(), "each scan gets the pose of when it was"
+    ),
+    "scans by a clock that is 1.4 s ahead": Case(
+        stamped(BASE, "/scan", lambda at: at + 14 * SECOND // 10), sensor_at(), "is 1.4 s behind that of the scans"
+    ),
+    "scans by a clock that is 3.2 s behind": Case(
+        stamped(BASE, "/scan", lambda at: at - 32 * SECOND // 10), sensor_at(), "is 3.2 s ahead of that of the scans"
+    ),
+    "transforms that a slow program states late": Case(
+        [LASER, *late(drive(by_tf()), "/tf", 15 * SECOND // 10)], sensor_at(), unsaid="The clock of"
+    ),
+    "scans that the recorder got late": Case(
+        [LASER, *late(drive(by_tf()), "/scan", 15 * SECOND // 10)], sensor_at(), unsaid="The clock of"
+    ),
+    "messages in no order": Case(
+        [BASE[k] for k in np.random.default_rng(2).permutation(len(BASE))], sensor_at(), "put in it", unsaid="begins"
     ),
     "transforms by a simulated clock": Case(
         stamped(BASE, "/tf", lambda at: at - T0 + SECOND), sensor_at(), "each scan gets the pose of when it was"

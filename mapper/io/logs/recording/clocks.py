@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 FAR_NS = 10_000_000_000_000_000  #: a third of a year: a clock so far from the recorder's is a simulation's
+#: A clock is not the recorder's where its stamps are usually so far ahead of that, or behind. Nothing is recorded
+#: before it is made, although transforms are stamped ahead by up to some 2 s (transform_tolerance of AMCL); what a
+#: slow program makes is late by different times.
+AHEAD_NS, BEHIND_NS, SPREAD_NS = 1_000_000_000, 3_000_000_000, 200_000_000
 
 
 def with_set_stamps(stamps_ns: NDArray[np.int64], recorded_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
@@ -59,6 +63,14 @@ class Clock:
     def recorded(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
         """Return when all messages, with these stamps (n,), were recorded, ns; None if it is not known."""
         return None if len(self._ahead) != len(stamps_ns) else stamps_ns - np.frombuffer(self._ahead, dtype=np.int64)
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is another clock than the recorder's, of which its stamps are always as far ahead or behind."""
+        if not self._ahead:
+            return False
+        least, usual, most = np.quantile(np.frombuffer(self._ahead, dtype=np.int64), (0.1, 0.5, 0.9))
+        return bool(most - least < SPREAD_NS and not -BEHIND_NS <= usual <= AHEAD_NS)
 
     def ahead_of(self, other: Clock) -> int:
         """Return by how many nanoseconds this clock is ahead of another; 0 where that is not known."""

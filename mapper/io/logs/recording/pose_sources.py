@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.io.logs.recording.clocks import AHEAD_NS
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.timeline import Moments
 from mapper.sensors.georeference import Offset, note_on_offset, offset_of
@@ -41,8 +42,9 @@ class PoseSource:
     """Poses: ``at`` n times, as far as the source ``covers`` (n,) them; ``T_frame_child`` of two frames by name.
 
     ``stated`` returns them with their own stamps. Its clock is ``ahead_ns`` ahead of the scans' one, as far as the
-    recorder tells. ``is_odometry`` says that they are counted from the robot's own motion, and ``repeats`` that they
-    may be those of another source again, as of a tracker that states its pose in tf as well: then they are left out.
+    recorder tells; ``is_scans_clock_own`` says that the scans' one is surely not the recorder's. ``is_odometry`` says
+    that they are counted from the robot's own motion, and ``repeats`` that they may be those of another source again,
+    as of a tracker that states its pose in tf as well: then they are left out.
     """
 
     name: str
@@ -55,6 +57,7 @@ class PoseSource:
     ahead_ns: int
     is_odometry: bool
     repeats: bool = False
+    is_scans_clock_own: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +86,10 @@ def trajectories_at(
     could not be read, and why, ``unused`` which messages are no source although they say where something is.
 
     A source whose poses are from another time than the scans is left out, unless their clocks alone differ: then both
-    are put together by when they were recorded. Where another source has poses of more scans, it continues a trajectory
-    before its first pose and after its last (:func:`_continued`). Poses that are far from the origin of their frame, as
-    projected coordinates are, lose an offset: one for all in the same frame.
+    are put together by when they were recorded, as they are where the scans' clock is surely another one and more scans
+    have poses so. Where another source has poses of more scans, it continues a trajectory before its first pose and
+    after its last (:func:`_continued`). Poses that are far from the origin of their frame, as projected coordinates
+    are, lose an offset: one for all in the same frame.
     """
     found: dict[str, Trajectory] = {}
     known: dict[str, NDArray[np.bool_]] = {}
@@ -242,9 +246,10 @@ def _at(
     notes = []
     shift = 0
     covered = source.covers(when.stamps_ns)
-    if not covered.any() and 0 < abs(ahead) < STAMP_LIMIT_NS:
-        shift = ahead
-        covered = source.covers(when.stamps_ns + ahead)
+    shifted = source.covers(when.stamps_ns + ahead) if abs(ahead) < STAMP_LIMIT_NS else covered
+    is_apart = source.is_scans_clock_own and abs(ahead) > AHEAD_NS
+    if np.count_nonzero(shifted) > np.count_nonzero(covered) and (is_apart or not covered.any()):
+        shift, covered = ahead, shifted
         apart = f"{abs(ahead) / 1e9:,.1f} s {'ahead of' if ahead > 0 else 'behind'}"
         notes.append(
             f"The clock of {name} is {apart} that of the scans; each scan gets the pose of when it was recorded."

@@ -21,7 +21,7 @@ from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.cutting import CAMERA, IMAGE, Cutter
 from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recording.recorded_log import RecordedLog
-from mapper.io.logs.recording.runs import Track, offsets_of_runs
+from mapper.io.logs.recording.runs import Track, is_in_disorder, offsets_of_runs
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
@@ -273,9 +273,13 @@ class Recording:
             line.set_stamps()
         self._take_recorded_times(sensors)
         tracks = [Track(topic, *line.track) for topic, line in lines]
-        stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
-        tracks += [Track(sensor.topic, *both) for sensor, both in zip(sensors, stamps, strict=True)]
-        offsets = offsets_of_runs(tracks)
+        tracks += [sensor.track for sensor in sensors]
+        disordered = is_in_disorder(tracks)
+        if disordered:
+            for sensor in sensors:
+                sensor.put_in_order()
+            self.notes.append("The messages do not stand in the order in which they were recorded: they are put in it.")
+        offsets = None if disordered else offsets_of_runs(tracks)
         if offsets is None:
             for _, line in lines:
                 line.put_together()

@@ -105,6 +105,7 @@ class RobotPoses:
                 stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
+                is_scans_clock_own=self.sensor.clock.is_own,
             )
         return list(found.values())
 
@@ -177,6 +178,7 @@ class RobotPoses:
             ahead_ns=known.clock.ahead_of(self.sensor.clock),
             is_odometry=known.kind == ODOMETRY,
             repeats=KINDS.index(known.kind) > 1,
+            is_scans_clock_own=self.sensor.clock.is_own,
         )
 
     def unused(self) -> list[str]:

@@ -12,6 +12,9 @@ many publishers: stamps of one may be behind those of another by a second, as th
 
 A frame of tf is judged by itself, as each may have a publisher of its own; of the frames of one topic the majority
 counts as the topic.
+
+A file whose messages do not stand in the order in which they were recorded, as of a program that puts recordings
+together, is put in order instead (:func:`is_in_disorder`).
 """
 
 from __future__ import annotations
@@ -31,16 +34,35 @@ STAYS = 3
 NEAR_S = 5.0  #: within which all topics have noticed that the clock began again
 BETWEEN_NS = 1_000_000_000_000  #: between the last stamp of a run and the first of the next, counted on
 MAX_RUNS = 200
+#: Share of the messages that were recorded before the one in front of them, by more than :data:`LEAST_STEP_NS`, from
+#: which a file is in disorder. Where the recorder's clock is the simulation's, one message does so at a reset, and a
+#: few around it.
+DISORDERED = 0.05
 _FARTHEST_NS = 4_000_000_000_000_000_000  #: beyond which stamps that are counted on would not fit 64 bits
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The stamps (n,) of one publisher of a topic, as far as it is known, and the numbers of their messages (n,)."""
+    """The stamps (n,) of one publisher of a topic, as far as it is known, and the numbers of their messages (n,).
+
+    ``recorded_ns`` (n,) are the times at which these were recorded; None where that is not known.
+    """
 
     topic: str
     stamps_ns: Int64Array
     positions: Int64Array
+    recorded_ns: Int64Array | None = None
+
+
+def is_in_disorder(tracks: Sequence[Track]) -> bool:
+    """Return whether the messages of a file do not stand in the order in which they were recorded."""
+    known = [track for track in tracks if track.recorded_ns is not None and track.recorded_ns.all()]
+    if not known:
+        return False
+    positions = np.concatenate([track.positions for track in known])
+    recorded = np.concatenate([track.recorded_ns for track in known if track.recorded_ns is not None])
+    back = np.count_nonzero(np.diff(recorded[np.argsort(positions, kind="stable")]) < -LEAST_STEP_NS)
+    return bool(back > 1 and back > DISORDERED * len(recorded))
 
 
 def steps_back(stamps_ns: Int64Array) -> list[int]:

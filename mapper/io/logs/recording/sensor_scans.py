@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mapper.core.se2 import wrap_angle
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.io.logs.recording.clocks import Clock, with_set_stamps
+from mapper.io.logs.recording.runs import Track
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.timeline import Moments, are_stamps_repeated
 from mapper.io.logs.ros.ros_messages import Beams
@@ -86,6 +87,22 @@ class SensorScans:
             self.clock.add(stamp, stamp)
         return len(np.unique(stamps))
 
+    def put_in_order(self) -> None:
+        """Put the scans into the order in which they were recorded, as far as that is known."""
+        recorded = self.clock.recorded(np.array(self.stamps))
+        if recorded is None:
+            return
+        order = np.argsort(recorded, kind="stable")
+        beams = np.array([beaming.beams for beaming in self._numbers])[np.array(self._of_scan)]
+        ends = np.cumsum(4 * beams).tolist()
+        ranges = [self._ranges[end - 4 * n : end] for end, n in zip(ends, beams.tolist(), strict=True)]
+        self._ranges = bytearray().join(ranges[k] for k in order)
+        for name in ("stamps", "positions", "_of_scan", "_is_repeated", "_time_increments", "_scan_times"):
+            column = getattr(self, name)
+            setattr(self, name, array(column.typecode, np.array(column)[order].tobytes()))
+        self._mounts = array("d", self.mounts[order].tobytes() if len(self._mounts) else b"")
+        self.clock.set_to(np.array(self.stamps), recorded[order])
+
     def set_stamps(self) -> None:
         """Give scans without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
         stamps = np.array(self.stamps)
@@ -116,6 +133,12 @@ class SensorScans:
         stamps = np.frombuffer(self.stamps, dtype=np.int64)
         counted = stamps if self.offsets is None else stamps + self.offsets
         return Moments(counted, np.frombuffer(self.positions, dtype=np.int64))
+
+    @property
+    def track(self) -> Track:
+        """The stamps of the scans in the order of the recording."""
+        stamps = np.array(self.stamps)
+        return Track(self.topic, stamps, np.array(self.positions), self.clock.recorded(stamps))
 
     @property
     def n_scans(self) -> int:

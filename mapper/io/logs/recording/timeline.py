@@ -108,9 +108,16 @@ class Timeline:
         self._values.extend(pose)
 
     @property
-    def track(self) -> tuple[Int64Array, Int64Array]:
-        """The stamps (n,) as stated and the numbers of their messages (n,), in the order of the recording."""
-        return np.array(self._stamps, dtype=np.int64), np.array(self._positions, dtype=np.int64)
+    def track(self) -> tuple[Int64Array, Int64Array, Int64Array]:
+        """The stamps (n,) as stated, the numbers of their messages (n,) and when these were recorded (n,).
+
+        They are in the order of the recording.
+        """
+        return (
+            np.array(self._stamps, dtype=np.int64),
+            np.array(self._positions, dtype=np.int64),
+            np.array(self._recorded, dtype=np.int64),
+        )
 
     def take_recorded_times(self) -> int:
         """Give poses that have the stamp of the one before, but differ from it, the times at which they were recorded.
