@@ -10,9 +10,12 @@ import sys
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
-from typing import Any, Literal, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, cast
 
 from mapper.core.errors import ConfigError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Value: TypeAlias = bool | int | float | str
 """Value of a parameter."""
@@ -64,6 +67,7 @@ class Parameter:
 
 
 N = TypeVar("N", int, float)
+C = TypeVar("C", bound="DataclassInstance")
 _ROW = "parameter"  # the key of a field's row in its metadata
 
 
@@ -111,6 +115,12 @@ def check_fields(config: object) -> None:
     """Replace each field of a frozen config by its checked value; raise :class:`ConfigError` for an invalid one."""
     for row in table_of(cast("Hashable", type(config))):
         object.__setattr__(config, row.name, row.check(getattr(config, row.name)))
+
+
+def with_values(config: C, values: Mapping[str, Any], what: str = "parameter") -> C:
+    """Return a config with some values replaced. Raises as :func:`check_names` and :func:`check_fields`."""
+    check_names(values, table_of(cast("Hashable", type(config))), what)
+    return replace(config, **values)
 
 
 def check_names(values: Mapping[str, Any], table: Iterable[Parameter], what: str = "parameter") -> None:

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, choice, flag, number, table_of
+from mapper.core.parameter import Parameter, check_fields, choice, flag, number, table_of, with_values
 
 SENSOR_MODELS = ("likelihood_field", "likelihood_field_prob", "beam")
 MOTION_MODELS = ("differential", "omni")
@@ -189,8 +189,7 @@ class LocalizationConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> LocalizationConfig:
         """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""
-        check_names(values, PARAMETERS, "localization parameter")
-        return LocalizationConfig(**{**asdict(self), **values})
+        return with_values(self, values, "localization parameter")
 
 
 PARAMETERS = table_of(LocalizationConfig)

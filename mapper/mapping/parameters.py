@@ -7,13 +7,13 @@ Each row names the parameter, its unit, its first value, its bounds, the step of
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, choice, flag, number, table_of
+from mapper.core.parameter import Parameter, check_fields, choice, flag, number, table_of, with_values
 from mapper.grid import probability
 from mapper.mapping.sensor_model import (
     BeamModel,
@@ -248,8 +248,7 @@ class MappingConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> MappingConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        check_names(values, PARAMETERS)
-        return MappingConfig(**(asdict(self) | dict(values)))
+        return with_values(self, values)
 
 
 PARAMETERS = table_of(MappingConfig)

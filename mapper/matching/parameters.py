@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from mapper.core.parameter import Parameter, check_fields, check_names, choice, number, table_of
+from mapper.core.parameter import Parameter, check_fields, choice, number, table_of, with_values
 from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
 
 
@@ -128,8 +128,7 @@ class MatchConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> MatchConfig:
         """Return the config with some values changed; raise :class:`ConfigError` for unknown names too."""
-        check_names(values, PARAMETERS)
-        return replace(self, **values)
+        return with_values(self, values)
 
     @property
     def parts(self) -> Method:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.core.parameter import check_fields, check_names, flag, table_of
+from mapper.core.parameter import check_fields, flag, table_of, with_values
 from mapper.simulation.kernels.reflection import reflect
 from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at
 from mapper.simulation.robot import PoseTuple
@@ -61,8 +61,7 @@ class Faults:
         """Return a copy with some values replaced; raise :class:`mapper.core.errors.ConfigError` for an unknown name
         or an invalid value.
         """
-        check_names(values, FAULT_PARAMETERS, "fault")
-        return Faults(**(asdict(self) | dict(values)))
+        return with_values(self, values, "fault")
 
     @property
     def trajectory(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, cast
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, choice, number, table_of
+from mapper.core.parameter import Parameter, check_fields, choice, number, table_of, with_values
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.kernels.lidar import add_noise, cast_rays
 from mapper.simulation.robot import PoseTuple
@@ -101,8 +101,7 @@ class SensorConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        check_names(values, SENSOR_PARAMETERS, "sensor parameter")
-        return SensorConfig(**(asdict(self) | dict(values)))
+        return with_values(self, values, "sensor parameter")
 
 
 SENSOR_PARAMETERS = table_of(SensorConfig)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import check_fields, check_names, choice, number, table_of
+from mapper.core.parameter import check_fields, choice, number, table_of, with_values
 from mapper.core.se3 import from_euler
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.depth_image import DepthImage
@@ -83,8 +83,7 @@ class Sensor3D:
 
     def with_values(self, values: Mapping[str, Any]) -> Sensor3D:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
-        check_names(values, SENSOR_3D_PARAMETERS, "parameter of the 3D sensor")
-        return Sensor3D(**(asdict(self) | dict(values)))
+        return with_values(self, values, "parameter of the 3D sensor")
 
     @property
     def directions(self) -> Float64Array:

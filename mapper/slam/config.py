@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from mapper.core.parameter import Parameter, check_fields, check_names, choice, flag, number, table_of
+from mapper.core.parameter import Parameter, check_fields, choice, flag, number, table_of, with_values
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,8 +115,7 @@ class SlamConfig:
 
     def with_values(self, values: Mapping[str, Any]) -> SlamConfig:
         """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""
-        check_names(values, SLAM_PARAMETERS, "SLAM parameter")
-        return SlamConfig(**{**asdict(self), **values})
+        return with_values(self, values, "SLAM parameter")
 
 
 SLAM_PARAMETERS = table_of(SlamConfig)

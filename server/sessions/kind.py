@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, SkipValidation
 
+from mapper.core.parameter import Value
 from mapper.sensors.scan import ScanLog
 from server.library.library import Library
 from server.sessions.making import Making
@@ -15,6 +16,10 @@ from server.sessions.making import Making
 if TYPE_CHECKING:
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
+
+
+GivenValues: TypeAlias = dict[str, Annotated[Value, SkipValidation]]
+"""Parameters by name in a request: their table checks them, and names the one that is wrong."""
 
 
 class SessionRequest(BaseModel):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.parameter import Values
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import RangeScan, ScanLog
 
@@ -23,7 +23,7 @@ class LogView:
 
     topic: str | None = None
     trajectory: str | None = None
-    values: dict[str, Any] | None = None
+    values: Values | None = None
     index: int = 0
     cut: dict[str, float] | None = None
 
@@ -40,7 +40,7 @@ class Wanted:
     ``values`` are the parameters set for that map; all others are the session's.
     """
 
-    values: dict[str, Any] = field(default_factory=dict)
+    values: Values = field(default_factory=dict)
     trajectory: str | None = None
     log: ScanLog | None = None
     log_id: str | None = None

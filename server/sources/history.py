@@ -9,8 +9,8 @@ from msgspec import Struct
 from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, WithJsonSchema
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Values
 from server.parts.wire import command_of
+from server.sessions.kind import GivenValues
 from server.stream.commands import AutoCommand, DriveCommand, EditCommand, SensorCommand, TeleportCommand
 from server.stream.protocol import ProtocolError, fields_of, type_of
 
@@ -53,7 +53,7 @@ class History(BaseModel):
 
     model_config = ConfigDict(extra="ignore")
 
-    sensor: Annotated[Values, Field(description="Initial values of the simulated sensor.")] = {}
+    sensor: Annotated[GivenValues, Field(description="Initial values of the simulated sensor.")] = {}
     edits: Annotated[WorldEdits, Field(description="Initial edits of the world.")] = WorldEdits()
     steps: Annotated[int, Field(ge=0, description="Physics steps of 0.02 s since the beginning.")] = 0
     journal: Annotated[
@@ -67,8 +67,8 @@ class History(BaseModel):
         tuple[float, float, float] | None, Field(description="Final pose of the robot, if journal is null.")
     ] = None
     auto: Annotated[bool, Field(description="Whether the robot explores by itself then.")] = True
-    parameters: Annotated[Values, Field(description="Mapping parameters that differ from the initial ones.")] = {}
-    faults: Annotated[Values, Field(description="The robot's faults.")] = {}
+    parameters: Annotated[GivenValues, Field(description="Mapping parameters that differ from the initial ones.")] = {}
+    faults: Annotated[GivenValues, Field(description="The robot's faults.")] = {}
     speed: Annotated[float | None, Field(description="Simulated seconds per second.")] = None
     playing: Annotated[bool, Field(description="Whether the session plays.")] = True
     navigation: Annotated[

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import asdict
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from msgspec import Struct
@@ -14,7 +14,7 @@ from msgspec import Struct
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
-from mapper.core.parameter import check_names
+from mapper.core.parameter import Values, with_values
 from mapper.grid import OccupancyGrid
 from mapper.io.clouds.ply_writing import points_ply
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
@@ -28,7 +28,6 @@ from server.parts import parts_of
 from server.parts.volume.cloud_points import CloudPoints
 from server.parts.volume.comparison import VolumeComparison
 from server.parts.volume.drawings import VolumeDrawings
-from server.parts.volume.look import LOOK_PARAMETERS
 from server.parts.volume.message_fields import log_info, look_table, no_voxel
 from server.parts.volume.messages import (
     SurfaceCommand,
@@ -317,11 +316,10 @@ class VolumeModel(SessionModel, Volumetric):
             self._timeline.go_to(0)
         super().play()
 
-    def _set_config(self, wanted: dict[str, Any], result: TickResult) -> None:
-        check_names(wanted, VOLUME_PARAMETERS)
+    def _set_config(self, wanted: Values, result: TickResult) -> None:
+        config = with_values(self._config, wanted)
         if isinstance(self._source, OctreeFile):
             raise ConfigError("volume.octree", "An octree has no parameters: its scans are not known.")
-        config = replace(self._config, **wanted)
         if config == self._config:
             return
         check_resolution(self._low, self._high, config.resolution)
@@ -338,9 +336,8 @@ class VolumeModel(SessionModel, Volumetric):
         self._questions.clear(self._config.resolution, result)
         result.slot(self._surface.no_voxel())
 
-    def _set_look(self, wanted: dict[str, Any], result: TickResult) -> None:
-        check_names(wanted, LOOK_PARAMETERS)
-        look = replace(self._look, **wanted)
+    def _set_look(self, wanted: Values, result: TickResult) -> None:
+        look = with_values(self._look, wanted)
         if look.show == "surface":
             self._surface.replayed  # noqa: B018 - raises where there is none
         old, self._look = self._look, look

@@ -12,7 +12,6 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
 
 from server.csv_text import as_text
 from server.library.annotations.areas import Corner, area_of
@@ -73,10 +72,10 @@ def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
     return file.getvalue()
 
 
-def _feature(note: Note, frame: MapFrame) -> dict[str, Any]:
+def _feature(note: Note, frame: MapFrame) -> dict[str, object]:
     pin = note.pin
-    geometry: dict[str, Any] | None = None
-    more: dict[str, Any] = {}
+    geometry: dict[str, object] | None = None
+    more: dict[str, float] = {}
     if pin.outline is not None:
         geometry = {"type": "Polygon", "coordinates": [_ring(pin.outline, frame)]}
         more = {"area_m2": round(abs(area_of(pin.outline)), 4)}

@@ -6,10 +6,10 @@ import json
 import secrets
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from sqlalchemy import Connection, delete, func, insert, select, update
+from sqlalchemy import Connection, Row, delete, func, insert, select, update
 
 from mapper.core.errors import LimitError, MapperError
 from server.library.annotations.areas import Corner, centroid, crosses_itself, is_thin
@@ -168,31 +168,40 @@ def _too_many(count: str) -> LimitError:
 
 def _load(connection: Connection, log_id: str) -> Sequence[Note]:
     rows = connection.execute(select(notes).where(notes.c.log_id == log_id).order_by(notes.c.created_s, notes.c.id))
-    return [_note(dict(row._mapping)) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name for it
+    return [_note(row) for row in rows]
 
 
 def _own(connection: Connection, author: str, log_id: str, note_id: str) -> Note:
     row = connection.execute(select(notes).where(notes.c.id == note_id, notes.c.log_id == log_id)).first()
     if row is None:
         raise NoteNotFoundError("note.not_found", "There is no such note on this log; it may have been deleted.")
-    note = _note(dict(row._mapping))  # noqa: SLF001 - SQLAlchemy's public name for it
+    note = _note(row)
     if note.author != author:
         raise NoteReadOnlyError("note.read_only", "This note is another visitor's.")
     return note
 
 
-def _note(row: dict[str, Any]) -> Note:
-    pin = {name: row.pop(name) for name in ("at_s", "scan", "x", "y")}
-    corners = row.pop("outline")
-    outline = None if corners is None else tuple((x, y) for x, y in json.loads(corners))
-    return Note(pin=Pin(**pin, outline=outline), **row)
+def _note(row: Row[Any]) -> Note:
+    outline = None if row.outline is None else tuple((x, y) for x, y in json.loads(row.outline))
+    pin = Pin(row.at_s, row.scan, row.x, row.y, outline)
+    return Note(row.id, row.author, row.log_id, row.created_s, row.changed_s, row.text, pin)
 
 
-def _row(note: Note) -> dict[str, Any]:
-    values = asdict(note)
-    pin: dict[str, Any] = values.pop("pin")
-    outline = pin.pop("outline")
-    return values | pin | {"outline": None if outline is None else json.dumps(outline)}
+def _row(note: Note) -> dict[str, object]:
+    pin = note.pin
+    return {
+        "id": note.id,
+        "author": note.author,
+        "log_id": note.log_id,
+        "created_s": note.created_s,
+        "changed_s": note.changed_s,
+        "text": note.text,
+        "at_s": pin.at_s,
+        "scan": pin.scan,
+        "x": pin.x,
+        "y": pin.y,
+        "outline": None if pin.outline is None else json.dumps(pin.outline),
+    }
 
 
 def _plain(text: str) -> str:

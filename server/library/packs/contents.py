@@ -6,17 +6,16 @@ No pickle on either side: everything that is not an array of numbers is JSON in 
 from __future__ import annotations
 
 import json
-import uuid
-import zipfile
 from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError
 from mapper.io.contents.log_lines import LogLine
 from mapper.io.contents.model import Column, Contents, FrameEdge, Series, TopicContents
+from server.library.packs.arrays import UNREADABLE, write_arrays
 
 VERSION = 3
 
@@ -46,16 +45,10 @@ def write_contents(contents: Contents, path: Path) -> None:
         "lines": [astuple(line) for line in contents.lines],
         "lines_left_out": contents.lines_left_out,
     }
-    arrays: dict[str, Any] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
+    arrays: dict[str, NDArray[Any]] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
     for n, one in enumerate(contents.series):
         arrays |= {f"times{n}": one.stamps_ns, f"values{n}": one.values}
-    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
-    try:
-        with fresh.open("wb") as file:
-            np.savez(file, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    write_arrays(path, json.dumps(about), arrays)
 
 
 def read_contents(path: Path) -> Contents:
@@ -83,5 +76,5 @@ def read_contents(path: Path) -> Contents:
                 lines=tuple(LogLine(*line) for line in about["lines"]),
                 lines_left_out=about["lines_left_out"],
             )
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         raise StaleContentsError(f"{type(error).__name__}: {error}") from error

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import uuid
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -14,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mapper.core.array_types import UInt8Array
-from mapper.core.errors import MapperError
 from mapper.core.time_units import EPOCH_S
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
 from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
 from mapper.sensors.scan import Topic
+from server.library.packs.arrays import UNREADABLE, write_arrays
 from server.library.packs.log import StalePackError
 
 if TYPE_CHECKING:
@@ -42,17 +40,7 @@ def write_costmap_pack(streams: Mapping[str, CostmapStream], path: Path) -> None
             items.append(fields)
     about = {"version": VERSION, "kind": _KIND, "items": items}
     data = b"".join(kept.packed for stream in streams.values() for kept in stream.kept)
-    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
-    try:
-        with fresh.open("wb") as file:
-            np.savez(
-                file,
-                about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8),
-                costs=np.frombuffer(data, dtype=np.uint8),
-            )
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    write_arrays(path, json.dumps(about), {"costs": np.frombuffer(data, dtype=np.uint8)})
 
 
 def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
@@ -73,7 +61,7 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
             geometry = GridGeometry(resolution, rows, cols, tuple(origin))
             stream.keep(KeptCostmap(**item | {"geometry": geometry, "packed": data[begin:end]}))
             begin = end
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error
     return streams
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-import zipfile
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError, ReadError
+from mapper.core.errors import ReadError
+from server.library.packs.arrays import UNREADABLE, compressed_arrays
 from server.library.packs.reference_map import ReferenceMap
 
 MOST_ROWS = 300_000  #: particles that are kept of all scans together
@@ -59,10 +58,7 @@ def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArr
 
 def course_bytes(course: Course) -> bytes:
     """Return the file of a course."""
-    out = io.BytesIO()
-    arrays: dict[str, Any] = {name: getattr(course, name) for name in _ARRAYS} | course.given.arrays()
-    np.savez_compressed(out, **arrays)
-    return out.getvalue()
+    return compressed_arrays({name: getattr(course, name) for name in _ARRAYS} | course.given.arrays())
 
 
 def read_course(data: bytes) -> Course:
@@ -73,6 +69,6 @@ def read_course(data: bytes) -> Course:
             # Of a course that was made before it was stated, nothing is known to be sure.
             found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
             return Course(**found, given=ReferenceMap.of_arrays(arrays))
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         message = "The file of this localization cannot be read; localize the log again."
         raise ReadError("localization.file", message) from error

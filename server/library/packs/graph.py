@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from dataclasses import fields
 
 import numpy as np
 
-from mapper.core.errors import MapperError, ReadError
+from mapper.core.errors import ReadError
 from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam import LoopCandidates
+from server.library.packs.arrays import UNREADABLE, about_array, compressed_arrays
 
 VERSION = 1
 _GRAPH = tuple(field.name for field in fields(PoseGraph))
@@ -20,15 +20,12 @@ _TRIED = ("i", "j", "score", "inliers", "accepted")
 
 def graph_bytes(graph: PoseGraph, candidates: LoopCandidates) -> bytes:
     """Return the file of a graph and of the loops that were tried."""
-    out = io.BytesIO()
-    about = json.dumps({"version": VERSION, "reasons": list(candidates.reason)}).encode()
-    np.savez_compressed(
-        out,
-        about=np.frombuffer(about, dtype=np.uint8),
-        **{f"graph_{name}": getattr(graph, name) for name in _GRAPH},
-        **{f"tried_{name}": getattr(candidates, name) for name in _TRIED},
+    about = json.dumps({"version": VERSION, "reasons": list(candidates.reason)})
+    return compressed_arrays(
+        {"about": about_array(about)}
+        | {f"graph_{name}": getattr(graph, name) for name in _GRAPH}
+        | {f"tried_{name}": getattr(candidates, name) for name in _TRIED}
     )
-    return out.getvalue()
 
 
 def read_graph(data: bytes) -> tuple[PoseGraph, LoopCandidates]:
@@ -41,5 +38,5 @@ def read_graph(data: bytes) -> tuple[PoseGraph, LoopCandidates]:
             graph = PoseGraph(**{name: arrays[f"graph_{name}"] for name in _GRAPH})
             tried = {name: arrays[f"tried_{name}"] for name in _TRIED}
             return graph, LoopCandidates(**tried, reason=tuple(map(str, about["reasons"])))
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         raise ReadError("graph.file", "The file of this pose graph cannot be read; run SLAM again.") from error

@@ -7,8 +7,6 @@ sensors share, as the poses of tf, is stored once.
 from __future__ import annotations
 
 import json
-import uuid
-import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, fields, replace
@@ -20,12 +18,13 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError, ReadError
+from mapper.core.errors import ReadError
 from mapper.sensors.georeference import Offset
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
+from server.library.packs.arrays import UNREADABLE, write_arrays
 
 VERSION = 7
 
@@ -149,18 +148,8 @@ def write_pack(log: RobotLog, path: Path) -> None:
         transforms=log.transforms,
         sensors=[_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
     )
-    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
-    try:
-        with fresh.open("wb") as file:
-            stored: dict[str, Any] = {str(number): array for number, array in enumerate(arrays.values())}
-            np.savez(
-                file,
-                about=np.frombuffer(json.dumps(about, allow_nan=False, default=_plain).encode(), dtype=np.uint8),
-                **stored,
-            )
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    stored = {str(number): array for number, array in enumerate(arrays.values())}
+    write_arrays(path, json.dumps(about, allow_nan=False, default=_plain), stored)
 
 
 def _plain(value: Struct | Topic | TransformEdge) -> dict[str, Any]:
@@ -230,7 +219,7 @@ def _opened(path: Path) -> Iterator[tuple[_About, Load]]:
                 return known[number]
 
             yield about, load
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error
 
 

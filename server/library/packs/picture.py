@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
-import uuid
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from mapper.core.array_types import UInt8Array
+from mapper.core.atomic_file import atomic_write
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
@@ -51,13 +50,8 @@ def png_of(codes: UInt8Array, *, dark: bool = False) -> bytes:
 
 def write_codes(codes: UInt8Array, path: Path) -> None:
     """Write the picture of ``codes``, in the colours of a light page."""
-    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
-    try:
-        fresh.write_bytes(png_of(codes))
-        fresh.replace(path)
-    finally:
-        with contextlib.suppress(OSError):
-            fresh.unlink(missing_ok=True)
+    with atomic_write(path) as file:
+        file.write(png_of(codes))
 
 
 def read_picture(path: Path, *, dark: bool) -> bytes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
+from server.library.packs.arrays import UNREADABLE, compressed_arrays
 
 VERSION = 1
 
@@ -66,8 +66,7 @@ class ReferenceMap:
     def write(self, path: Path) -> None:
         """Write the map's file. Raises :class:`OSError`."""
         with atomic_write(path) as file:
-            arrays: dict[str, Any] = {**self.arrays()}
-            np.savez_compressed(file, **arrays)
+            file.write(compressed_arrays(self.arrays()))
 
     def public(self) -> MapAnswer:
         """Return what the HTTP interface shows."""
@@ -122,5 +121,5 @@ def read_reference_map(path: Path) -> ReferenceMap:
     try:
         with np.load(path, allow_pickle=False) as arrays:
             return ReferenceMap.of_arrays(arrays)
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
+    except UNREADABLE:
         raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import uuid
-import zipfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError
 from mapper.sensors.camera import Intrinsics
 from mapper.volume import Octree, OctreeFile
 from mapper.volume.scans.depth_sequence import DepthSequence
 from mapper.volume.scans.scan_sequence import FIELDS, ScanSequence
+from server.library.packs.arrays import UNREADABLE, write_arrays
 from server.library.packs.log import StalePackError
 
 VERSION = 3
@@ -43,15 +41,7 @@ def write_volume_pack(source: VolumeSource, path: Path) -> None:
         if source.depth is not None:
             about |= {"camera": asdict(source.depth.camera), "unit": source.depth.unit}
             arrays |= {"images": source.depth.images, "poses": source.depth.poses}
-    text = json.dumps(about | {"version": VERSION}).encode()
-    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
-    try:
-        with fresh.open("wb") as file:
-            stored: dict[str, Any] = {**arrays}
-            np.savez(file, about=np.frombuffer(text, dtype=np.uint8), **stored)
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    write_arrays(path, json.dumps(about | {"version": VERSION}), arrays)
 
 
 def read_volume_pack(path: Path) -> VolumeSource:
@@ -74,5 +64,5 @@ def read_volume_pack(path: Path) -> VolumeSource:
                 arrays["offset"], {name: arrays[name] for name in FIELDS if name in arrays}, tuple(about["notes"]),
                 depth,
             )  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
+    except UNREADABLE as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error

@@ -15,6 +15,7 @@ from server.jobs.leases import Lease, Leases, Once
 from server.jobs.record import Failure
 from server.library.logs.catalogue import INTERRUPTED, UNSTORED, Catalogue
 from server.library.logs.records import Record
+from server.library.packs.arrays import halves_of
 from server.library.processing.reader import Reader
 from server.storage import StorageError
 
@@ -137,7 +138,7 @@ class Jobs:
     def _ended(self, log_id: str) -> None:
         self._jobs.pop(log_id, None)
         for path in (self._catalogue.pack(log_id), self._catalogue.picture(log_id)):
-            for half in path.parent.glob(f"{path.name}.*.new"):
+            for half in halves_of(path):
                 half.unlink(missing_ok=True)
 
     async def _pack(self, record: Record, pack: Path | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
@@ -20,6 +20,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.sessions import SessionRegistry
+from server.sessions.kind import GivenValues
 from server.sessions.parts import Comparable
 from server.sessions.view import Wanted
 from server.stream.message_parts import Compared
@@ -35,7 +36,7 @@ class Other(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    values: dict[str, Any] = Field({}, description="Parameters set for A; all others are the session's.")
+    values: GivenValues = Field({}, description="Parameters set for A; all others are the session's.")
     trajectory: str | None = Field(None, max_length=200, description="Trajectory of A; by default the log's first.")
     log: str | None = Field(None, max_length=200, description="Id of another log, as in /api/logs.")
     topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")

@@ -29,6 +29,7 @@ from server.library.processing.localization import (
 )
 from server.library.processing.log_jobs import Parameters, ParameterTable
 from server.sessions.commands import ShowReferenceMap
+from server.sessions.kind import GivenValues
 from server.sessions.parts import FilterHistory, Localized
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class NewLocalization(BaseModel):
         None, description="Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere."
     )
     odometry: str | None = Field(None, max_length=200, description="Trajectory that is the odometry; else the log's.")
-    parameters: dict[str, Any] = Field(
+    parameters: GivenValues = Field(
         default_factory=dict, max_length=50,
         description="Parameters, as GET /api/localization/parameters names them.",
     )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Body, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
@@ -24,6 +24,7 @@ from server.library.processing.merging import MergeReport, MergeRequest, MergeSt
 from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
+from server.sessions.kind import GivenValues
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
 
@@ -44,7 +45,7 @@ class NewSlam(BaseModel):
     trajectory: str | None = Field(
         None, max_length=200, description="Trajectory to begin with; where it is left out, the log's odometry."
     )
-    parameters: dict[str, Any] = Field(
+    parameters: GivenValues = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
     )
     cut: dict[str, FiniteFloat] | None = Field(
@@ -52,7 +53,7 @@ class NewSlam(BaseModel):
         max_length=20,
         description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
     )
-    mapping: dict[str, Any] | None = Field(
+    mapping: GivenValues | None = Field(
         None,
         max_length=50,
         description="Parameters of the map that the poses are for, see /api/parameters: SLAM uses its mount and its "
@@ -65,7 +66,7 @@ class PoseCorrection(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    parameters: dict[str, Any] = Field(
+    parameters: GivenValues = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
     )
 
@@ -103,7 +104,7 @@ class OtherLog(BaseModel):
         max_length=20,
         description="How its scans are cut out of clouds and depth images, see /api/parameters; else as here.",
     )
-    mapping: dict[str, Any] | None = Field(
+    mapping: GivenValues | None = Field(
         None,
         max_length=50,
         description="Parameters of its map, see /api/parameters: its mount and its time offset are used; else as here.",
@@ -119,7 +120,7 @@ async def parameters(_visitor: Visitor) -> ParameterTable:
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> SlamStatus:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, SlamRequest(**wanted.model_dump()))
+    state = await library.slam.begin(visitor, log_id, SlamRequest(**dict(wanted)))
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
-from mapper.core.parameter import check_names
+from mapper.core.parameter import with_values
 from mapper.volume import TsdfConfig, surface_mesh
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh, cut_between
@@ -102,8 +102,7 @@ class VolumeSurface:
 
     def set_values(self, wanted: Mapping[str, Any]) -> bool:
         """Use other parameters; return whether the surface has to be made again. Raises :class:`ConfigError`."""
-        check_names(wanted, TSDF_PARAMETERS)
-        config = replace(self.config, **wanted)
+        config = with_values(self.config, wanted)
         self.replayed  # noqa: B018 - raises where there is none
         return self.use(config)
 
