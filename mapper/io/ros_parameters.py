@@ -47,7 +47,7 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     try:
         root = load_untrusted(text)
     except AliasError as error:
-        raise ReadError("parameters.alias", "The parameter file has an alias, which is not read.") from error
+        raise ReadError("parameters.alias", f"The parameter file is endless: {error.problem}.") from error
     except DepthError as error:
         raise ReadError("parameters.depth", f"The parameter file is nested deeper than {MAX_DEPTH} levels.") from error
     except CountError as error:

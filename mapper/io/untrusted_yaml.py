@@ -1,8 +1,9 @@
-"""YAML of untrusted sources: a loader without aliases, with limits of nesting, of values and of integers.
+"""YAML of untrusted sources: a loader with limits of nesting, of values and of integers.
 
-Few lines of aliases describe gigabytes, and PyYAML reads nested lists by recursion and integers of any length in
-quadratic time. Besides its own errors, PyYAML raises others for values that are no instance of their tag. libyaml reads
-the text, some ten times as fast as PyYAML's own parser; PyYAML makes the values of it, some ten microseconds each.
+Few lines of aliases describe gigabytes: the values that each stands for count again. PyYAML reads nested lists by
+recursion and integers of any length in quadratic time. Besides its own errors, PyYAML raises others for values that are
+no instance of their tag. libyaml reads the text, some ten times as fast as PyYAML's own parser; PyYAML makes the values
+of it, some ten microseconds each.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ LONGEST_INTEGER = 100  #: characters; the longest integer of 64 bits is binary, 
 
 
 class AliasError(yaml.MarkedYAMLError):
-    """The text has an alias."""
+    """The text has an alias of a list or mapping within itself."""
 
 
 class DepthError(yaml.MarkedYAMLError):
@@ -40,6 +41,7 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
     most_values: ClassVar[int] = 10_000  #: with keys, lists and mappings; a whole Nav2 stack's file has some 1500
     _level = 0
     _count = 0
+    _deepest = 0  #: the greatest level within the node that is composed
 
     def __init__(self, text: str) -> None:
         # Lone surrogates, which are no UTF-8, are refused by libyaml with a yaml.YAMLError.
@@ -47,23 +49,33 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
         Composer.__init__(self)
         SafeConstructor.__init__(self)
         Resolver.__init__(self)
+        self._anchored: dict[str, tuple[int, int]] = {}  #: values and levels of each node with a name
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         """Return the next node."""
         event = self.peek_event()
         mark: Any = event.start_mark if event is not None else None
-        if self._level >= self.most_levels:
+        values, levels = 1, 1
+        if isinstance(event, yaml.AliasEvent) and event.anchor in self.anchors:
+            if event.anchor not in self._anchored:
+                raise AliasError(None, None, f"{event.anchor!r:.40} is within itself", mark)
+            values, levels = self._anchored[event.anchor]
+        if self._level + levels > self.most_levels:
             raise DepthError(None, None, "it is nested too deeply", mark)
-        if self._count >= self.most_values:
+        if self._count + values > self.most_values:
             raise CountError(None, None, f"it has more than {self.most_values} values", mark)
-        if isinstance(event, yaml.AliasEvent):
-            raise AliasError(None, None, "aliases are not allowed", mark)
+        before, outside = self._count, self._deepest
         self._level += 1
-        self._count += 1
+        self._count += values
+        self._deepest = self._level + levels - 1
         try:
-            return super().compose_node(parent, index)
+            node = super().compose_node(parent, index)
         finally:
             self._level -= 1
+        if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
+            self._anchored[event.anchor] = (self._count - before, self._deepest - self._level)
+        self._deepest = max(self._deepest, outside)
+        return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:  # noqa: ANN401 - PyYAML's own
         """Return the value of a node."""

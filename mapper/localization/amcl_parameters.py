@@ -1,7 +1,7 @@
 """Parameters of AMCL as yaml: Nav2's layout (``amcl: ros__parameters:``) and that of ROS 1 (names by themselves).
 
-Only plain scalars count, and aliases are refused, as in the yaml of a map. Source: the documentation of nav2_amcl
-(docs.nav2.org) and of amcl (wiki.ros.org/amcl), for names and defaults.
+Only plain scalars count. Source: the documentation of nav2_amcl (docs.nav2.org) and of amcl (wiki.ros.org/amcl), for
+names and defaults.
 """
 
 from __future__ import annotations

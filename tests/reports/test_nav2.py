@@ -83,6 +83,9 @@ WAYS = {
              "b.plugin: nav2_costmap_2d::InflationLayer"),
     "both": ("b: {inflation_radius: 0.9}", "plugins: [a, b]", "a: {plugin: nav2_costmap_2d::StaticLayer}",
              "b.plugin: nav2_costmap_2d::InflationLayer"),
+    "names of values": ("plugins: [a, b]", "a: {plugin: nav2_costmap_2d::StaticLayer}",
+                        "c: &c {plugin: nav2_costmap_2d::InflationLayer, inflation_radius: 0.1}",
+                        "b: {<<: *c, inflation_radius: 0.9}"),
 }  # fmt: skip
 
 

@@ -24,7 +24,7 @@ HOSTILE = {
     "an integer of 20,000 bits": ("0x" + "f" * 5000, "more than 64 bits"),
     "an integer to the base of 60": (":".join(["59"] * 20_000), "more than 64 bits"),
     "a float to the base of 60": (":".join(["59"] * 200) + ".5", "is no float"),
-    "an alias": ("[&a 1, *a]", "alias"),
+    "a list within itself": ("[&a [1, *a]]", "'a' is within itself"),
     "deep lists": ("[" * 9000, "nested"),
     "a list of very many values": ("[" + "1," * 30_000 + "1]", "may have 10000 keys, values and lists"),
 }
@@ -44,6 +44,25 @@ def test_each_parameter_file_with_it_is_refused(node, parse, case):
     with pytest.raises(MapperError, match=re.escape(said)) as refused:
         parse(f"{node}: {value}\n".encode())
     assert len(refused.value.message) < 300
+
+
+LAUGHS = "&a [x, x]" + "".join(f", &{c} [*{p}, *{p}]" for p, c in zip("abcdefghijkl", "bcdefghijklm", strict=True))
+
+
+def test_values_that_are_named_again_count_again():
+    assert load_untrusted("{a: &a [1, 2], b: {<<: &b {c: 3, d: 4}, c: 5}, e: [*a, *b]}") == {
+        "a": [1, 2],
+        "b": {"c": 5, "d": 4},
+        "e": [[1, 2], {"c": 3, "d": 4}],
+    }
+    assert load_untrusted("[&a [1, 1, 1], " + "*a, " * 2_498 + "1, 1, 1]")[-4] == [1, 1, 1]  # each has four values
+    with pytest.raises(yaml.YAMLError, match="more than 10000 values"):
+        load_untrusted("[&a [1, 1, 1], " + "*a, " * 2_498 + "1, 1, 1, 1]")
+    with pytest.raises(yaml.YAMLError, match="more than 10000 values"):
+        load_untrusted(f"[{LAUGHS}]")
+    deep = "".join(f", &{c} [[[*{p}]]]" for p, c in zip("abcdef", "bcdefg", strict=True))
+    with pytest.raises(yaml.YAMLError, match="nested too deeply"):
+        load_untrusted(f"[&a [x]{deep}]")
 
 
 def test_as_many_values_as_are_allowed_are_loaded():

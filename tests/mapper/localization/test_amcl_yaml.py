@@ -153,7 +153,7 @@ def test_a_remark_is_checked_as_a_value():
         (b"just words", "no names with values"),
         (b"", "no names with values"),
         (b"amcl: {}", "no parameters of AMCL"),
-        (b"a: &x 1\nb: *x\n", "an alias"),
+        (b"a: &x [*x]\n", "'x' is within itself"),
         (b"\xff\xfe\x00", "not UTF-8"),
         (b"[" * 5000, "nested deeper"),
         (b"z_hit: " + b"0" * 1_100_000, "may have 1048576 bytes"),
