@@ -162,7 +162,7 @@ class Client:
 
     def delete(self, log: Log) -> None:
         """Delete a log that this visitor uploaded, and its links."""
-        self._told("DELETE", f"/api/logs/{log.id}")
+        self._send("DELETE", f"/api/logs/{log.id}")
 
     # -- sessions --------------------------------------------------------------------------------------------------
 
@@ -223,7 +223,7 @@ class Client:
 
     def end(self, session: Session) -> None:
         """End a session that this visitor began."""
-        self._told("DELETE", f"/api/sessions/{session.id}")
+        self._send("DELETE", f"/api/sessions/{session.id}")
 
     def address(self, session: Session) -> str:
         """Return the address of the page of a log's session, for those who may use the service."""
@@ -342,7 +342,7 @@ class Client:
     def _asked(self, method: str, path: str, **options: Any) -> dict[str, Any]:  # noqa: ANN401 - httpx's own
         return dict(self._answer(method, path, **options).json())
 
-    def _told(self, method: str, path: str) -> None:
+    def _send(self, method: str, path: str) -> None:
         self._answer(method, path)
 
     def _answer(self, method: str, path: str, **options: Any) -> httpx.Response:  # noqa: ANN401 - httpx's own

@@ -40,7 +40,7 @@ class ClientPace:
         return min(STALLED_S, max(0.0, allowed - self._seconds))
 
     @property
-    def told(self) -> dict[str, float]:
+    def figures(self) -> dict[str, float]:
         """Return what a log tells of it."""
         return {"bytes": self._bytes, "seconds": round(self._seconds, 1)}
 
@@ -90,7 +90,7 @@ class Download(Response):
                         await send({"type": "http.response.body", "body": part, "more_body": True})
                     pace.accept(len(part), clock() - began)
             except TimeoutError:
-                _log.info("a download was ended: its client stalled or is too slow", **pace.told)
+                _log.info("a download was ended: its client stalled or is too slow", **pace.figures)
                 return  # uvicorn then closes the connection, so that the client sees that the file is incomplete
             piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.body", "body": b"", "more_body": False})

@@ -49,12 +49,12 @@ from server.library.processing.relation_scores import RelationScores
 from server.library.processing.slam import SlamKind
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
-from server.library.store.availability import Standing
 from server.library.store.blobs import Blobs
 from server.library.store.changes import Changes
 from server.library.store.common_files import CommonFiles
 from server.library.store.database import Database
 from server.library.store.identity import belong_together
+from server.library.store.known_paths import KnownPaths
 from server.library.store.lease_rows import LeaseRows
 from server.library.store.sign_in_ends import SignInEnds
 from server.library.uploads.receiver import Part, UploadReceiver
@@ -104,7 +104,7 @@ class Library:
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root, of_workers=settings.workers > 1)
-        self._standing = Standing([root, scratch, *([self._database.file] if self._database.file else [])])
+        self._known_paths = KnownPaths([root, scratch, *([self._database.file] if self._database.file else [])])
         self.links = Links(self._database)
         self.notes = Notes(self._database)
         self.sign_in_ends = SignInEnds(self._database)
@@ -269,7 +269,7 @@ class Library:
 
     def check_stores(self) -> None:
         """Raise :class:`StorageError` if the data folder or the database was moved, removed or made read-only."""
-        self._standing.check()
+        self._known_paths.check()
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from mapper.sensors.scan import ScanLog
-    from server.library.packs.course import Course
+    from server.library.packs.filter_states import FilterStates
     from server.library.packs.reference_map import ReferenceMap
     from server.library.processing.localization import LocalizeProgress
     from server.sessions.parts import UploadedCosts
@@ -56,11 +56,11 @@ class ShowReferenceMap(Struct):
     map: ReferenceMap
 
 
-class ShowCourse(Struct):
+class ShowFilterStates(Struct):
     """How certain the filter was along a trajectory."""
 
     trajectory: str
-    course: Course
+    states: FilterStates
 
 
 class UseTerrain(Struct, tag_field="type", tag="use_terrain"):

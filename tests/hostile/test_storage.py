@@ -8,7 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from server.library.store.availability import Standing
+from server.library.store.known_paths import KnownPaths
 from server.storage import StorageError
 from tests.server.service import Service, once_read, running, settings_for
 
@@ -60,7 +60,7 @@ def test_another_folder_in_its_place_is_not_taken_for_it(service: Service, folde
 
 
 def test_a_folder_that_turns_read_only_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    standing = Standing([tmp_path])
+    standing = KnownPaths([tmp_path])
     standing.check()
     monkeypatch.setattr("os.access", lambda path, mode: False)
     with pytest.raises(StorageError) as refused:

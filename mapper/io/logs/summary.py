@@ -82,6 +82,24 @@ class LogSummary:
     map: MapSummary | None = None  #: of map files, which have no scans
 
 
+#: Figures of a record without scans, of which the rest is stated with ``dataclasses.replace``.
+NO_SCANS = LogSummary(
+    name="",
+    format="",
+    scans=0,
+    beams=0,
+    duration_s=0.0,
+    field_of_view_deg=0.0,
+    angle_min=0.0,
+    angle_increment=0.0,
+    range_max=0.0,
+    mount=(0.0, 0.0, 0.0),
+    readings=ReadingCounts(0, 0, 0),
+    trajectories=(),
+    notes=(),
+)
+
+
 def summarise(log: ScanLog) -> LogSummary:
     """Return the figures of ``log``."""
     seconds, parts = recorded_seconds(log), sensors_of(log)

@@ -41,7 +41,7 @@ from server.storage import StorageError
 from server.work.fair_lock import FairLock
 
 FILES = "trajectories"  #: the folder of the store
-TUM, GRAPH, COURSE = "tum", "graph", "course"  #: endings of its files
+TUM, GRAPH, FILTER_STATES = "tum", "graph", "course"  #: endings of its files
 MAX_NAME = 80  #: characters of a name
 MAX_OF_LOG = 20  #: trajectories that one visitor may add to a log
 MAX_OF_OWNER = 200  #: and to all logs together
@@ -56,7 +56,8 @@ _log = structlog.get_logger(__name__)
 class NewTrajectory:
     """A trajectory to be added: its TUM ``text``, and the files of what it was computed with.
 
-    These are the pose ``graph`` of SLAM, or the ``course`` of localization (:mod:`server.library.packs.course`).
+    These are the pose ``graph`` of SLAM, or the ``filter_states`` of localization
+    (:mod:`server.library.packs.filter_states`).
     """
 
     name: str
@@ -64,12 +65,12 @@ class NewTrajectory:
     source: TrajectorySource = "tum"
     description: str = "the poses of an uploaded TUM file"
     graph: bytes | None = None
-    course: bytes | None = None
+    filter_states: bytes | None = None
 
     @property
     def files(self) -> dict[str, bytes]:
         """The files beside the TUM file, by their endings."""
-        both = {GRAPH: self.graph, COURSE: self.course}
+        both = {GRAPH: self.graph, FILTER_STATES: self.filter_states}
         return {ending: data for ending, data in both.items() if data is not None}
 
 
@@ -229,7 +230,7 @@ class Trajectories:
             await self._remove_files(one.id)
 
     async def _remove_files(self, trajectory_id: str) -> None:
-        for kind in (TUM, GRAPH, COURSE):
+        for kind in (TUM, GRAPH, FILTER_STATES):
             await self._files.delete(f"{trajectory_id}.{kind}")
 
     async def text(self, owner: str, log_id: str, name: str) -> bytes:
@@ -246,12 +247,12 @@ class Trajectories:
         async with self._files.file(f"{added.id}.{GRAPH}") as path:
             return await asyncio.to_thread(_bytes_of, path)
 
-    async def course(self, owner: str, log_id: str, name: str) -> bytes | None:
-        """Return the file of a localization's course, None where it has none. Raises as :meth:`text`."""
+    async def filter_states(self, owner: str, log_id: str, name: str) -> bytes | None:
+        """Return the file of the filter's states of a localization, None where it has none. Raises as :meth:`text`."""
         added = self.get(owner, log_id, name)
         if added.source != "localized":
             return None
-        async with self._files.file(f"{added.id}.{COURSE}") as path:
+        async with self._files.file(f"{added.id}.{FILTER_STATES}") as path:
             return await asyncio.to_thread(_bytes_of, path)
 
     async def joined(self, owner: str, log_id: str, log: ScanLog) -> ScanLog:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ from mapper.core.array_types import UInt8Array
 from mapper.core.time_units import EPOCH_S
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
-from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
+from mapper.io.logs.summary import NO_SCANS, LogSummary, TimeSummary
 from mapper.sensors.scan import Topic
 from server.library.packs.arrays import UNREADABLE, write_arrays
 from server.library.packs.log import StalePackError
@@ -88,19 +88,11 @@ def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSu
     bad = sum(stream.bad for stream in streams.values())
     notes = ["The recording has costmaps and no scans: they are shown, and no map is made."]
     notes += [f"{bad} costmaps could not be read."] if bad else []
-    return LogSummary(
+    return replace(
+        NO_SCANS,
         name=name,
         format="costmaps",
-        scans=0,
-        beams=0,
         duration_s=float(stamps[-1] - stamps[0]),
-        field_of_view_deg=0.0,
-        angle_min=0.0,
-        angle_increment=0.0,
-        range_max=0.0,
-        mount=(0.0, 0.0, 0.0),
-        readings=ReadingCounts(0, 0, 0),
-        trajectories=(),
         notes=tuple(notes),
         time=TimeSummary(
             start_s=float(stamps[0]) if EPOCH_S[0] < stamps[0] < EPOCH_S[1] else None,

@@ -20,7 +20,7 @@ from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import TEXT, cloud_format
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.opening import is_log
-from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
+from mapper.io.logs.summary import NO_SCANS, LogSummary, TimeSummary
 from mapper.volume.occupancy.volume import centres_of
 from mapper.volume.octree.files import is_octree, octree_of_bytes
 from mapper.volume.scans.scan_sequence import UPS, ScanSequence, gather
@@ -100,19 +100,11 @@ def summarise_volume(source: VolumeSource, name: str) -> LogSummary:
 def _summary(
     name: str, kind: str, clouds: int, points: int, notes: tuple[str, ...], time: TimeSummary | None, duration: float
 ) -> LogSummary:
-    return LogSummary(
+    return replace(
+        NO_SCANS,
         name=name,
         format=kind,
-        scans=0,
-        beams=0,
         duration_s=duration,
-        field_of_view_deg=0.0,
-        angle_min=0.0,
-        angle_increment=0.0,
-        range_max=0.0,
-        mount=(0.0, 0.0, 0.0),
-        readings=ReadingCounts(0, 0, 0),
-        trajectories=(),
         notes=notes,
         time=time,
         clouds=clouds,

@@ -1,7 +1,7 @@
 """Localization as a kind of jobs on logs: what it makes is one more trajectory of the log, in the frame of a map.
 
 The worker process writes files: how far it is with the poses and the particles so far while it runs, the trajectory and
-the course in the end.
+the states of the filter in the end.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
-from server.library.packs.course import Course, course_bytes, thinned
+from server.library.packs.filter_states import FilterStates, filter_states_bytes, thinned
 from server.library.packs.log import log_in
 from server.library.packs.reference_map import read_reference_map
 from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
@@ -37,10 +37,10 @@ if TYPE_CHECKING:
 
 EVERY_S = 0.4  #: seconds between two reports
 MOST_SHOWN = 2000  #: particles of a report
-KEPT_OF_SCAN = 250  #: particles of a scan in the course
+KEPT_OF_SCAN = 250  #: particles of a scan in the file
 
 #: Endings of the files, after the job's ``out``.
-PROGRESS, TUM, COURSE = ".progress", ".tum", ".course"
+PROGRESS, TUM, FILTER_STATES = ".progress", ".tum", ".course"
 
 _NUMBERS = ("fraction", "is_converged", "is_sure", "share", "fit", "entropy", "n_particles", "n_updates")
 
@@ -142,12 +142,12 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
         watch=watch,
     )  # fmt: skip
     offsets, particles = thinned(watch.clouds)
-    course = Course(
+    states = FilterStates(
         found.covariance, found.is_converged, found.is_sure, found.is_updated, found.share, found.fit, found.entropy,
         found.n_particles, offsets, particles, given,
     )  # fmt: skip
     log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses, from_scans=True)})
-    Path(job.out + COURSE).write_bytes(course_bytes(course))
+    Path(job.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
     Path(job.out + TUM).write_text(tum_text(log, LOCALIZED), encoding="ascii")
     process.note_progress(1.0)
     used = found.fit[found.is_updated]
@@ -295,7 +295,7 @@ class LocalizationKind:
         )
 
     async def run(self, run: Run[LocalizationRequest, LocalizeProgress]) -> LocalizationResult:
-        """Localize a log, and add the poses in the map to it with their course.
+        """Localize a log, and add the poses in the map to it with the states of the filter.
 
         Raises :class:`ConfigError` where no map was chosen.
         """
@@ -319,8 +319,8 @@ class LocalizationKind:
             when += ", not sure of the place at the end"
         start = "anywhere" if pose is None else "a given pose"
         said = f"localized in {found.map_title} by the poses of {found.odometry}, from {start}, {when}"
-        text, course = await run.made(TUM), await run.made(COURSE)
-        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, course=course))
+        text, states = await run.made(TUM), await run.made(FILTER_STATES)
+        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, filter_states=states))
         rounded = replace(found, cpu_s=round(found.cpu_s, 2), median_fit=round(found.median_fit, 4))
         return LocalizationResult(**asdict(rounded), trajectory=name)
 

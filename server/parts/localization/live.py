@@ -21,17 +21,17 @@ class LocalizationView(Part):
 
     def __init__(self, mapper: LiveMap) -> None:
         self._mapper = mapper
-        self._one: LabLocalization | None = None
+        self._filter: LabLocalization | None = None
 
     @property
     def layers(self) -> tuple[Layer, ...]:
         """The particles and the likelihood field while it is on."""
-        return () if self._one is None else self._one.layers
+        return () if self._filter is None else self._filter.layers
 
     @property
     def cells(self) -> int:
         """Cells of the grids that it holds."""
-        return 0 if self._one is None else self._one.cells
+        return 0 if self._filter is None else self._filter.cells
 
     def messages(self) -> list[LocalizationMessage]:
         """Return the message ``localization``."""
@@ -39,7 +39,7 @@ class LocalizationView(Part):
 
     def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
-        return OFF if self._one is None else self._one.message()
+        return OFF if self._filter is None else self._filter.message()
 
     def handle(self, command: LocalizeCommand, result: TickResult) -> None:
         """Begin to localize the robot in a plan of the present world, change the parameters, or end it.
@@ -47,12 +47,12 @@ class LocalizationView(Part):
         Raises :class:`mapper.core.errors.ConfigError`; nothing has changed then.
         """
         if not command.value:
-            self._one = None
-        elif command.keep and self._one is not None and self._one.given == command.map:
-            self._one.change(command.values)
+            self._filter = None
+        elif command.keep and self._filter is not None and self._filter.given == command.map:
+            self._filter.change(command.values)
         else:
             mapper, simulation = self._mapper, self._mapper.simulation
-            self._one = LabLocalization(
+            self._filter = LabLocalization(
                 simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, command.values, command.map
             )
         result.changed = True
@@ -61,18 +61,18 @@ class LocalizationView(Part):
     def changed(self, result: TickResult) -> None:
         """Let the filter see the newest scan."""
         mapper, scan = self._mapper, self._mapper.newest
-        if self._one is None or scan is None or mapper.hidden:
+        if self._filter is None or scan is None or mapper.hidden:
             return
-        if self._one.look(scan, mapper.newest_pose):
+        if self._filter.look(scan, mapper.newest_pose):
             result.changed = True
             result.slot(self.message())
 
     def note(self, command: Struct, result: TickResult) -> None:
         """End with another sensor or world; of a robot that was carried elsewhere the filter is not told."""
-        if self._one is None:
+        if self._filter is None:
             return
         if isinstance(command, TeleportCommand):
-            self._one.carried(self._mapper.newest_pose)
+            self._filter.note_teleport(self._mapper.newest_pose)
         elif isinstance(command, SensorCommand | WorldCommand | RestartCommand):
-            self._one = None
+            self._filter = None
             result.slot(OFF)

@@ -44,7 +44,7 @@ MAPS: Mapping[str, Callable[[World], World]] = {
 class LabLocalization:
     """A filter that is given a plan of the world as it was when it began, odometry with errors, and the scans.
 
-    It is not told of teleports: :meth:`carried`. ``message`` is what the page shows of it.
+    It is not told of teleports: :meth:`note_teleport`. ``message`` is what the page shows of it.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class LabLocalization:
         """Cells of the grids that it holds."""
         return 3 * self._filter.model.geometry.rows * self._filter.model.geometry.cols
 
-    def carried(self, pose: PoseTuple) -> None:
+    def note_teleport(self, pose: PoseTuple) -> None:
         """Note that the robot was carried to ``pose``: its wheels did not turn."""
         self._odometer.carry(pose)
         self._true = pose

@@ -11,7 +11,7 @@ from msgspec import Struct, structs
 
 from mapper.core.errors import ConfigError
 from mapper.mapping.parameters import MappingConfig
-from server.library.packs.course import Course, read_course
+from server.library.packs.filter_states import FilterStates, read_filter_states
 from server.library.packs.reference_map import ReferenceMap
 from server.parts.localization.messages import (
     COLUMNS,
@@ -20,7 +20,7 @@ from server.parts.localization.messages import (
     rounded_covariance,
     rounded_pose,
 )
-from server.sessions.commands import PosesEnded, PosesSoFar, ShowCourse, ShowReferenceMap
+from server.sessions.commands import PosesEnded, PosesSoFar, ShowFilterStates, ShowReferenceMap
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
 from server.sessions.parts import FilterHistory, GraphSource, Localized, Recording
@@ -38,15 +38,15 @@ MOST_POINTS = 1000  #: of the series that pages plot
 class LogLocalization(Part, Localized):
     """View of a running localization job, and of a trajectory from one."""
 
-    commands = (ShowReferenceMap, ShowCourse)
+    commands = (ShowReferenceMap, ShowFilterStates)
 
     def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
-        self._changing = asyncio.Lock()  #: held while a course is read
-        self._newest: tuple[str, Course] | None = None  #: which the model may not show yet
-        self._shown: tuple[str, Course] | None = None
+        self._changing = asyncio.Lock()  #: held while a file is read
+        self._newest: tuple[str, FilterStates] | None = None  #: which the model may not show yet
+        self._shown: tuple[str, FilterStates] | None = None
         self._report: LocalizeProgress | None = None
-        self._drawn: tuple[Course, int] | None = None  #: the course and the scan whose particles are in the layer
+        self._drawn: tuple[FilterStates, int] | None = None  #: the states and the scan whose particles are in the layer
         self._given: ReferenceMap | None = None
         self._map: GridLayer | None = None
         self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
@@ -56,7 +56,7 @@ class LogLocalization(Part, Localized):
     @property
     def layers(self) -> tuple[Layer, ...]:
         """The reference map, and the particles while there are some."""
-        is_on = self._report is not None or self._course is not None
+        is_on = self._report is not None or self._states is not None
         given = () if self._map is None else (self._map,)
         return (*given, self._particles) if is_on else given
 
@@ -66,8 +66,8 @@ class LogLocalization(Part, Localized):
         return 0 if self._given is None else int(self._given.values.size)
 
     @property
-    def _course(self) -> Course | None:
-        """The course of the trajectory in use."""
+    def _states(self) -> FilterStates | None:
+        """The states of the filter along the trajectory in use."""
         shown = self._shown
         return shown[1] if shown is not None and shown[0] == self._recording.trajectory else None
 
@@ -89,13 +89,13 @@ class LogLocalization(Part, Localized):
             raise ConfigError("costmap.no_given_map", "There is no reference map: choose one in the group Localize.")
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
-    def handle(self, command: ShowReferenceMap | ShowCourse, result: TickResult) -> None:
-        """Show a map, or the course that a trajectory comes with."""
+    def handle(self, command: ShowReferenceMap | ShowFilterStates, result: TickResult) -> None:
+        """Show a map, or the states of the filter that a trajectory comes with."""
         result.changed = True
-        if isinstance(command, ShowCourse):
-            self._shown = (command.trajectory, command.course)
+        if isinstance(command, ShowFilterStates):
+            self._shown = (command.trajectory, command.states)
             self._drawn = None
-            self.show_map(command.course.given)
+            self.show_map(command.states.given)
         else:
             self.show_map(command.map)
 
@@ -120,16 +120,16 @@ class LogLocalization(Part, Localized):
 
     def changed(self, result: TickResult) -> None:
         """Bring the particles to the newest scan."""
-        course, scan = self._course, max(self._recording.replay.index - 1, 0)
+        states, scan = self._states, max(self._recording.replay.index - 1, 0)
         drawn, at = self._drawn or (None, scan)
-        if self._report is not None or (drawn is course and at == scan):
+        if self._report is not None or (drawn is states and at == scan):
             return
-        self._drawn = None if course is None else (course, scan)
+        self._drawn = None if states is None else (states, scan)
         result.changed = True
-        if course is None:
+        if states is None:
             result.slot(OFF)
             return
-        cloud = course.cloud(scan)
+        cloud = states.cloud(scan)
         self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
         result.slot(self.message())
 
@@ -146,16 +146,16 @@ class LogLocalization(Part, Localized):
                 report.is_converged, report.is_sure, report.share, report.fit, report.entropy, report.n_particles,
             )  # fmt: skip
             updates = report.n_updates
-        elif (course := self._course) is not None:
+        elif (states := self._states) is not None:
             recording = self._recording
             scan = max(recording.replay.index - 1, 0)
-            covariance = course.covariance[scan]
+            covariance = states.covariance[scan]
             pose = rounded_pose(recording.log.trajectory(recording.trajectory).poses[scan])
             numbers = (
-                bool(course.is_converged[scan]), bool(course.is_sure[scan]), float(course.share[scan]),
-                float(course.fit[scan]), float(course.entropy[scan]), int(course.n_particles[scan]),
+                bool(states.is_converged[scan]), bool(states.is_sure[scan]), float(states.share[scan]),
+                float(states.fit[scan]), float(states.entropy[scan]), int(states.n_particles[scan]),
             )  # fmt: skip
-            updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
+            updates = int(np.count_nonzero(states.is_updated[: scan + 1]))
         else:
             return OFF
         is_converged, is_sure, share, fit, entropy, n_particles = numbers
@@ -187,34 +187,34 @@ class LogLocalization(Part, Localized):
                 data = await source(name)
                 if data is None:
                     return None
-                course = await self._host.on_thread(partial(read_course, data))
-                if len(course.share) != self._recording.log.n_scans:
+                states = await self._host.on_thread(partial(read_filter_states, data))
+                if len(states.share) != self._recording.log.n_scans:
                     return None  # it belongs to the scans of another sensor
-                self._newest = (name, course)
-            course = self._newest[1]
+                self._newest = (name, states)
+            states = self._newest[1]
             if self._shown is not self._newest:
-                self._host.enqueue(ShowCourse(name, course))
-            return await self._host.on_thread(partial(series_of, course, self._recording.recorded))
+                self._host.enqueue(ShowFilterStates(name, states))
+            return await self._host.on_thread(partial(series_of, states, self._recording.recorded))
 
     def forget(self) -> None:
-        """Read the course again when it is asked for next: its trajectory was replaced."""
+        """Read the file again when it is asked for next: its trajectory was replaced."""
         self._newest = None
 
 
-def series_of(course: Course, seconds: np.ndarray[Any, Any]) -> FilterHistory:
+def series_of(states: FilterStates, seconds: np.ndarray[Any, Any]) -> FilterHistory:
     """Return the numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
-    n = len(course.share)
+    n = len(states.share)
     at = np.unique(np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(int))
-    xy = np.trace(course.covariance[at, :2, :2], axis1=1, axis2=2)
-    converged = np.flatnonzero(course.is_converged)
+    xy = np.trace(states.covariance[at, :2, :2], axis1=1, axis2=2)
+    converged = np.flatnonzero(states.is_converged)
     return FilterHistory(
-        map=course.given.public(),
+        map=states.given.public(),
         scans=at.tolist(),
         seconds=np.round(seconds[at], 2).tolist(),
-        entropy=np.round(course.entropy[at], 3).tolist(),
+        entropy=np.round(states.entropy[at], 3).tolist(),
         deviation_m=np.round(np.sqrt(np.maximum(xy, 0.0)), 4).tolist(),
-        fit=np.round(course.fit[at], 4).tolist(),
-        is_converged=course.is_converged[at].tolist(),
-        n_particles=course.n_particles[at].tolist(),
+        fit=np.round(states.fit[at], 4).tolist(),
+        is_converged=states.is_converged[at].tolist(),
+        n_particles=states.n_particles[at].tolist(),
         first_converged=int(converged[0]) if len(converged) else None,
     )

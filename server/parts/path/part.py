@@ -42,7 +42,7 @@ class PathPart(Part):
         """``costmap``, ``robot`` and ``drive`` as :class:`server.sessions.part.Offers` has them."""
         self._offered, self._robot, self._drive = costmap, robot, drive
         self._begin(None)
-        self._is_told = True  #: whether the pages know that there is no path any more
+        self._is_announced = True  #: whether the pages know that there is no path any more
         self._steered = -math.inf  #: when the follower was last asked, simulated seconds
 
     def _begin(self, costs: Costs | None) -> None:
@@ -59,7 +59,7 @@ class PathPart(Part):
         costs = self._offered()
         if costs is not self._costs:
             self._begin(costs)
-            self._is_told = False
+            self._is_announced = False
         return costs
 
     @property
@@ -118,8 +118,8 @@ class PathPart(Part):
         """Plan again where the costs, the goal or the robot are others."""
         costs = self._current()
         if costs is None:
-            if not self._is_told:
-                self._is_told = True
+            if not self._is_announced:
+                self._is_announced = True
                 result.slot(*self.messages())
             return
         robot = self._robot()

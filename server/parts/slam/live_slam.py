@@ -35,7 +35,7 @@ class LiveSlam:
         self._node = np.empty(512, dtype=np.int64)  # of each scan the newest node at it
         self._since = np.empty((512, 3))  # and the motion since
         self._n = 0
-        self._way, self._angle = 0.0, 0.0  # since the newest node
+        self._distance, self._angle = 0.0, 0.0  # since the newest node
         self._drawn = (0, 0)
 
     @property
@@ -56,15 +56,15 @@ class LiveSlam:
             self._since = np.concatenate([self._since, np.empty_like(self._since)])
         n, self._n = self._n, self._n + 1
         since = compose_one(self._since[n - 1].tolist(), motion) if n else (0.0, 0.0, 0.0)
-        self._way += math.hypot(motion[0], motion[1])
+        self._distance += math.hypot(motion[0], motion[1])
         self._angle += abs(motion[2])
-        is_far = self._way >= DISTANCE or self._angle >= TURN
+        is_far = self._distance >= DISTANCE or self._angle >= TURN
         if n and (not is_far or len(self._slam) == MOST_NODES):
             self._node[n], self._since[n] = len(self._slam) - 1, since
             return False
         moved = self._slam.add_scan(ranges, np.array(since) if n else None, self._start)
         self._node[n], self._since[n] = len(self._slam) - 1, 0.0
-        self._way = self._angle = 0.0
+        self._distance = self._angle = 0.0
         return moved
 
     def draw(self, layer: GraphLayer) -> None:

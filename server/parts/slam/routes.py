@@ -147,7 +147,7 @@ async def correct_poses(
 
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
-    session, recording = _healed(sessions, session_id)
+    session, recording = _recorded(sessions, session_id)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
     view = recording.view()
@@ -161,18 +161,18 @@ async def correct_poses(
 @router.get("/sessions/{session_id}/heal")
 async def correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Return the progress and the result of SLAM of the session's log."""
-    session, recording = _healed(sessions, session_id)
+    session, recording = _recorded(sessions, session_id)
     return library.slam.state(session.owner, recording.log_id)
 
 
 @router.delete("/sessions/{session_id}/heal")
 async def stop_correction(library: Logs, sessions: Sessions, session_id: str) -> SlamStatus:
     """Cancel SLAM of the session's log, if it is queued or running."""
-    session, recording = _healed(sessions, session_id)
+    session, recording = _recorded(sessions, session_id)
     return await library.slam.cancel(session.owner, recording.log_id)
 
 
-def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
+def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
     session = sessions.get(session_id)
     recording = session.model.find(Recording)
     if recording is None:

@@ -70,13 +70,13 @@ class GraphOptions:
 class SolvedGraph:
     """A graph as SLAM left it, and as changes by hand leave it.
 
-    ``trajectory`` is the name of the trajectory that was made with it, ``healed`` (n_scans, 3) its poses as SLAM left
-    them, which a joint refinement has moved from the solution of the graph. A change by hand moves each pose as much as
-    it moves the solution: with no change the trajectory is the healed one.
+    ``trajectory`` is the name of the trajectory that was made with it, ``slam_poses`` (n_scans, 3) its poses as SLAM
+    left them, which a joint refinement has moved from the solution of the graph. A change by hand moves each pose as
+    much as it moves the solution: with no change the trajectory is that of SLAM.
     """
 
     trajectory: str
-    healed: Float64Array
+    slam_poses: Float64Array
     first: PoseGraph  #: the solution without changes
     graph: PoseGraph  #: the present solution
     candidates: LoopCandidates
@@ -84,11 +84,11 @@ class SolvedGraph:
     is_changed: bool = False
 
     @classmethod
-    def of(cls, trajectory: str, healed: Float64Array, graph: PoseGraph, candidates: LoopCandidates) -> SolvedGraph:
+    def of(cls, trajectory: str, slam_poses: Float64Array, graph: PoseGraph, candidates: LoopCandidates) -> SolvedGraph:
         """Solve a graph as SLAM left it (worker thread). Raises as :func:`mapper.slam.optimise`."""
         options = GraphOptions()
         solved = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
-        return cls(trajectory, healed, solved, solved, candidates, options)
+        return cls(trajectory, slam_poses, solved, solved, candidates, options)
 
     def solved(self, graph: PoseGraph, options: GraphOptions) -> SolvedGraph:
         """Return the solution of another graph of the same nodes (worker thread).
@@ -102,12 +102,12 @@ class SolvedGraph:
     def poses(self) -> Float64Array:
         """Return the poses of all scans (n_scans, 3), ``T_map_base``."""
         if self.graph is self.first:
-            return self.healed
+            return self.slam_poses
         nodes = self.graph.nodes
         moved = compose(self.graph.poses, inverse(self.first.poses))  # of the map, at each node
-        scans = np.arange(len(self.healed))
+        scans = np.arange(len(self.slam_poses))
         before = np.clip(np.searchsorted(nodes, scans, side="right") - 1, 0, len(nodes) - 1)
-        return compose(moved[before], self.healed)
+        return compose(moved[before], self.slam_poses)
 
     @property
     def node_poses(self) -> Float64Array:

@@ -19,7 +19,7 @@ from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from server.library.packs.course import read_course
+from server.library.packs.filter_states import read_filter_states
 from server.library.processing import localization, reference_maps
 from server.parts.costmap.part import CostmapPart
 from server.parts.localization.logged import LogLocalization
@@ -248,13 +248,13 @@ def test_the_course_has_the_particles_of_each_scan_that_was_used(
     added = next(one for one in library.trajectories.of(of.owner, log_id) if one.name == "localized")
     assert (added.source, added.has_graph) == ("localized", False)
     path = next(service.state.settings.data_dir.rglob(f"{added.id}.course"))
-    course = read_course(path.read_bytes())
-    assert len(course.offsets) == course.is_updated.sum() + 1
-    assert course.is_updated[0]
-    cloud, poses = course.cloud(drive.n_scans - 1), recording_of(service, session).log.trajectory("localized").poses
+    states = read_filter_states(path.read_bytes())
+    assert len(states.offsets) == states.is_updated.sum() + 1
+    assert states.is_updated[0]
+    cloud, poses = states.cloud(drive.n_scans - 1), recording_of(service, session).log.trajectory("localized").poses
     assert np.hypot(*(cloud[:, :2] - poses[-1, :2]).T).mean() < 0.5
-    assert len(course.cloud(0)) > 100
-    assert np.ptp(course.cloud(0)[:, 0]) > 5.0, "everywhere at first"
+    assert len(states.cloud(0)) > 100
+    assert np.ptp(states.cloud(0)[:, 0]) > 5.0, "everywhere at first"
 
 
 def test_it_starts_at_a_pose_in_another_log_s_map(service: Service, session: str, files: Path, drive: ScanLog) -> None:

@@ -45,7 +45,7 @@ def test_the_robot_is_found_kidnapped_and_found_again() -> None:
     assert found["error_m"] < 0.4
     assert found["entropy"] < wide - 3.0
     mapper.teleport(16.5, 3.0, 1.0)
-    one.carried(mapper.newest_pose)
+    one.note_teleport(mapper.newest_pose)
     assert mapper.newest is not None
     one.look(mapper.newest, mapper.newest_pose)
     assert sent_one(one.message())["error_m"] > 5.0  # it was not told

@@ -23,8 +23,8 @@ from server.library.packs.map import map_codes, summarise_map
 from server.library.packs.map_files import archived, is_map, read_map
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reference_maps import ReferenceMaps
-from server.library.store.availability import Standing
 from server.library.store.common_files import CommonFiles
+from server.library.store.known_paths import KnownPaths
 from server.storage import StorageError
 
 GEOMETRY = GridGeometry(0.1, 4, 6, (1.0, -2.0, 0.5))
@@ -170,7 +170,7 @@ async def test_no_map_is_kept_for_a_log_that_was_deleted_meanwhile(tmp_path: Pat
 
 def test_a_folder_with_a_dot_in_its_name_is_called_a_folder(tmp_path: Path) -> None:
     (folder := tmp_path / "my.data").mkdir()
-    standing = Standing([folder])
+    standing = KnownPaths([folder])
     standing.check()
     folder.rename(tmp_path / "moved")
     with pytest.raises(StorageError, match="folder was moved"):

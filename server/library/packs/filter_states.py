@@ -1,4 +1,4 @@
-"""The course of a localization: how certain each pose is and where particles were, and the map; a file of arrays."""
+"""The states of the filter of a localization, in a file: how certain each pose is, the particles, and the map."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ARRAYS = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class FilterStates:
     """Of each of n scans what :class:`mapper.localization.Localized` has, and a sample of the particles.
 
     The particles of the k-th scan that was used are the rows ``offsets[k]`` to ``offsets[k + 1]`` of ``particles``
@@ -56,19 +56,19 @@ def thinned(clouds: list[NDArray[np.float32]]) -> tuple[NDArray[np.int64], NDArr
     return offsets, np.concatenate(kept) if kept else np.empty((0, 3), dtype=np.float32)
 
 
-def course_bytes(course: Course) -> bytes:
-    """Return the file of a course."""
-    return compressed_arrays({name: getattr(course, name) for name in _ARRAYS} | course.given.arrays())
+def filter_states_bytes(states: FilterStates) -> bytes:
+    """Return the file of the states of a filter."""
+    return compressed_arrays({name: getattr(states, name) for name in _ARRAYS} | states.given.arrays())
 
 
-def read_course(data: bytes) -> Course:
-    """Return what :func:`course_bytes` was given. Raises :class:`ReadError` for anything else."""
+def read_filter_states(data: bytes) -> FilterStates:
+    """Return what :func:`filter_states_bytes` was given. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in _ARRAYS if name in arrays}
-            # Of a course that was made before it was stated, nothing is known to be sure.
+            # Of a file that was made before it was stated, nothing is known to be sure.
             found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
-            return Course(**found, given=ReferenceMap.of_arrays(arrays))
+            return FilterStates(**found, given=ReferenceMap.of_arrays(arrays))
     except UNREADABLE as error:
         message = "The file of this localization cannot be read; localize the log again."
         raise ReadError("localization.file", message) from error

@@ -13,7 +13,7 @@ from pathlib import Path
 from server.storage import StorageError
 
 
-class Standing:
+class KnownPaths:
     """Knows folders and files by what they were when this was made."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
