@@ -7,14 +7,10 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from mapper.core.errors import MapperError
-from server.jobs.outcome import outcome_of
 from server.jobs.process import WorkerJob
-from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
-from server.library.processing.reading_jobs import without_paths
-from server.work.fair_lock import FairLock
+from server.library.processing.recording_worker import RecordingWorker
 
 T = TypeVar("T")
 
@@ -33,9 +29,7 @@ class Lookups(Generic[T]):
     """Results of jobs on the recordings of a catalogue, by key. Used from the event loop only."""
 
     def __init__(self, catalogue: Catalogue, memory_bytes: int) -> None:
-        self._catalogue = catalogue
-        self._worker = PoolWorker(memory_bytes)
-        self._turns = FairLock()
+        self._worker = RecordingWorker(catalogue, memory_bytes)
         self._running: dict[str, _Running[T]] = {}
         self._at_work = ""  #: the key whose turn it is
         self._kept: dict[str, T] = {}
@@ -106,13 +100,14 @@ class Lookups(Generic[T]):
     async def _found(
         self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
     ) -> T | None:
-        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
+        def begun(source: str) -> WorkerJob[T | None]:
             self._at_work = key
-            try:
-                return await outcome_of(self._worker, job(str(source)))
-            except MapperError as error:
-                raise without_paths(error, source, record.name) from None
-            finally:
+            return job(source)
+
+        try:
+            return await self._worker.done(record, visitor, address, begun)
+        finally:
+            if self._at_work == key:
                 self._at_work = ""
 
     async def close(self) -> None:
@@ -121,4 +116,4 @@ class Lookups(Generic[T]):
             running.timer.cancel()
             running.task.cancel()
         await asyncio.gather(*(one.task for one in self._running.values()), return_exceptions=True)
-        await asyncio.to_thread(self._worker.close)
+        await self._worker.close()

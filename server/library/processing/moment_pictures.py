@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from mapper.core.errors import MapperError
-from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob, WorkerJob
-from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
-from server.library.processing.reading_jobs import without_paths
-from server.work.fair_lock import FairLock
+from server.library.processing.recording_worker import RecordingWorker
 
 if TYPE_CHECKING:
     from mapper.io.contents.raw_message import RawMessage
@@ -100,9 +95,7 @@ class MomentPictures:
     """
 
     def __init__(self, catalogue: Catalogue) -> None:
-        self._catalogue = catalogue
-        self._worker = PoolWorker(MEMORY_BYTES)
-        self._turns = FairLock()
+        self._worker = RecordingWorker(catalogue, MEMORY_BYTES)
 
     async def picture(
         self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = ""
@@ -126,14 +119,11 @@ class MomentPictures:
         at_ns: int,
         address: str,
     ) -> T:
-        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
-            timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
-            job = kind(str(source), topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
-            try:
-                return await outcome_of(self._worker, job)
-            except MapperError as error:
-                raise without_paths(error, source, record.name) from None
+        timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
+        return await self._worker.done(
+            record, visitor, address, lambda source: kind(source, topic, at_ns, timeout_s, timeout_s, MEMORY_BYTES)
+        )
 
     async def close(self) -> None:
         """End the process."""
-        await asyncio.to_thread(self._worker.close)
+        await self._worker.close()

@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from mapper.core.errors import LimitError, MapperError
 from mapper.evaluation.published import PublishedResult
 from mapper.sensors.scan import ScanLog
-from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob
-from server.jobs.workers import PoolWorker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.processing.reading_jobs import without_paths
-from server.work.fair_lock import FairLock
+from server.library.processing.recording_worker import RecordingWorker
 
 if TYPE_CHECKING:
     from mapper.evaluation import ErrorSeries
@@ -128,11 +126,8 @@ class RelationScores:
     def __init__(
         self, catalogue: Catalogue, folder: Path, *, timeout_s: float, cpu_s: float, memory_bytes: int
     ) -> None:
-        self._catalogue, self._folder = catalogue, folder
-        self._timeout_s, self._cpu_s = timeout_s, cpu_s
-        self._memory_bytes = memory_bytes
-        self._worker = PoolWorker(memory_bytes)
-        self._turns = FairLock()
+        self._folder, self._limits = folder, (timeout_s, cpu_s, memory_bytes)
+        self._worker = RecordingWorker(catalogue, memory_bytes)
 
     async def score(
         self,
@@ -155,18 +150,15 @@ class RelationScores:
 
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
-        limits = self._timeout_s, self._cpu_s, self._memory_bytes
+
+        def job(source: str | None) -> ScoreJob:
+            return ScoreJob(source, str(relations), topic, log.stamps_ns, poses, *self._limits)
+
         try:
-            async with self._turns.of(visitor, address):
+            async with self._worker.turn(visitor, address):
                 await asyncio.to_thread(relations.write_bytes, text)
-                if record.source == "sample":
-                    found = await self._done(
-                        ScoreJob(None, str(relations), topic, log.stamps_ns, poses, *limits), relations, name
-                    )
-                else:
-                    async with self._catalogue.source(record) as source:
-                        job = ScoreJob(str(source), str(relations), topic, log.stamps_ns, poses, *limits)
-                        found = await self._done(job, source, record.name)
+                is_sample = record.source == "sample"
+                found = await (self._worker.of(job(None)) if is_sample else self._worker.of_recording(record, job))
         except MapperError as error:
             raise without_paths(error, relations, name) from None
         finally:
@@ -184,15 +176,9 @@ class RelationScores:
             published=published,
         )
 
-    async def _done(self, job: ScoreJob, source: Path, name: str) -> RelationMeans:
-        try:
-            return await outcome_of(self._worker, job)
-        except MapperError as error:
-            raise without_paths(error, source, name) from None
-
     async def close(self) -> None:
         """End the process."""
-        await asyncio.to_thread(self._worker.close)
+        await self._worker.close()
 
 
 async def relations_text(chunks: AsyncIterator[bytes]) -> bytes:

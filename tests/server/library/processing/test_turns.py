@@ -42,7 +42,7 @@ def scores(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[], Awa
         await done()
         return RelationMeans(relations=0, policy="time", left_out=0, all=MeanErrors(0, 0.0, 0.0), unambiguous=None)
 
-    monkeypatch.setattr(made, "_done", told)
+    monkeypatch.setattr("server.library.processing.recording_worker.outcome_of", told)
     return lambda visitor, address: made.score(record, visitor, log, "scan", b"", "a", None, address=address)
 
 
@@ -52,9 +52,8 @@ def inspections(monkeypatch: pytest.MonkeyPatch, folder: Path, done: Callable[[]
     async def told(*_: Any) -> None:
         await done()
 
-    monkeypatch.setattr("server.library.processing.lookups.outcome_of", told)
+    monkeypatch.setattr("server.library.processing.recording_worker.outcome_of", told)
     lookups = made.lookups
-    monkeypatch.setattr(lookups, "_worker", SimpleNamespace(progress=0.0))
 
     def inspect(visitor: str, address: str) -> Awaitable[Any]:
         record: Any = SimpleNamespace(id=visitor, name=visitor)
