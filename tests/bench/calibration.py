@@ -141,12 +141,12 @@ def report(runs: Iterable[Told]) -> None:
         "right ones that are sure", "in hindsight", "wrong and sure at the end", "median of the first sure scan",
     )  # fmt: skip
     print(f"\n| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
-    for case in CASES:
-        print(_row(case, [run for run in runs if run.name.case == case]))
-    for world in DRIVEN:
-        print(_row(f"in {world}", [run for run in runs if run.name.world == world]))
-    print(_row("all but the changed", [run for run in runs if run.name.case != "changed"]))
-    print(_row("all", runs))
+    parts = {case: [run for run in runs if run.name.case == case] for case in CASES}
+    parts |= {f"in {world}": [run for run in runs if run.name.world == world] for world in DRIVEN}
+    parts |= {"all but the changed": [run for run in runs if run.name.case != "changed"], "all": runs}
+    for title, part in parts.items():
+        if part:
+            print(_row(title, part))
     _curve(runs)
     for run in runs:
         if count := int((run.is_wrong & run.sure).sum()):
@@ -179,6 +179,7 @@ def calibration() -> None:
     count = int(os.environ.get("GRIDBLOOM_DRIVES", len(every)))
     # In an order by chance, so that some of them are of all kinds.
     order = np.random.default_rng(0).permutation(len(every))[:count]
-    report(_runs([every[k] for k in order.tolist()]))
+    if len(order):
+        report(_runs([every[k] for k in order.tolist()]))
     for runs in _real_logs(int(os.environ.get("GRIDBLOOM_SEEDS", "5"))):
         print(_row(runs[0].name.world, runs), flush=True)
