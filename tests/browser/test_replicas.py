@@ -236,10 +236,10 @@ def test_an_attempt_at_a_puzzle_ends_with_its_service_and_is_begun_again(
     case = page.get_by_role("tabpanel", name="Case")
     for attempt in range(2):
         await_map(page)
-        expect(score).to_have_text("0 points")
+        expect(score).to_have_text("0 of 100 points")
         case.get_by_role("radio", name="The cells are too large").check()
         case.get_by_role("button", name="This is the cause").click()
-        expect(score).to_have_text("40 points")
+        expect(score).to_have_text("40 of 100 points")
         if attempt == 0:
             replicas.kill(replicas.of_session(session_of(page)))
             page.get_by_role("button", name="Begin again").click()
