@@ -9,7 +9,7 @@ from mapper.core.se2 import transform_points
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan
 from server.sessions.view import Pose, RobotState
-from server.sources.beams import BEAM_START, MAX_BEAMS, beam_segments
+from server.sources.map_drawings import BEAM_START, MAX_BEAMS, beam_segments
 
 
 def segments_of(
