@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import laspy
@@ -81,15 +82,15 @@ XYZ = "property float x\nproperty float y\nproperty float z\n"
 def repeated_cell() -> bytes:
     """A recording in SQLite whose one page of messages names one cell 681 times: of a message of 1.6 MB."""
     size = 489 + 400 * 4092 - 40
-    connection = sqlite3.connect(":memory:")
-    connection.execute("PRAGMA page_size=4096")
-    connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
-    connection.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-    connection.execute("INSERT INTO topics VALUES(1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr')")
-    connection.execute("INSERT INTO messages VALUES(1, 1, 1700000000000000000, zeroblob(?))", (size,))
-    connection.commit()
-    (page,) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchone()
-    data = bytearray(connection.serialize())
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.execute("PRAGMA page_size=4096")
+        connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
+        connection.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data)")
+        connection.execute("INSERT INTO topics VALUES(1, '/scan', 'sensor_msgs/msg/LaserScan', 'cdr')")
+        connection.execute("INSERT INTO messages VALUES(1, 1, 1700000000000000000, zeroblob(?))", (size,))
+        connection.commit()
+        (page,) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchone()
+        data = bytearray(connection.serialize())
     at = (page - 1) * 4096
     (cell,) = struct.unpack_from(">H", data, at + 8)
     n = (4096 - 8) // 6  # as many cells as SQLite takes for possible

@@ -6,6 +6,7 @@ import gzip
 import sqlite3
 import struct
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import httpx
@@ -40,14 +41,14 @@ def overwritten(data: bytes) -> bytes:
 
 
 def endless_view() -> bytes:
-    connection = sqlite3.connect(":memory:")
-    connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
-    connection.execute(
-        "CREATE VIEW messages AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
-        "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'' AS data FROM n"
-    )
-    connection.commit()
-    return connection.serialize()
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
+        connection.execute(
+            "CREATE VIEW messages AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
+            "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'' AS data FROM n"
+        )
+        connection.commit()
+        return connection.serialize()
 
 
 def absurd_names() -> bytes:

@@ -94,16 +94,29 @@ def _opened(
         head = file.read(100)
         size = file.seek(0, os.SEEK_END)
     notes: list[str] | None = None
-    merged = _merged(path) if head.startswith(MAGIC) and 2 in head[18:20] else None
     try:
+        merged = _merged(path, limits) if head.startswith(MAGIC) and 2 in head[18:20] else None
         if merged is not None:
             connection, head = merged, b""
             notes = ["What the recorder had not yet moved into the SQLite file is read from the file beside it (-wal)."]
         elif isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
-            connection = _connected(path)
+            connection = _connected(path, limits)
         else:
             with _copied(path, limits, progress and partial(_first_half, progress)) as (copy, head, notes):
-                connection = _connected(copy)  # which goes on when the copy has lost its name
+                connection = _connected(copy, limits)  # which goes on when the copy has lost its name
+    except (sqlite3.Error, OverflowError) as error:
+        raise _unreadable(error) from error
+    return connection, notes, 2 in head[18:20]
+
+
+def _connected(path: Path, limits: Limits) -> sqlite3.Connection:
+    """Open a database, to be read within the limits. Where it cannot be, nothing stays open."""
+    # immutable: neither locks nor a journal next to it, which a hostile file could come with
+    place = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+    with contextlib.ExitStack() as in_vain:
+        connection = sqlite3.connect(place, uri=True, check_same_thread=False)  # kept copies are used one after another
+        in_vain.callback(connection.close)
+        connection.execute("PRAGMA schema_version")  # only then is the file open
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
         connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
@@ -111,21 +124,11 @@ def _opened(
         connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
         for pragma in ("trusted_schema=OFF", "query_only=ON", "cell_size_check=ON", "mmap_size=0", "temp_store=MEMORY"):
             connection.execute(f"PRAGMA {pragma}")
-    except (sqlite3.Error, OverflowError) as error:
-        raise _unreadable(error) from error
-    return connection, notes, 2 in head[18:20]
-
-
-def _connected(path: Path) -> sqlite3.Connection:
-    """Open a database."""
-    # immutable: neither locks nor a journal next to it, which a hostile file could come with
-    place = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
-    connection = sqlite3.connect(place, uri=True, check_same_thread=False)  # kept copies are used one after another
-    connection.execute("PRAGMA schema_version")  # only then is the file open
+        in_vain.pop_all()
     return connection
 
 
-def _merged(file: Source) -> sqlite3.Connection | None:
+def _merged(file: Source, limits: Limits) -> sqlite3.Connection | None:
     """Return a copy of a database with what is in the write-ahead log beside it.
 
     None where there is no such log, no room for the copy, or SQLite refuses it.
@@ -141,7 +144,7 @@ def _merged(file: Source) -> sqlite3.Connection | None:
             # Exclusive: its index of the log is then in memory, and no file beside the copy.
             for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "locking_mode=EXCLUSIVE", "journal_mode=DELETE"):
                 writer.execute(f"PRAGMA {pragma}").fetchall()
-        return _connected(copy)  # which goes on when the copy has lost its name
+        return _connected(copy, limits)  # which goes on when the copy has lost its name
     return None
 
 

@@ -184,6 +184,8 @@ def test_copies_for_look_ups_are_closed_where_they_are_too_large_together(tmp_pa
         pass
     with pytest.raises(sqlite3.ProgrammingError, match="closed"):
         large.execute("SELECT 1")
+    for one in made:
+        one.close()
 
 
 @pytest.mark.parametrize("journal", [b"no journal at all" * 100, b""])
@@ -218,6 +220,27 @@ def test_a_db3_with_a_journal_is_read_for_what_it_holds_beside_scans(tmp_path, h
         assert "-wal" not in caught.value.message
     else:
         assert len(list(open_clouds(path)["/points"])) == 1
+
+
+def test_a_database_that_cannot_be_opened_is_closed(tmp_path, monkeypatch):
+    path = written(tmp_path, run(), "db3")
+    data = bytearray(path.read_bytes())
+    data[19] = 9  # a version of the file that SQLite does not read
+    path.write_bytes(data)
+    made: list[sqlite3.Connection] = []
+    connect = sqlite3.connect
+
+    def noted(*given, **options):
+        made.append(connect(*given, **options))
+        return made[-1]
+
+    monkeypatch.setattr(sqlite3, "connect", noted)
+    with pytest.raises(ReadError):
+        open_log(path)
+    assert made
+    for one in made:
+        with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+            one.execute("SELECT 1")
 
 
 def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
