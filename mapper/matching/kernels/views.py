@@ -6,7 +6,7 @@ association: Blais & Levine 1995), outwards, until no farther beam can have a ne
 
 from __future__ import annotations
 
-from math import atan2, cos, floor, pi, sin, sqrt
+from math import atan2, ceil, cos, floor, pi, sin, sqrt
 
 import numpy as np
 
@@ -33,6 +33,16 @@ def _write_centres(scans: ScanArrays, j: int, xy: Float64Array, n: int, centres:
 
 
 @jit
+def _beams_of_circle(scans: ScanArrays, j: int) -> int:
+    """Return how many beams scan j would have if it looked all around, to the next greater number.
+
+    Steps that are rounded, as in a message of float32, do not make it one more.
+    """
+    n_beams = int(scans.n_beams[j])
+    return n_beams if scans.wraps[j] else max(n_beams, ceil(2.0 * pi / scans.step[j] - 0.01))
+
+
+@jit
 def _write_nearest(
     scans: ScanArrays,
     j: int,
@@ -46,22 +56,26 @@ def _write_nearest(
 ) -> None:
     """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame.
 
-    The beams up to ``max_beams`` (n,) from ``centres`` (n,), those that point there, are asked. Points of a kind below
-    ``least`` do not count. ``nearest`` (n,) is −1 where none lies within ``gate``, or the centre is −1.
+    The beams up to ``max_beams`` (n,) from ``centres`` (n,), those that point there, are asked; a centre where the scan
+    does not look has the number that such a beam would have. Points of a kind below ``least`` do not count. ``nearest``
+    (n,) is −1 where none lies within ``gate``, or the centre is −1.
 
     All points are taken in one call, because numba counts the references to each array again in each call.
     """
     points, kind = scans.points[j], scans.kind[j]
     n_beams, step, wraps = scans.n_beams[j], scans.step[j], scans.wraps[j]
     sensor_x, sensor_y = scans.sensor[j, 0], scans.sensor[j, 1]
-    most = n_beams // 2 if wraps else n_beams
-    # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
+    ring = _beams_of_circle(scans, j)
+    most = ring // 2
+    # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6. From the last beam
+    # on to the first it may be less: the steps need not divide the circle.
+    excess = abs(ring * step - 2.0 * pi)
     widest = 0
     for p in range(n):
         widest = max(widest, min(max_beams[p], most))
     square_sines = np.zeros(widest + 1)
     for k in range(1, widest + 1):
-        angle = min((k - 0.5) * step, 0.5 * pi)
+        angle = min(max((k - 0.5) * step - excess, 0.0), 0.5 * pi)
         sine = angle - angle * angle * angle / 6.0
         square_sines[k] = sine * sine
     for p in range(n):
@@ -76,10 +90,10 @@ def _write_nearest(
                     break
                 for side in range(2 if k > 0 else 1):
                     b = centre - k if side == 0 else centre + k
-                    if b < 0 or b >= n_beams:
-                        if not wraps:
-                            continue
-                        b += n_beams if b < 0 else -n_beams
+                    if b < 0 or b >= ring:
+                        b += ring if b < 0 else -ring
+                    if b >= n_beams or (not wraps and abs(b - centre) > max_beams[p]):
+                        continue
                     if kind[b] >= least:
                         d_x, d_y = points[b, 0] - x, points[b, 1] - y
                         square = d_x * d_x + d_y * d_y
@@ -100,13 +114,14 @@ def _pair_points(
     """
     centres, limits = np.empty(n, dtype=np.int64), np.full(n, max_beams)
     _write_centres(scans, j, xy, n, centres)
-    n_beams = scans.n_beams[j]
-    if max_beams >= n_beams:
-        middle = scans.first[j] + 0.5 * (n_beams - 1) * scans.step[j]
+    if max_beams >= scans.n_beams[j]:
+        ring = _beams_of_circle(scans, j)
+        limits[:] = ring
         for k in range(n):
             if centres[k] < 0:
-                bearing = atan2(xy[k, 1] - scans.sensor[j, 1], xy[k, 0] - scans.sensor[j, 0])
-                centres[k] = 0 if sin(bearing - middle) < 0.0 else n_beams - 1
+                turned = atan2(xy[k, 1] - scans.sensor[j, 1], xy[k, 0] - scans.sensor[j, 0]) - scans.first[j]
+                turned -= 2.0 * pi * floor(turned / (2.0 * pi))
+                centres[k] = min(int(turned / scans.step[j] + 0.5), ring - 1)
     _write_nearest(scans, j, xy, n, centres, limits, gate, least, nearest)
     for k in range(n):
         if centres[k] < 0:
