@@ -286,9 +286,9 @@ def _footprint(given: object, where: str) -> Footprint | None:
         try:
             points = load_untrusted(given[:10_000])
         except yaml.YAMLError as error:
-            raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is no list of points.") from error
+            raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.") from error
     if not isinstance(points, list):
-        raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is no list of points.")
+        raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.")
     try:
         return Footprint(tuple(tuple(point) for point in points))
     except (ConfigError, TypeError) as error:

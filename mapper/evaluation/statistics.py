@@ -45,7 +45,7 @@ class ErrorSeries:
 def statistics_of(errors: NDArray[np.float64]) -> ErrorStatistics:
     """Return the figures of ``errors`` (n,). Raises :class:`ConfigError` for n = 0."""
     if not len(errors):
-        raise ConfigError("evaluation.no_errors", "There are no errors to take figures of.")
+        raise ConfigError("evaluation.no_errors", "There are no errors to compute statistics from.")
     sse = float(np.sum(errors**2))
     return ErrorStatistics(
         rmse=float(np.sqrt(sse / len(errors))),

@@ -66,7 +66,7 @@ def likelihood_field(grid: OccupancyGrid, config: LocalizationConfig, range_max:
 
     occupied = occupied_cells(grid)
     if not occupied.any():
-        raise ConfigError("localization.no_walls", "The map has no occupied cells: every pose in it would fit alike.")
+        raise ConfigError("localization.no_walls", "The map has no occupied cells: every pose in it fits equally well.")
     most = config.laser_likelihood_max_dist
     distances = ndimage.distance_transform_edt(~occupied, sampling=grid.geometry.resolution)
     distances = np.minimum(distances, most).astype(np.float32)

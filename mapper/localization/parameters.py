@@ -173,7 +173,9 @@ class LocalizationConfig:
                 f"{self.laser_min_range:g} m.",
             )
         if self.z_hit + self.z_rand <= 0.0:
-            raise ConfigError("parameter.z_hit", "z_hit and z_rand must not both be 0: every pose would fit alike.")
+            raise ConfigError(
+                "parameter.z_hit", "z_hit and z_rand must not both be 0: every pose would fit equally well."
+            )
         if (self.recovery_alpha_slow > 0.0) != (self.recovery_alpha_fast > 0.0) or (
             self.recovery_alpha_slow >= self.recovery_alpha_fast > 0.0
         ):

@@ -115,7 +115,9 @@ def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_
     try:
         increments = np.asarray(answer, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ConfigError("model.increments", f"The model's increments are no array of numbers: {error}.") from error
+        raise ConfigError(
+            "model.increments", f"The model's increments are not an array of numbers: {error}."
+        ) from error
     if increments.shape != crossed.r.shape:
         raise ConfigError(
             "model.increments",

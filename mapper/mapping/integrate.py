@@ -149,7 +149,7 @@ def geometry_for(
     :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks or a log without scans.
     """
     if log.n_scans == 0:
-        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+        raise ConfigError("log.no_scans", "A log without scans covers no area.")
     low, high = bounds_of(log, config, trajectory)
     # One more cell on each side: an endpoint on the border itself must not be rounded out of the grid.
     return GridGeometry.covering(low - config.resolution, high + config.resolution, config.resolution, limits)
@@ -174,7 +174,7 @@ def grid_for(
         return OccupancyGrid(geometry_for(log, config, trajectory, limits, bounds_of), config.log_odds_prior)
     check_resolution(prior, config)
     if log.n_scans == 0:
-        raise ConfigError("log.no_scans", "A log without scans covers no place.")
+        raise ConfigError("log.no_scans", "A log without scans covers no area.")
     grid = prior.as_prior(config.log_odds_prior)
     grid.grow_to_include(*bounds_of(log, config, trajectory))
     return grid

@@ -114,7 +114,7 @@ def _resolution(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
 
 def _window(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
     if log.beam_width > 0.0:
-        raise ConfigError("puzzle.cause", "The window of a sonar's cone is no fault of its map.")
+        raise ConfigError("puzzle.cause", "A wide window is not a fault where the sensor is a sonar.")
     return _with_values(log, name, {"window": _size(CAUSES["window"], rng, signed=False)})
 
 

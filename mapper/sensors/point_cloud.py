@@ -95,10 +95,10 @@ def check_pose(pose: NDArray[np.float64], whose: str) -> None:
     if not np.isfinite(pose).all():
         raise ConfigError("cloud.pose", f"{whose} is not finite.")
     if np.abs(pose[3] - (0.0, 0.0, 0.0, 1.0)).max() > ROTATION_TOLERANCE:
-        raise ConfigError("cloud.pose", f"{whose} is no rigid motion: its last row must be 0 0 0 1.")
+        raise ConfigError("cloud.pose", f"{whose} is not a rigid motion: its last row must be 0 0 0 1.")
     rotation = pose[:3, :3]
     off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if off > ROTATION_TOLERANCE:
-        raise ConfigError("cloud.pose", f"{whose} is no rotation: R Rᵀ is off the identity by {off:.2g}.")
+        raise ConfigError("cloud.pose", f"{whose} is not a rotation: R Rᵀ is off the identity by {off:.2g}.")
     if np.linalg.det(rotation) < 0.0:
-        raise ConfigError("cloud.pose", f"{whose} is no rotation but a reflection: its determinant is −1.")
+        raise ConfigError("cloud.pose", f"{whose} is a reflection, not a rotation: its determinant is −1.")

@@ -47,7 +47,9 @@ class Forgetting:
 
     def __post_init__(self) -> None:
         if not len(self.places):
-            raise ConfigError("forgetting.nothing", "The map has not seen what was taken away: nothing to forget.")
+            raise ConfigError(
+                "forgetting.nothing", "The object that was removed is not in the map: there is nothing to forget."
+            )
 
     def look(self, grid: OccupancyGrid) -> None:
         """Record the share of free cells after one more scan."""

@@ -77,7 +77,7 @@ def find_ground(
         raise LimitError(
             "terrain.too_wide",
             f"A cloud of {extent[0]:g} × {extent[1]:g} m has more than {MAX_CELLS} cells of {config.cell:g} m; "
-            "take greater cells, or leave out points that are far from the others.",
+            "choose larger cells, or leave out points that are far from the others.",
         )
     shape = int(cells[1]), int(cells[0])
     radius = min(math.ceil(config.window / config.cell), max(shape))
@@ -85,7 +85,7 @@ def find_ground(
         raise LimitError(
             "terrain.window",
             f"Discs of up to {radius} cells on {shape[1]} × {shape[0]} cells are more than the limit; "
-            "take greater cells or a smaller window.",
+            "choose larger cells or a smaller window.",
         )
     ground, surface, unsure = _filter(used, corner, shape, radius, config, progress or _no_progress)
     is_ground, is_unsure = np.zeros(len(points), dtype=np.bool_), np.zeros(len(points), dtype=np.bool_)

@@ -47,7 +47,7 @@ class Patches:
             raise LimitError(
                 "terrain.too_wide",
                 f"A cloud of {extent[0]:g} × {extent[1]:g} m has more than {MAX_PATCHES} patches of {size:g} m; "
-                "take greater patches, or leave out points that are far from the others.",
+                "choose larger patches, or leave out points that are far from the others.",
             )
         return cls(np.zeros((int(sides[1]), int(sides[0]), 10)), size, corner).with_points(used)
 

@@ -217,7 +217,7 @@ def _poses(text: str, topic: str | None) -> TimedPoses:
     if is_log(path):
         return _of_log(path, read_log(path, topic), name)
     if name is not None:
-        fail(f"{path}: The file is no log, so it has no trajectory {name!r:.80}.")
+        fail(f"{path}: The file is not a log, so it has no trajectory {name!r:.80}.")
     with refusing(path):
         return read_tum(path)
 

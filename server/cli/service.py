@@ -95,7 +95,7 @@ def serve(
         "class_code": new_code() if open_class else None,
     }
     if logs_dir is not None and not logs_dir.is_dir():
-        fail(f"--logs-dir: {logs_dir} is no folder.")
+        fail(f"--logs-dir: {logs_dir} is not a folder.")
     try:
         settings = Settings(**{name: value for name, value in options.items() if value is not None})
     except ValidationError as error:

@@ -117,7 +117,7 @@ def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
     places = {place.tobytes() for place in truth.points.astype(np.float32)}
     found = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
     if not found.any():
-        raise ConfigError("terrain.truth", "None of its points is one of the cloud's, so it says nothing of them.")
+        raise ConfigError("terrain.truth", "None of its points is a point of the cloud.")
     return found
 
 

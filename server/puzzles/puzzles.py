@@ -115,7 +115,7 @@ class Puzzles:
         """Return the attempt of a session. Raises :class:`ConfigError` for a session that is no puzzle."""
         game = self._games.get(session_id)
         if game is None:
-            raise ConfigError("puzzle.no_game", "This session is no puzzle.")
+            raise ConfigError("puzzle.no_game", "This session has no puzzle.")
         return game
 
     def forget(self, key: str) -> None:

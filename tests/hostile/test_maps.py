@@ -52,7 +52,7 @@ YAMLS = {
     "a control character": (GOOD + "x: \x07\n", "map.yaml", "forbids"),
     "two documents": (GOOD + "---\n" + GOOD, "map.yaml", "malformed in line 7"),
     "a key twice": (GOOD + "resolution: 0.1\n", "map.yaml", "'resolution' twice, in line 7"),
-    "a key that is no word": ("[1, 2]: 3\n" + GOOD, "map.yaml", "a key that is no word"),
+    "a key that is no word": ("[1, 2]: 3\n" + GOOD, "map.yaml", "a key that is not a word"),
     "a list within itself": ("a: &a [*a]\n" + GOOD, "map.yaml", "'a' is within itself"),
     "billion laughs": (
         "a: &a [x, x]\n" + "".join(f"{c}: &{c} [*{p}, *{p}]\n" for p, c in zip("abcdefgh", "bcdefghi", strict=True)),

@@ -72,7 +72,7 @@ def bad_files() -> dict[str, tuple[bytes, str]]:
         "a cut zip": (zipped(a__depth__png=depth_png(), a__pose__txt=POSE)[:-20], "damaged, ends early"),
         "a pose that is no rotation": (
             zipped(a__depth__png=depth_png(), a__pose__txt=POSE.replace(b"1", b"2", 1), camera__txt=CAMERA),
-            "is no rotation",
+            "is not a rotation",
         ),
         "intrinsics of another size": (
             zipped(a__depth__png=depth_png(), a__pose__txt=POSE, camera__txt=b"500 500 320 240"),
@@ -147,7 +147,7 @@ async def test_resolutions_that_would_take_all_memory_are_refused_and_the_map_st
         assert page.newest["volume"]["occupied"] == before > 0
         await page.send("terrain", values={"patch": 0.01})
         await page.until(lambda page=page: page.newest["terrain"]["problem"] is not None)  # type: ignore[misc]
-        assert "take greater ones" in page.newest["terrain"]["problem"]
+        assert "choose larger ones" in page.newest["terrain"]["problem"]
         await page.send("terrain", values={"patch": 100.0})
         await page.until(lambda page=page: page.newest["terrain"]["points"] == 2000)  # type: ignore[misc]
         assert page.newest["terrain"]["problem"] is None

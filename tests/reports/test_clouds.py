@@ -511,9 +511,9 @@ def test_other_numbers_without_a_header_are_no_points(tmp_path: Path, data: byte
 
 
 def test_points_without_a_header_that_do_not_go_on_so_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match="does not go on so"):
+    with pytest.raises(ReadError, match="does not continue with them"):
         read(tmp_path, rows(SHARES) * 5 + rows(SHARES - 3.0), "a.bin")
-    with pytest.raises(ReadError, match="does not go on so"):
+    with pytest.raises(ReadError, match="does not continue with them"):
         read(tmp_path, rows(SHARES) + b"\0", "a.bin")
 
 

@@ -56,7 +56,7 @@ def read_depth(path: Path, camera: Intrinsics, unit: float, limits: Limits) -> N
         raise ReadError("depth.image", f"{path.name} is damaged: its pixels cannot be unpacked.") from error
     if not mode.startswith("I") or raw.ndim != 2:
         raise ReadError(
-            "depth.image", f"{path.name} is no depth image: it must be grey with 16 bits a pixel, not {mode}."
+            "depth.image", f"{path.name} is not a depth image: it must be grey with 16 bits a pixel, not {mode}."
         )
     try:
         camera.check_size(raw, "intrinsics")

@@ -101,7 +101,7 @@ def _from_quaternion(u_x_y_z: list[float], place: tuple[float, float, float], no
     if not abs(norm - 1.0) <= NORM_TOLERANCE:
         raise ReadError(
             "cloud.pose",
-            f"The pose of node {node} of the scan graph is no rotation: its quaternion's length is {norm:.3g}.",
+            f"The pose of node {node} of the scan graph is not a rotation: its quaternion's length is {norm:.3g}.",
         )
     u, x, y, z = (value / norm for value in u_x_y_z)
     return from_quaternion(place, x, y, z, u)

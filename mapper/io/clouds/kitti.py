@@ -33,7 +33,9 @@ def read_kitti(data: bytes, limits: Limits) -> PointCloud:
     """
     names = _form_of(data)
     if names is None or len(data) % _width(names):
-        raise ReadError("cloud.format", "The file begins as points of 32-bit numbers, and does not go on so.")
+        raise ReadError(
+            "cloud.format", "The file begins with points of 32-bit numbers but does not continue with them."
+        )
     records = _records(data, names)
     check_count(len(records), limits)
     note = (

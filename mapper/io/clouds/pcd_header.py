@@ -141,7 +141,7 @@ def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
 def _whole(word: str, name: str) -> int:
     if not word.isdigit() or not word.isascii() or len(word) > 18:
         said = printable(word[:40])
-        raise ReadError("cloud.header", f"The PCD header's {name} is missing or wrong: {said!r} is no whole number.")
+        raise ReadError("cloud.header", f"The PCD header's {name} is missing or wrong: {said!r} is not a whole number.")
     return int(word)
 
 

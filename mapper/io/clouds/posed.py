@@ -96,7 +96,7 @@ def open_posed_clouds(
     """
     files, kind = parts_of(Path(path), limits)
     if not isinstance(kind, Container):
-        raise ReadError("clouds.none", "The file is no recording (bag, MCAP, db3) with point clouds.")
+        raise ReadError("clouds.none", "The file is not a recording (bag, MCAP, db3) with point clouds.")
     streams = kind.streams(files, limits, progress)
     known = {**streams.clouds, **streams.depths}
     # What an image's encoding is, only its messages tell; drivers name the topics of depths so. Beside an image's

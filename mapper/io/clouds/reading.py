@@ -90,7 +90,7 @@ def read_scan_graph(
     """
     data = content(Path(path), limits, progress)
     if cloud_format(data[:HEAD_BYTES]) != "scan graph" and not data.lstrip().startswith(b"#"):
-        raise ReadError("cloud.format", f"The file {Path(path).name!r} is no scan graph of OctoMap.")
+        raise ReadError("cloud.format", f"The file {Path(path).name!r} is not a scan graph of OctoMap.")
     yield from graph_nodes(data, limits)
 
 

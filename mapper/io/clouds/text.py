@@ -184,7 +184,7 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     if begin.names is not None and columns is None:
         has = printable(", ".join(begin.names)[:200])
         raise ReadError(
-            "cloud.columns", f"The columns are named {has}; a cloud needs {WANTED}, and the file is no log of scans."
+            "cloud.columns", f"The columns are named {has}; a cloud needs {WANTED}, and the file is not a log of scans."
         )
     text = data[begin.at :]
     layout = layout_of([line for line in _first_lines(text) if not line.lstrip().startswith(b"#")])

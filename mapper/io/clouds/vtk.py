@@ -59,7 +59,7 @@ class _Reader:
     def read(self) -> None:
         """Read all sections."""
         if not self._line().startswith("# vtk DataFile"):
-            raise ReadError("cloud.header", "The file is no legacy VTK file: its first line must be # vtk DataFile.")
+            raise ReadError("cloud.header", "The file is not a legacy VTK file: its first line must be # vtk DataFile.")
         self._line()  # the title
         kind = self._line().strip().upper()
         if kind not in ("ASCII", "BINARY"):
@@ -122,7 +122,7 @@ class _Reader:
         elif key == "METADATA":
             return
         else:
-            raise ReadError("cloud.damaged", f"At byte {self._at}: {printable(key[:40])!r} is no section of VTK.")
+            raise ReadError("cloud.damaged", f"At byte {self._at}: {printable(key[:40])!r} is not a VTK section.")
         if components not in (1, 3, 4) or key == "TENSORS":
             self.columns[name] = values.reshape(n, components)
         elif key == "NORMALS" or name.lower() == "normals":

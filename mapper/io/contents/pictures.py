@@ -104,7 +104,7 @@ def _compressed(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
             image.draft("RGB", (SIDE, SIDE))  # of a JPEG a smaller one is decoded
             return _jpeg(image if image.mode in ("L", "RGB") else image.convert("RGB"))
     except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:
-        raise ReadError("picture.damaged", "The compressed image is no JPEG or PNG that can be decoded.") from error
+        raise ReadError("picture.damaged", "The compressed image is not a JPEG or PNG that can be decoded.") from error
 
 
 def _cloud(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
@@ -141,7 +141,7 @@ _DRAWN: dict[str, Callable[..., tuple[bytes, str]]] = {
 
 def _check_size(width: int, height: int) -> None:
     if width <= 0 or height <= 0:
-        raise ReadError("picture.size", f"The message states {width} × {height} pixels, which is no picture.")
+        raise ReadError("picture.size", f"The message states {width} × {height} pixels, which cannot be a picture.")
     if width * height > MAX_PIXELS:
         raise LimitError(
             "picture.too_large",

@@ -133,7 +133,7 @@ def costmap_message(
         raise BadMessageError(f"its header says {cols} × {rows} cells, and it has {len(data_bytes)}")
     norm = math.hypot(*turn)
     if not (math.isfinite(norm) and norm > 0.0):
-        raise BadMessageError("its origin's rotation is none")
+        raise BadMessageError("the rotation of its origin is not a rotation")
     qx, qy, qz, qw = (part / norm for part in turn)
     if abs(qx) > 1e-3 or abs(qy) > 1e-3:
         raise BadMessageError("its origin is tilted")

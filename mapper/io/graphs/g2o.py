@@ -80,7 +80,7 @@ def g2o_lines(graph: PoseGraph) -> Iterator[str]:
 
 def _id(token: str, line: int) -> int:
     if not (token.isascii() and token.isdigit() and int(token[:20]) < MOST_ID):
-        raise ReadError("graph.id", f"Line {line}: {token!r:.40} is no number of a vertex.")
+        raise ReadError("graph.id", f"Line {line}: {token!r:.40} is not the number of a vertex.")
     return int(token)
 
 

@@ -82,12 +82,12 @@ YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (
         re.compile(rb"^\s+[\"']?ros__parameters[\"']?\s*:|[{,]\s*[\"']?ros__parameters[\"']?\s*:", re.MULTILINE),
         "log.parameters",
-        "The file has parameters of ROS nodes, and is no log: gridbloom costmap, path and localize take it (--params).",
+        "The file has parameters of ROS nodes, not a log: gridbloom costmap, path and localize take it (--params).",
     ),
     (
         re.compile(rb"^[\"']?image[\"']?\s*:", re.MULTILINE),
         MAP,
-        "The file describes a map, and is no log: gridbloom info and view tell what it is, and the page edits it.",
+        "The file describes a map, not a log: gridbloom info and view show it, and the page edits it.",
     ),
 )
 GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines

@@ -71,7 +71,7 @@ def read_bee_map(
     try:
         free = np.array(text[size.end() :].split(), dtype=np.float64)
     except ValueError as error:
-        raise ReadError("map.bee_value", f"{place.name}: a cell of the map is no number.") from error
+        raise ReadError("map.bee_value", f"{place.name}: a cell of the map is not a number.") from error
     if len(free) != rows * cols:
         raise ReadError("map.bee_cells", f"{place.name}: the map has {len(free)} of its {rows * cols} cells.")
     known = free >= 0.0
@@ -85,7 +85,7 @@ def _geometry(head: bytes, cols: int, rows: int, limits: Limits, name: str) -> G
     try:
         said = {key.decode(): float(value) for key, value in _SPECIFICATION.findall(head)}
     except ValueError as error:
-        raise ReadError("map.bee_head", f"{name}: the map's head has a value that is no number.") from error
+        raise ReadError("map.bee_head", f"{name}: the map's head has a value that is not a number.") from error
     resolution = said.get("resolution", 0.0) / 100.0
     if not 0.0 < resolution < 100.0:
         raise ReadError("map.bee_head", f"{name}: the map's head states no resolution.")

@@ -50,7 +50,7 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
     """Return what a map's yaml says. Raises :class:`ReadError`, naming the key, and :class:`LimitError`."""
     if len(data) > limits.max_yaml_bytes:
         raise LimitError(
-            "map.yaml_too_large", f"The file has more than {limits.max_yaml_bytes} bytes: it is no yaml of a map."
+            "map.yaml_too_large", f"The file has more than {limits.max_yaml_bytes} bytes: it is not the yaml of a map."
         )
     nodes = _top_level(data)
     missing = [
@@ -94,7 +94,7 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
     for key, value in root.value:
         name = key.value if isinstance(key, yaml.ScalarNode) else None
         if name is None or name in nodes:
-            what = "has a key that is no word" if name is None else f"has the key {name!r:.40} twice"
+            what = "has a key that is not a word" if name is None else f"has the key {name!r:.40} twice"
             raise ReadError("map.yaml", f"The map's yaml {what}, in line {key.start_mark.line + 1}.")
         nodes[name] = value
     return nodes

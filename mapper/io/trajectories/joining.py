@@ -38,7 +38,7 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
         raise ConfigError(
             "trajectory.outside",
             f"{outside} of the {log.n_scans} scans lie before the first or after the last pose of the trajectory, and "
-            "the log has no poses of its own with which it could be continued there.",
+            "the log has no poses of its own with which to continue it there.",
         )
     covered = np.flatnonzero(inside)
     first, last = (int(covered[choose(log.stamps_ns[covered])]) for choose in (np.argmin, np.argmax))

@@ -59,20 +59,20 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
         if not all(math.isfinite(value) and abs(value) <= FARTHEST_M for value in place):
             raise ReadError(
                 "trajectory.pose",
-                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it must be "
+                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} must be "
                 f"finite and within {FARTHEST_M:g} m.",
             )
         if values and not all(abs(a - b) <= limits.max_pose for a, b in zip(place, values[:3], strict=True)):
             raise ReadError(
                 "trajectory.pose",
-                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it is more than "
+                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is more than "
                 f"{limits.max_pose:g} m from the first.",
             )
         norm = math.hypot(*rotation)
         if not abs(norm - 1.0) <= NORM_TOLERANCE:
             raise ReadError(
                 "trajectory.rotation",
-                f"Line {line}: the quaternion {', '.join(f'{value:g}' for value in rotation)} is no rotation: its "
+                f"Line {line}: the quaternion {', '.join(f'{value:g}' for value in rotation)} is not a rotation: its "
                 f"length is {norm:.3g}, not 1.",
             )
         values.extend([*place, *(value / norm for value in rotation)])

@@ -205,7 +205,7 @@ def _of_source(source: ScanSource, most: int, progress: Progress | None) -> Scan
         if progress is not None and source.count:
             progress(min((k + 1) / source.count, 1.0))
     if offset is None:
-        raise ReadError("cloud.empty", "None of the scans has a point.")
+        raise ReadError("cloud.empty", "No scan has a point.")
     return _sequence(source.kind, gathered, np.array(origins), np.array(stamps), offset, {}, source.notes)
 
 

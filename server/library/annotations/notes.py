@@ -50,13 +50,15 @@ class Pin:
             if not 3 <= len(self.outline) <= MAX_CORNERS:
                 raise MapperError("note.pin", f"An area has 3 to {MAX_CORNERS} corners.")
             if crosses_itself(self.outline):
-                raise MapperError("note.pin", "The sides of the area cross: put its corners in their order around it.")
+                raise MapperError("note.pin", "The sides of the area cross: give its corners in order, once around it.")
             if is_thin(self.outline):
                 raise MapperError("note.pin", "An area needs corners that are not in one line.")
             for name, value in zip(("x", "y"), centroid(self.outline), strict=True):
                 object.__setattr__(self, name, value)
         if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):
-            raise MapperError("note.pin", "A note's place has an x and a y, and its time the seconds and the scan.")
+            raise MapperError(
+                "note.pin", "A note's position needs x and y, and its time needs the seconds and the scan."
+            )
         if self.at_s is None and self.x is None:
             raise MapperError("note.pin", "A note is pinned to a time, to a place, or to both.")
 

@@ -156,7 +156,7 @@ class Trajectories:
         """
         beside = sum(map(len, new.files.values()))
         if self._room() < len(new.text) + beside:
-            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+            raise LimitError("library.full", "The server has no space left for logs; try again later.")
         own_names = [one for one in log.trajectories if one not in {added.name for added in self.of(owner, record.id)}]
         self.check(owner, record.id, new.name, own_names)
         trajectory_id = secrets.token_hex(10)

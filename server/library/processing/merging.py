@@ -167,7 +167,7 @@ class MergeKind:
     def checked(self, log_id: str, request: MergeRequest) -> MergeRequest:
         """Return a request with valid cuts and parameters. Raises :class:`ConfigError` for a log with itself."""
         if request.other == log_id:
-            raise ConfigError("merge.same", "These are one log: choose another one to merge it with.")
+            raise ConfigError("merge.same", "This is the same log: choose another one to merge it with.")
         for cut in (request.cut, request.other_cut):
             PlanarCut.of(cut or {})
         for mapping in (request.mapping, request.other_mapping):

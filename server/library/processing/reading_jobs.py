@@ -224,7 +224,7 @@ def without_paths(error: MapperError, source: Path, name: str) -> MapperError:
 
 def full() -> LimitError:
     """Return the error for a library without room."""
-    return LimitError("library.full", "The server's room for logs is used up; try again later.")
+    return LimitError("library.full", "The server has no space left for logs; try again later.")
 
 
 def unstored() -> ReadError:

@@ -228,7 +228,7 @@ class ReferenceMaps:
         """Replace the file ``out`` by a new one."""
         size = _bytes_of(fresh)
         if size > self._room():
-            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+            raise LimitError("library.full", "The server has no space left for logs; try again later.")
         self._bytes += size - _bytes_of(out)
         fresh.replace(out)
 

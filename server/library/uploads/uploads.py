@@ -85,7 +85,7 @@ class Uploads:
         if self._places.room() - self._receiver.reserved < size - (part.start if part else 0):
             raise full()
         if sum(record.bytes + record.packed_bytes for record in own) + size > limits.max_owner_bytes:
-            raise LimitError("library.too_many", "Your logs take all the room that one visitor has here: delete one.")
+            raise LimitError("library.too_many", "Your logs fill the space of one visitor: delete one.")
 
     async def _take(self, owner: str, name: str, received: Received) -> Record:
         """Store the received bytes and queue them for reading, unless the owner has them already."""

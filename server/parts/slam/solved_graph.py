@@ -143,9 +143,7 @@ class SolvedGraph:
             raise ConfigError("graph.scans", f"The log has {log.n_scans} scans, not both {first} and {second}.")
         i, j = sorted(self._node_near(scan) for scan in (first, second))
         if j - i < 2:
-            raise ConfigError(
-                "graph.scans", f"The scans {first} and {second} follow each other: no loop is between them."
-            )
+            raise ConfigError("graph.scans", f"The scans {first} and {second} are consecutive: no loop can join them.")
         poses = self.node_poses
         scans = scans_of(log, graph.nodes[[i, j]].tolist())
         guess = compose(inverse(poses[i]), poses[j])
@@ -159,7 +157,7 @@ class SolvedGraph:
         if found.is_degenerate:
             raise ConfigError(
                 "graph.no_match",
-                f"The walls of the scans {first} and {second} leave one direction open, as a corridor.",
+                f"The walls of the scans {first} and {second} leave one direction undetermined, as in a corridor.",
             )
         information = np.linalg.inv(found.covariance + np.diag(np.square(LEAST_DEVIATIONS)))
         return graph.with_loop(i, j, found.pose, information, locked=True)

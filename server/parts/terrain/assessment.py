@@ -207,7 +207,7 @@ def assessed(
         raise LimitError(
             "terrain.patches",
             f"{x1 - x0:.0f} × {y1 - y0:.0f} m have more than {MOST_PATCHES:,} patches of {config.patch:g} m; "
-            "take greater ones.",
+            "choose larger ones.",
         )
     empty = Patches(np.zeros(shape), config.patch, np.array([x0, y0, 0.0]))
     level, reach = round(values["level"]), round(values["reach"])

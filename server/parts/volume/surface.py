@@ -79,7 +79,7 @@ class VolumeSurface:
         if self._source is None:
             raise ConfigError(
                 "tsdf.no_origin",
-                "A surface needs scans and the places of their sensor: distances are measured from there.",
+                "A surface needs scans and the positions of the sensor, from which distances are measured.",
             )
         if self._replayed is None:
             self._replayed = ReplayedSurface(

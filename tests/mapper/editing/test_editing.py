@@ -200,7 +200,7 @@ def test_a_map_of_three_states_is_saved_as_map_saver_does(tmp_path: Path) -> Non
         ({"op": "fill", "state": "free"}, "lacks polygon"),
         ({"op": "crop", "corners": [[0, 0], [1, 1], [2, 2]]}, "two corners, not 3"),
         (STROKE | {"points": [[90.0, 90.0]]}, "The stroke is outside the map"),
-        ({"op": "crop", "corners": [[50, 50], [51, 51]]}, "nothing would be left"),
+        ({"op": "crop", "corners": [[50, 50], [51, 51]]}, "holds no cell of the map"),
     ],
 )
 def test_an_impossible_edit_is_refused_and_nothing_changes(given: Mapping[str, object], said: str) -> None:

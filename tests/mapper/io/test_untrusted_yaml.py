@@ -107,7 +107,7 @@ def test_no_text_raises_but_as_told(text):
 @pytest.mark.parametrize("case", HOSTILE)
 def test_a_footprint_with_it_is_refused(case):
     text = f"local_costmap:\n  local_costmap:\n    ros__parameters:\n      footprint: '[[{HOSTILE[case][0]}, 1]]'\n"
-    with pytest.raises(MapperError, match=r"footprint: .* is no list of points"):
+    with pytest.raises(MapperError, match=r"footprint: .* is not a list of points"):
         parse_nav2_costmap(text.encode())
 
 

@@ -124,7 +124,7 @@ def test_sonars_accept_custom_models() -> None:
         (lambda r: r[:-1], r"must have the shape of r"),
         (lambda r: r[:, np.newaxis], r"must have the shape of r"),
         (None, "finite log-odds|shape"),
-        (lambda r: ["high"] * len(r), "no array of numbers"),
+        (lambda r: ["high"] * len(r), "not an array of numbers"),
         (lambda r: np.where(r > 1.0, np.nan, 0.1), r"at r = 1\.\d+ m of a reading z = [\d.]+ m it says nan"),
         (lambda r: np.full(len(r), np.inf), "it says inf"),
         (lambda r: np.full(len(r), 1e300), "it says 1e\\+300"),

@@ -80,7 +80,7 @@ def test_trajectories_of_logs(run: Run, log: Path, tmp_path: Path) -> None:
     [
         (["true.tum"], "evaluate needs a REFERENCE and an ESTIMATE, or a LOG and --relations FILE."),
         (["true.tum", "gone.tum"], "gone.tum: There is no file 'gone.tum'."),
-        (["true.tum:scan", "true.tum"], "true.tum: The file is no log, so it has no trajectory 'scan'."),
+        (["true.tum:scan", "true.tum"], "true.tum: The file is not a log, so it has no trajectory 'scan'."),
         (["LOG:gps", "true.tum"], "LOG: The log has no trajectory 'gps'; it has 'scan', 'wheel'."),
         (["true.tum", "wheels.tum", "--offset", "100"], "wheels.tum: No stamps of the two trajectories are within"),
         (["true.tum", "wheels.tum", "--delta", "0"], "wheels.tum: Delta must be above 0, not 0."),

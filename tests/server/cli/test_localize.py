@@ -102,7 +102,7 @@ def test_the_scans_of_two_lidars(run: Run, files, tmp_path: Path):
         (["--initial-pose", "nan,2,0"], "three finite numbers"),
         (["--set", "sigma_hit=0"], "sigma_hit"),
         (["--set", "z_hit=nan"], "must be a finite number, not nan"),
-        (["--set", "z_hit=0", "--set", "z_rand=0"], "every pose would fit alike"),
+        (["--set", "z_hit=0", "--set", "z_rand=0"], "every pose would fit equally well"),
         (["--set", "speed=1"], "There is no localization parameter 'speed'"),
         (["--set", "speed"], "--set needs NAME=VALUE"),
         (["--trajectory", "tf"], "The log has no trajectory 'tf'"),

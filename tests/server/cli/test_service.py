@@ -19,7 +19,7 @@ def test_version_is_that_of_the_package(run):
 
 
 def test_serve_refuses_invalid_settings(run, tmp_path):
-    for options, words in ((["--port", "70000"], "port"), (["--logs-dir", tmp_path / "gone"], "is no folder")):
+    for options, words in ((["--port", "70000"], "port"), (["--logs-dir", tmp_path / "gone"], "is not a folder")):
         status, out, err = run("serve", *options)
         assert (status, out) == (2, "")
         assert words in err

@@ -55,9 +55,9 @@ def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
     out = ("--out", tmp_path / "out")
     for arguments, said in (
         ((tmp_path / "none.pcd", *out), "There is no file 'none.pcd'"),
-        ((far, *out), "take greater cells, or leave out points that are far"),
+        ((far, *out), "choose larger cells, or leave out points that are far"),
         ((cloud, *out, "--cell", "0"), "(cell) must be between 0.05 and 20 m"),
-        ((cloud, *out, "--truth", other), "None of its points is one of the cloud's"),
+        ((cloud, *out, "--truth", other), "None of its points is a point of the cloud"),
     ):
         status, _, err = run("terrain", *arguments)
         assert status == 2

@@ -229,7 +229,7 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
         nothing.handle(TerrainCommand(), TickResult())
     view.handle(TerrainCommand(values={"patch": 0.1}), result)
     view.changed(result)
-    assert "take greater ones" in str(sent_one(result.slots["terrain"])["problem"])
+    assert "choose larger ones" in str(sent_one(result.slots["terrain"])["problem"])
 
 
 def share_of_patches_with_ten(places: np.ndarray, side: float) -> float:

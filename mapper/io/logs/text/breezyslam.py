@@ -106,7 +106,8 @@ def read_breezyslam(
     poses = wheel_poses(stack.robot_poses[:, :2])
     if np.abs(poses[:, :2]).max() > limits.max_pose:
         raise ReadError(
-            "log.extent", f"By its wheels the robot goes farther than {limits.max_pose:g} m, which is no place."
+            "log.extent",
+            f"By its wheels the robot goes farther than {limits.max_pose:g} m, which cannot be a position.",
         )
     return ScanLog(
         ranges=ranges,

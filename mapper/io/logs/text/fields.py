@@ -71,8 +71,7 @@ def pose(
     if max(abs(x), abs(y)) > farthest or abs(theta) > limits.max_pose:
         raise ReadError(
             "log.pose",
-            f"Line {line}: {whose} pose in this {word} line, {x:g}, {y:g}, {theta:g}, is no place: it is beyond "
-            f"{farthest:g}.",
+            f"Line {line}: {whose} pose in this {word} line, {x:g}, {y:g}, {theta:g}, lies beyond {farthest:g}.",
         )
     return values
 
@@ -99,7 +98,8 @@ def count(token: str, line: int, word: str, what: str, largest: int, *, least: i
     """Return a number of things. Raises :class:`ReadError` for what is not a whole number ≥ ``least``."""
     if not (token.isascii() and token.isdigit()) or len(token) > 9 or int(token) < least:
         raise ReadError(
-            "log.beam_count", f"Line {line}: this {word} line states {token!r:.40} {what}, which is no count of them."
+            "log.beam_count",
+            f"Line {line}: this {word} line states {token!r:.40} {what}, which is not a number of them.",
         )
     if int(token) > largest:
         raise LimitError(

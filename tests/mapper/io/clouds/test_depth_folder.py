@@ -94,8 +94,8 @@ def test_pixels_become_points_through_both_focal_lengths(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
-        ("frame-000000.pose.txt", STILL.replace("1 0 0 0", "2 0 0 0"), "frame-000000.depth.png is no rotation"),
-        ("frame-000000.pose.txt", STILL.replace("1 0 0 0", "-1 0 0 0"), "no rotation but a reflection"),
+        ("frame-000000.pose.txt", STILL.replace("1 0 0 0", "2 0 0 0"), "frame-000000.depth.png is not a rotation"),
+        ("frame-000000.pose.txt", STILL.replace("1 0 0 0", "-1 0 0 0"), "a reflection, not a rotation"),
         ("frame-000000.pose.txt", STILL.replace("1 0 0 0", "nan 0 0 0"), "is not finite"),
         ("frame-000000.pose.txt", "1 0 0\n", "holds 1 × 3 numbers, not 4 × 4"),
         ("frame-000000.pose.txt", "\n", "holds 0 × 0 numbers"),

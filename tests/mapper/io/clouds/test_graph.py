@@ -65,7 +65,7 @@ def test_octomap_s_own_scan(data_file: Callable[[str], Path]) -> None:
     [
         (graph(STILL, TURNED)[:-20], "2 nodes claimed, 1 whole ones there"),
         (graph(STILL)[:4] + struct.pack("<I", 10**9) + graph(STILL)[8:], "1 nodes claimed, 0 whole ones there"),
-        (graph(node((0, 0, 0), (1, 1, 0, 0), 0)), "node 0 of the scan graph is no rotation"),
+        (graph(node((0, 0, 0), (1, 1, 0, 0), 0)), "node 0 of the scan graph is not a rotation"),
         (
             graph(node((0, 0, float("nan")), (1, 0, 0, 0), 0)),
             "Node 0 of the scan graph: The cloud's pose is not finite",
@@ -75,7 +75,7 @@ def test_octomap_s_own_scan(data_file: Callable[[str], Path]) -> None:
         (b"NODE 0 0 0 0 0 inf\n1 2 3\n", "angles of node 0 are not finite"),
         (b"NODE 0 0 0 0 0 0\n1 2 3\n1 2\n", "number of values changes near line"),
         (b"NODE 0 0 0 0 0 0\n1 2 x\n", "'x' near line 2 is not a number"),
-        (b"VERSION 0.7\n", "is no scan graph"),
+        (b"VERSION 0.7\n", "is not a scan graph"),
     ],
 )
 def test_a_damaged_graph_is_told(data: bytes, sentence: str, tmp_path: Path) -> None:

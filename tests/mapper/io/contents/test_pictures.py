@@ -96,10 +96,10 @@ def test_compressed_images(form: str) -> None:
         (image(filled(ORANGE), "rgb8", width=40_000, height=25_000, step=120_000), LimitError, "40000 × 25000 pixels"),
         (image(filled(ORANGE), "rgb8", height=25), ReadError, "do not fit its 2304 bytes"),
         (image(filled(ORANGE), "rgb8", step=10), ReadError, "do not fit"),
-        (image(filled(ORANGE), "rgb8", width=0), ReadError, "which is no picture"),
+        (image(filled(ORANGE), "rgb8", width=0), ReadError, "which cannot be a picture"),
         (image(filled(ORANGE), "jpeg2000"), ReadError, "'jpeg2000' are not shown"),
-        (compressed(b"\xff\xd8\xff and no more"), ReadError, "no JPEG or PNG"),
-        (compressed(b"GIF89a"), ReadError, "no JPEG or PNG"),
+        (compressed(b"\xff\xd8\xff and no more"), ReadError, "not a JPEG or PNG"),
+        (compressed(b"GIF89a"), ReadError, "not a JPEG or PNG"),
     ],
 )
 def test_what_is_absurd_or_damaged_is_one_sentence(said: Said, error: type[MapperError], words: str) -> None:

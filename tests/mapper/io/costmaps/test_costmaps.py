@@ -76,7 +76,7 @@ def test_files_without_costmaps_are_refused(tmp_path: Path, data_file: Callable[
 
 @pytest.mark.parametrize(
     ("field", "said"),
-    [("size", "cells, and it has 12"), ("resolution", "resolution must be a positive"), ("turn", "rotation is none")],
+    [("size", "cells, and it has 12"), ("resolution", "resolution must be a positive"), ("turn", "is not a rotation")],
 )
 def test_a_message_that_says_something_impossible(tmp_path: Path, field: str, said: str) -> None:
     data = bytearray(ros2.costmap(0, "map", "master", 0.1, (0.0, 0.0, 0.0), np.zeros((3, 4), np.uint8)))

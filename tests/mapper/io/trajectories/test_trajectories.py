@@ -84,15 +84,15 @@ def test_a_pose_in_space_is_seen_from_above(tmp_path: Path) -> None:
         ("1e30 1.0 2.0 0 0 0 0 1", "Line 2: the time '1e30' of this TUM line is impossible."),
         (
             "12.5 nan 2.0 0 0 0 0 1",
-            "Line 2: the position nan, 2, 0 is no place: it must be finite and within 1e+08 m.",
+            "Line 2: the position nan, 2, 0 must be finite and within 1e+08 m.",
         ),
         (
             "12.5 0 1e7 0 0 0 0 1",
-            "Line 2: the position 0, 1e+07, 0 is no place: it is more than 1e+06 m from the first.",
+            "Line 2: the position 0, 1e+07, 0 is more than 1e+06 m from the first.",
         ),
-        ("12.5 0 0 0 0 0 0 0", "Line 2: the quaternion 0, 0, 0, 0 is no rotation: its length is 0, not 1."),
-        ("12.5 0 0 0 0 0 1 1", "Line 2: the quaternion 0, 0, 1, 1 is no rotation: its length is 1.41, not 1."),
-        ("12.5 0 0 0 0 0 nan 1", "Line 2: the quaternion 0, 0, nan, 1 is no rotation: its length is nan, not 1."),
+        ("12.5 0 0 0 0 0 0 0", "Line 2: the quaternion 0, 0, 0, 0 is not a rotation: its length is 0, not 1."),
+        ("12.5 0 0 0 0 0 1 1", "Line 2: the quaternion 0, 0, 1, 1 is not a rotation: its length is 1.41, not 1."),
+        ("12.5 0 0 0 0 0 nan 1", "Line 2: the quaternion 0, 0, nan, 1 is not a rotation: its length is nan, not 1."),
     ],
 )
 def test_a_damaged_line_is_named(tmp_path: Path, line: str, message: str) -> None:

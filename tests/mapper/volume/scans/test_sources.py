@@ -57,7 +57,7 @@ def test_points_that_are_all_too_far_are_an_error(tmp_path: Path) -> None:
 
 
 def test_a_log_of_planar_scans_is_no_cloud(data_file) -> None:
-    with pytest.raises(ReadError, match="no recording"):
+    with pytest.raises(ReadError, match="not a recording"):
         open_source(data_file("carmen/loop5.log.gz"))
 
 

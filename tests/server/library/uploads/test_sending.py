@@ -97,7 +97,7 @@ async def test_one_visitors_uploads_leave_places_and_room_to_others(make_library
     assert len(library._slots) == 0
     assert await refused("eve", in_pieces(carmen(9)), 3900) == (
         "library.too_many",
-        "Your logs take all the room that one visitor has here: delete one.",
+        "Your logs fill the space of one visitor: delete one.",
     )
     assert (await library.put("bob", "run.log", in_pieces(carmen(10)), 3900)).state == "queued"
 

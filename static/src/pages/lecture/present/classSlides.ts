@@ -80,6 +80,11 @@ function watchPointer(): void {
     { passive: true },
   );
   document.documentElement.addEventListener("pointerleave", leave);
+  // A pointer that rests points at nothing of the next slide.
+  effect(() => {
+    void slide.value;
+    leave();
+  });
 }
 
 /** Send what the lecturer's page shows. */
