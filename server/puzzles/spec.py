@@ -57,7 +57,10 @@ def spec_text(spec: Spec) -> str:
 
 
 def spec_from_text(text: str) -> Spec:
-    """Return the spec of which :func:`spec_text` made ``text``. Raises ``msgspec.DecodeError`` for anything else."""
+    """Return the spec of which :func:`spec_text` made ``text``.
+
+    Raises ``msgspec.DecodeError`` for anything else, and :class:`ConfigError` for a command that there is not.
+    """
     spec: Spec = msgspec.json.decode(text, type=Spec, dec_hook=lambda _, story: SimulationHistory.model_validate(story))
     return spec
 
