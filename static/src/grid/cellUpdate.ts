@@ -15,13 +15,13 @@ export function logOddsHistory(events: readonly CellEvent[], values: CellParamet
   const model = beamModel(values);
   const low = values.clamp ? values.log_odds_min : Number.NEGATIVE_INFINITY;
   const high = values.clamp ? values.log_odds_max : Number.POSITIVE_INFINITY;
-  const found = [values.log_odds_prior];
+  const history = [values.log_odds_prior];
   let now = values.log_odds_prior;
   for (const event of events) {
     now = Math.min(high, Math.max(low, now + model[event]));
-    found.push(now);
+    history.push(now);
   }
-  return found;
+  return history;
 }
 
 /** Number of readings of one kind until the cell crosses a log-odds threshold; null if it never does. */

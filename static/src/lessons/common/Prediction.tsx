@@ -56,7 +56,7 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
   const awaits = asked !== null && !asked.is_revealed && (classroom.value?.isFollowed ?? false);
   const places = shownDecimals(step);
   const unit = axis.unit ? ` ${axis.unit}` : "";
-  const told = (value: number): string => `${written(value, places)}${unit}`;
+  const formatted = (value: number): string => `${written(value, places)}${unit}`;
   return (
     <section class="prediction no-print" ref={root} aria-label={`Predict: ${text}`}>
       <p class="prediction-question">
@@ -76,7 +76,7 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
                     <path class="prediction-axis" d={`M${x(tick)} ${AXIS}v6`} />
                     {(i % 2 === 0 || width >= ROOMY_PX) && (
                       <text x={x(tick)} y={AXIS + 22} text-anchor={i === 0 ? "start" : i === PARTS ? "end" : "middle"}>
-                        {i === PARTS ? told(tick) : written(tick, places)}
+                        {i === PARTS ? formatted(tick) : written(tick, places)}
                       </text>
                     )}
                   </g>
@@ -126,7 +126,8 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
         )}
       </div>
       <p role="status">
-        {result.value !== null && verdict(guess.value, result.value, step, told)} {result.value !== null && because}
+        {result.value !== null && verdict(guess.value, result.value, step, formatted)}{" "}
+        {result.value !== null && because}
         {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
         {awaits && "Answer in the line of the class; the lecturer shows the result."}
       </p>
@@ -134,8 +135,8 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
   );
 }
 
-function verdict(guess: number, was: number, step: number, told: (value: number) => string): string {
+function verdict(guess: number, was: number, step: number, formatted: (value: number) => string): string {
   const off = guess - was;
-  if (Math.abs(off) < step) return `It is ${told(was)}. Your guess was right.`;
-  return `It is ${told(was)}. Your guess was ${told(Math.abs(off))} too ${off > 0 ? "high" : "low"}.`;
+  if (Math.abs(off) < step) return `It is ${formatted(was)}. Your guess was right.`;
+  return `It is ${formatted(was)}. Your guess was ${formatted(Math.abs(off))} too ${off > 0 ? "high" : "low"}.`;
 }

@@ -37,8 +37,8 @@ export function ValueHandle({ axis, value, range, perPixel, onValue, ...rest }: 
         before.current = value;
       }}
       onDrag={(dx, dy, fine) => {
-        const way = (fine ? FINE : 1) * (axis === "x" ? dx : dy);
-        onValue(snap(before.current + way * perPixel, range));
+        const dragged = (fine ? FINE : 1) * (axis === "x" ? dx : dy);
+        onValue(snap(before.current + dragged * perPixel, range));
       }}
       onEnd={() => undefined}
       onKey={(key, shift) => {

@@ -34,16 +34,16 @@ export function run({ hits, misses, pHit, pMiss }: Readings): readonly Belief[] 
   const [qHit, qMiss] = [f32(pHit), f32(pMiss)];
   const steps = [...Array.from({ length: hits }, () => qHit), ...Array.from({ length: misses }, () => qMiss)];
   let now: Belief = { p: 0.5, odds: 1, logOdds: 0 };
-  const found = [now];
+  const beliefs = [now];
   for (const q of steps) {
     now = {
       p: bayesStep(now.p, q),
       odds: f32(now.odds * f32(q / f32(1 - q))),
       logOdds: f32(now.logOdds + f32(logOdds(q))),
     };
-    found.push(now);
+    beliefs.push(now);
   }
-  return found;
+  return beliefs;
 }
 
 /** After which reading a form saturates (p exactly 1 or 0, odds infinite or 0); null if it does not. */

@@ -128,9 +128,9 @@ function Grip({ label, sentence, range, now, at: [x, y], onMove, onStep }: GripP
       onDrag={(_, dy, fine) => onMove(dy * (fine ? 0.2 : 1), from.current)}
       onEnd={() => undefined}
       onKey={(key, shift) => {
-        const way = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 }[key];
-        if (way) onStep(way * (shift ? 0.2 : 1));
-        return way !== undefined;
+        const direction = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 }[key];
+        if (direction) onStep(direction * (shift ? 0.2 : 1));
+        return direction !== undefined;
       }}
     >
       <circle class="handle-mark" cx={x} cy={y} r={8} />

@@ -80,15 +80,15 @@ interface ChartProps {
 
 /** What is said about the cells half way to the reading, at it, and behind it. */
 function Verdict({ mix, z, prior }: { mix: BeamMixture; z: number; prior: number }) {
-  const found = evidence(z, mix, prior);
+  const bayes = evidence(z, mix, prior);
   const read = backwards(z, mix);
-  const cell = (s: number): number => Math.min(found.length - 1, Math.floor(s / CELL));
+  const cell = (s: number): number => Math.min(bayes.length - 1, Math.floor(s / CELL));
   const [before, at, behind] = [cell(z / 2), cell(z), cell(z + 4 * mix.sigma_hit)];
   const per = (values: Float64Array, k: number): string => signed(values[k] ?? 0, 1);
   return (
     <>
-      Half way to the reading, at it, and behind it, Bayes’ rule adds {per(found, before)}, {per(found, at)} and{" "}
-      {per(found, behind)}. Read backwards, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
+      Half way to the reading, at it, and behind it, Bayes’ rule adds {per(bayes, before)}, {per(bayes, at)} and{" "}
+      {per(bayes, behind)}. Read backwards, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
       {per(read, behind)}: cells that were seen to be free and cells that were never seen look alike.
     </>
   );

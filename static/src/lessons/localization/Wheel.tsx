@@ -79,9 +79,9 @@ export function Wheel({ weights, counts, share, onShare }: WheelProps) {
           onEnd={() => undefined}
           onKey={(key, shift) => {
             const step = shift ? 0.01 : 0.05;
-            const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[key];
-            if (way) set(share + way * step);
-            return way !== undefined;
+            const direction = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[key];
+            if (direction) set(share + direction * step);
+            return direction !== undefined;
           }}
         >
           <path class="wheel-first" d={`M${at(first, OUTER - 10)}L${at(first, TIP)}`} />

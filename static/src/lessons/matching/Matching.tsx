@@ -232,7 +232,7 @@ export function Matching() {
   const isSnapped = hand.value !== pose.value;
   const correlative = method.value === "correlative";
   const { ends, done } = basin.value;
-  const found = ends.reduce((sum, end) => sum + (end === TRUE_POSE ? 1 : 0), 0);
+  const correct = ends.reduce((sum, end) => sum + (end === TRUE_POSE ? 1 : 0), 0);
   const where = `x ${written(hand.value[0], 2)} m, y ${written(hand.value[1], 2)} m, ${isSnapped ? "snapped, " : ""}${written(100 * distance, 1)} cm from the true position`;
   return (
     <figure class="matching stack" aria-label="Two scans, one to be moved over the other" ref={figure}>
@@ -291,7 +291,7 @@ export function Matching() {
             )}
           </Stage>
           <p class="match-key number">
-            <span class="match-swatch found" /> true pose {percent(done > 0 ? found / done : 0)}{" "}
+            <span class="match-swatch found" /> true pose {percent(done > 0 ? correct / done : 0)}{" "}
             <span class="match-swatch elsewhere" /> another
             {done < ends.length && ` (${percent(done / ends.length)} done)`}
           </p>

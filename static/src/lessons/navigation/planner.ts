@@ -132,8 +132,10 @@ export function search(ground: Ground, start: number, goal: number, aStar: boole
     });
   }
   const most = aStar ? Number.POSITIVE_INFINITY : (potential[goal] as number);
-  const found = potential.map((cost, i) => ((aStar ? done[i] === 1 : cost <= most) ? cost : Number.POSITIVE_INFINITY));
-  return { potential: found, order };
+  const reached = potential.map((cost, i) =>
+    (aStar ? done[i] === 1 : cost <= most) ? cost : Number.POSITIVE_INFINITY,
+  );
+  return { potential: reached, order };
 }
 
 /** The cells of the cheapest way, from the start to the goal; null where the goal was not reached. */

@@ -96,16 +96,16 @@ export function planned(costs: Costs, from: Point, to: Point, aStar: boolean, al
   const [start, goal] = [cellOf(from), cellOf(to)];
   const isBlocked = (cell: number): boolean => cell < 0 || !Number.isFinite(ground.table[costs[cell] ?? LETHAL]);
   const blocked = isBlocked(start) || isBlocked(goal);
-  const found = blocked
+  const searched = blocked
     ? { potential: new Float64Array(costs.length).fill(Number.POSITIVE_INFINITY), order: [] }
     : search(ground, start, goal, aStar);
-  const cells = blocked ? null : pathBack(ground, found.potential, start, goal);
+  const cells = blocked ? null : pathBack(ground, searched.potential, start, goal);
   const path = cells?.map(centreOfCell) ?? null;
   const length = (path ?? []).reduce(
     (sum, [x, y], i, all) => sum + (i === 0 ? 0 : Math.hypot(x - (all[i - 1]?.[0] ?? 0), y - (all[i - 1]?.[1] ?? 0))),
     0,
   );
-  return { ...found, path, length };
+  return { ...searched, path, length };
 }
 
 export const pathStart = onPath<Point>([2.2, 6.4]);

@@ -38,10 +38,10 @@ const inside = ([x, y]: Point): Point => [Math.min(3, Math.max(0.5, x)), Math.mi
 
 /** The step that is shown at first: a beam whose evidence is partly in the map. */
 const initialStep = (run: Run): number => {
-  const found = run.steps.findIndex(
+  const index = run.steps.findIndex(
     (step) => step.fn === "bayes_filter" && (step.beam ?? 0) >= 12 && step.current === 4,
   );
-  return Math.max(0, found);
+  return Math.max(0, index);
 };
 
 /** The textbook's program with its current line highlighted, beside the small grid that it updates. */

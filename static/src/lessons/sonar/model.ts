@@ -45,21 +45,21 @@ function cellsInCone(geometry: GridGeometry, pose: Pose, bearing: number, openin
   const [cr, sr] = [Math.cos(heading - half), Math.sin(heading - half)];
   const [cl, sl] = [Math.cos(heading + half), Math.sin(heading + half)];
   const [ca, sa] = [Math.cos(heading), Math.sin(heading)];
-  const found: ConeCell[] = [];
+  const cells: ConeCell[] = [];
   for (let row = 0; row < geometry.rows; row++) {
     const dRow = row + 0.5 - row0;
     for (let col = 0; col < geometry.cols; col++) {
       const dCol = col + 0.5 - col0;
       if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
       const theta = Math.atan2(ca * dRow - sa * dCol, ca * dCol + sa * dRow);
-      found.push({
+      cells.push({
         index: row * geometry.cols + col,
         s: Math.sqrt(dCol * dCol + dRow * dRow) * geometry.resolution,
         theta: Math.min(half, Math.max(-half, theta)),
       });
     }
   }
-  return found;
+  return cells;
 }
 
 /** The settings as parameters of the sensor model of section 4, which computes the evidence. */

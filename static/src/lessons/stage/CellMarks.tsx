@@ -52,15 +52,15 @@ interface Entry {
 function entries(props: MarkProps): readonly Entry[] {
   const { cols, resolution } = props.shown.map.geometry;
   const { col0, col1, row0, row1 } = inView(props.transform, props.shown);
-  const found: Entry[] = [];
+  const visible: Entry[] = [];
   for (let row = row0; row <= row1; row++)
     for (let col = col0; col <= col1; col++)
-      found.push({
+      visible.push({
         index: row * cols + col,
         x: props.transform.x((col + 0.5) * resolution),
         y: props.transform.y((row + 0.5) * resolution),
       });
-  return found;
+  return visible;
 }
 
 /** p of each cell, and below it ℓ. */

@@ -70,7 +70,7 @@ function Ladder({ rect, scene, shown }: LadderProps) {
 }
 
 /** The reader adds a scan after this way, metres. */
-const WAY = 0.25;
+const SCAN_EVERY = 0.25;
 const MOST_SCANS = 150;
 /** The robot's centre keeps this far from walls, metres. */
 const RADIUS = 0.2;
@@ -91,12 +91,12 @@ const isInside = ([x, y]: Point): boolean => x > 0.6 && x < 11.4 && y > 0.6 && y
 /** Move the robot to a point, if it is free, and add scans on the way. */
 function moveRobot(point: Point, from: Pose): void {
   if (!isInside(point) || !isFree(point)) return;
-  const way = Math.hypot(point[0] - from[0], point[1] - from[1]);
-  const yaw = way > 0.02 ? Math.atan2(point[1] - from[1], point[0] - from[0]) : from[2];
+  const driven = Math.hypot(point[0] - from[0], point[1] - from[1]);
+  const yaw = driven > 0.02 ? Math.atan2(point[1] - from[1], point[0] - from[0]) : from[2];
   const pose: Pose = [point[0], point[1], yaw];
   ownRobot.value = pose;
   const last = ownPoses.peek().at(-1);
-  const isFar = !last || Math.hypot(point[0] - last[0], point[1] - last[1]) >= WAY - 1e-9;
+  const isFar = !last || Math.hypot(point[0] - last[0], point[1] - last[1]) >= SCAN_EVERY - 1e-9;
   if (isFar && ownPoses.peek().length < MOST_SCANS) ownPoses.value = [...ownPoses.peek(), pose];
 }
 

@@ -25,9 +25,9 @@ export function between(from: View, to: View, t: number): View {
   const width = from.width * (to.width / from.width) ** t;
   const height = from.height * (to.height / from.height) ** t;
   const ratio = to.width / from.width;
-  const way = Math.abs(Math.log(ratio)) < 0.05 ? t : (width - from.width) / (to.width - from.width);
+  const fraction = Math.abs(Math.log(ratio)) < 0.05 ? t : (width - from.width) / (to.width - from.width);
   const strip = from.strip + t * (to.strip - from.strip);
-  return { x: from.x + way * (to.x - from.x), y: from.y + way * (to.y - from.y), width, height, strip };
+  return { x: from.x + fraction * (to.x - from.x), y: from.y + fraction * (to.y - from.y), width, height, strip };
 }
 
 /** A rectangle of the screen, CSS pixels. */

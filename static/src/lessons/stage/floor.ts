@@ -56,17 +56,17 @@ const STEP = 0.5;
 
 /** The poses of the drive at its scans. */
 export const DRIVE: readonly Pose[] = (() => {
-  const found: Pose[] = [];
+  const poses: Pose[] = [];
   let left = 0;
   WAYPOINTS.slice(1).forEach((to, i) => {
     const from = WAYPOINTS[i] ?? to;
     const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
     const yaw = Math.atan2(to[1] - from[1], to[0] - from[0]);
     for (; left < length; left += STEP)
-      found.push([from[0] + left * Math.cos(yaw), from[1] + left * Math.sin(yaw), yaw]);
+      poses.push([from[0] + left * Math.cos(yaw), from[1] + left * Math.sin(yaw), yaw]);
     left -= length;
   });
-  return found;
+  return poses;
 })();
 
 /** Scans behind the robot, and the scans between which someone follows it. */
@@ -89,14 +89,14 @@ export function walker(i: number): readonly Wall[] {
 
 /** Where two walls meet, or one ends. */
 export const CORNERS: readonly Point[] = (() => {
-  const found = new Map<string, Point>();
+  const corners = new Map<string, Point>();
   for (const [x0, y0, x1, y1] of [...WALLS, ...TABLE])
     for (const [x, y] of [
       [x0, y0],
       [x1, y1],
     ] as const)
-      found.set(`${x.toFixed(2)} ${y.toFixed(2)}`, [x, y]);
-  return [...found.values()];
+      corners.set(`${x.toFixed(2)} ${y.toFixed(2)}`, [x, y]);
+  return [...corners.values()];
 })();
 
 /** From farther away a corner is not recognised, metres. */

@@ -115,9 +115,9 @@ export function believed(pose: Pose, index: number, conditions: Conditions, driv
   if (conditions.drift === 0) return pose;
   // Dead reckoning: each step of the true drive, in the frame of a heading that is off by more each time.
   let now: Pose = drive[0] ?? pose;
-  const way = [...drive.slice(1, index), pose];
+  const path = [...drive.slice(1, index), pose];
   let before = drive[0] ?? pose;
-  way.forEach((next, i) => {
+  path.forEach((next, i) => {
     const error = conditions.drift * (i + 1);
     const [dx, dy] = [next[0] - before[0], next[1] - before[1]];
     const [c, s] = [Math.cos(error), Math.sin(error)];

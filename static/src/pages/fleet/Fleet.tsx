@@ -48,7 +48,7 @@ export function Fleet() {
   const logs = fleetLogs.value;
   const all = counts.value;
   const trouble = troubleOf(cluster.value, all);
-  const found = logs === null ? [] : chosen(logs.values(), wanted, order);
+  const matching = logs === null ? [] : chosen(logs.values(), wanted, order);
   const findings = firstFindings(logs?.values() ?? []);
   const want = (change: Partial<Wanted>): void => {
     setWanted({ ...wanted, ...change });
@@ -109,19 +109,19 @@ export function Fleet() {
             )}
             <Choice label="Order" bare options={ORDERS} value={order} onChange={(value) => setOrder(value as Order)} />
             <span class="quiet number" role="status">
-              {found.length < totalOf(all) ? `${plural(found.length, "log")} found` : ""}
+              {matching.length < totalOf(all) ? `${plural(matching.length, "log")} found` : ""}
             </span>
           </search>
           <ul class="cards">
-            {found.slice(0, limit).map((log) => (
+            {matching.slice(0, limit).map((log) => (
               <FleetCard key={log.id} log={log} />
             ))}
           </ul>
-          {found.length > limit && (
+          {matching.length > limit && (
             <div class="library-more">
               <Button onClick={() => setLimit(limit + PAGE)}>Show more</Button>
               <span class="quiet number">
-                {limit} of {plural(found.length, "log")}
+                {limit} of {plural(matching.length, "log")}
               </span>
             </div>
           )}

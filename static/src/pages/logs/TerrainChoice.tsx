@@ -20,7 +20,7 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
   const chosen = useSignal<ChosenLog | null>(null);
   const isBusy = useSignal(false);
   const failure = useSignal<string | null>(null);
-  const found = useSignal<MapAnswer | null>(null);
+  const terrain = useSignal<MapAnswer | null>(null);
   const choose = async (next: ChosenLog | null): Promise<void> => {
     isBusy.value = true;
     failure.value = null;
@@ -28,14 +28,14 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
       const body = { log: next?.log ?? null };
       const answer = await ask("PUT /api/sessions/{session_id}/costmap/terrain", { session_id: session }, { body });
       chosen.value = next;
-      found.value = answer.map;
+      terrain.value = answer.map;
       store.setPart("costmap", { terrain_layer: next !== null });
     } catch (error) {
       failure.value = (error as Error).message;
     }
     isBusy.value = false;
   };
-  const classes = found.value?.classes;
+  const classes = terrain.value?.classes;
   const patches = classes && `Patches: ${classes.safe} safe, ${classes.unsafe} unsafe, ${classes.unknown} unknown.`;
   return (
     <div class="field">

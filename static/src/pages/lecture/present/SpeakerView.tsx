@@ -6,12 +6,12 @@ import { Button } from "../../../ui/Button";
 import { SlidePicture } from "./deck/SlidePicture";
 import { listenToKeys } from "./keys";
 import type { Poll, PollAct } from "./poll";
-import { followSlides, type Remote, type Told } from "./sync";
+import { followSlides, type Remote, type SpeakerState } from "./sync";
 
 const two = (value: number): string => String(value).padStart(2, "0");
 
 /** Time of day, and since the window was opened or the watch was reset, with the plan. */
-function Watch({ plan }: { readonly plan: Told["plan"] }) {
+function Watch({ plan }: { readonly plan: SpeakerState["plan"] }) {
   const now = useSignal(Date.now());
   const since = useSignal(Date.now());
   useEffect(() => {
@@ -99,20 +99,20 @@ function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: Pol
 
 /** The speaker's window: the present slide, what the next step shows, and the notes. It controls the slides. */
 export function SpeakerView({ channel }: { readonly channel: string }) {
-  const told = useSignal<Told | null>(null);
+  const state = useSignal<SpeakerState | null>(null);
   const send = useRef<Remote | null>(null);
   useEffect(() => {
     document.title = "Speaker · Gridbloom";
     send.current = followSlides(channel, (next) => {
-      told.value = next;
+      state.value = next;
     });
     return listenToKeys(
       window,
       (act) => act !== "exit" && send.current?.act(act),
       () => true,
     );
-  }, [channel, told]);
-  const now = told.value;
+  }, [channel, state]);
+  const now = state.value;
   if (!now)
     return (
       <main class="speaker">

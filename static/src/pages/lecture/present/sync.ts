@@ -9,7 +9,7 @@ import { answerOf, otherNotes } from "./shownAnswers";
 import { blank, deck, hashOf, type Place, place, slides, stepped } from "./state";
 
 /** What the speaker's window shows. */
-export interface Told {
+export interface SpeakerState {
   readonly title: string;
   readonly notes: string;
   /** The fragments of the present slide and of the one after the next step; null at the end. */
@@ -23,20 +23,24 @@ export interface Told {
   readonly poll: Poll | null;
 }
 
-type Message = { readonly told: Told } | { readonly act: Act } | { readonly poll: PollAct } | { readonly hello: true };
+type Message =
+  | { readonly speakerState: SpeakerState }
+  | { readonly act: Act }
+  | { readonly poll: PollAct }
+  | { readonly hello: true };
 
 const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-slides-${id}`);
 
 const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.notes ?? otherNotes(of) ?? "";
 
 /** The plan at slide `number` of those that are shown, from 1. */
-function planOf(shown: readonly Slide[], number: number): Told["plan"] {
+function planOf(shown: readonly Slide[], number: number): SpeakerState["plan"] {
   const sum = (of: readonly Slide[]): number => of.reduce((minutes, one) => minutes + (one.minutes ?? 0), 0);
   const total = sum(shown);
   return total > 0 ? { until: sum(shown.slice(0, number)), total } : null;
 }
 
-function told(at: Place): Told {
+function speakerState(at: Place): SpeakerState {
   const list = slides.peek();
   const next = stepped(at, 1, false, list);
   const now = list[at.index];
@@ -64,7 +68,7 @@ export function openSpeaker(): boolean {
   if (!channel) {
     const opened = named(id);
     channel = opened;
-    const tell = (): void => opened.postMessage({ told: told(place.peek()) } satisfies Message);
+    const tell = (): void => opened.postMessage({ speakerState: speakerState(place.peek()) } satisfies Message);
     opened.onmessage = ({ data }: MessageEvent<Message>) => {
       if ("act" in data) act(data.act);
       else if ("poll" in data) actOnPoll(data.poll);
@@ -85,10 +89,10 @@ export interface Remote {
 }
 
 /** In the speaker's window: follow the slides of `id`; the returned functions send what a key or a button asks for. */
-export function followSlides(id: string, show: (told: Told) => void): Remote {
+export function followSlides(id: string, show: (speakerState: SpeakerState) => void): Remote {
   const opened = named(id);
   opened.onmessage = ({ data }: MessageEvent<Message>) => {
-    if ("told" in data) show(data.told);
+    if ("speakerState" in data) show(data.speakerState);
   };
   opened.postMessage({ hello: true } satisfies Message);
   return {

@@ -90,14 +90,14 @@ function Tree({ store, session }: FrameTreeProps) {
     ...(chosen.value === null ? {} : { fixed: chosen.value }),
     ...(topic.value === null ? {} : { tf: topic.value }),
   };
-  const found = useAtMoment<FramesAnswer>(
+  const answer = useAtMoment<FramesAnswer>(
     store,
     (at) => addressOf(FRAMES, { session_id: session }, { at, ...query }),
     (address, ending) => answerAt(FRAMES, address, { ending }),
   );
-  if (found.kind === "failed") return <p role="alert">{found.why}</p>;
-  if (found.kind === "none") return <p class="quiet">…</p>;
-  const frames = found.value;
+  if (answer.kind === "failed") return <p role="alert">{answer.why}</p>;
+  if (answer.kind === "none") return <p class="quiet">…</p>;
+  const frames = answer.value;
   return (
     <div class="frames">
       {frames.trees.length > 1 && (

@@ -43,13 +43,13 @@ async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown
 
 function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: readonly string[] }) {
   const topic = useSignal(topics[0] ?? "");
-  const found = useAtMoment<Shown>(
+  const answer = useAtMoment<Shown>(
     store,
     (at) =>
       addressOf("GET /api/sessions/{session_id}/contents/picture", { session_id: session }, { topic: topic.value, at }),
     fetchPicture,
   );
-  const shown = found.kind === "ready" ? found.value : null;
+  const shown = answer.kind === "ready" ? answer.value : null;
   useEffect(() => () => shown && URL.revokeObjectURL(shown.address), [shown]);
   const at = store.frame.value?.stamp ?? 0;
   return (
@@ -70,8 +70,8 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
           ))}
         </select>
       </label>
-      {found.kind === "failed" && <p role="alert">{found.why}</p>}
-      {found.kind === "none" && (
+      {answer.kind === "failed" && <p role="alert">{answer.why}</p>}
+      {answer.kind === "none" && (
         <div class="progress waiting wide" role="status" aria-label="The picture is being decoded">
           <span />
         </div>

@@ -40,19 +40,19 @@ function Topic({
   zoom,
 }: Omit<PlotsProps, "fields"> & { readonly series: readonly PlottedTopic[] }) {
   const chosen = useSignal(series[0]?.topic ?? "");
-  const found = useSignal<SeriesAnswer | null>(null);
+  const answer = useSignal<SeriesAnswer | null>(null);
   const failure = useSignal<string | null>(null);
   const topic = chosen.value;
   const span = zoom.value;
   useEffect(() => {
     const abort = new AbortController();
-    if (found.peek()?.topic !== topic) found.value = null;
+    if (answer.peek()?.topic !== topic) answer.value = null;
     const query = { topic, ...(span && { start: span[0], end: span[1] }) };
     const options = { query, ending: abort.signal };
     ask("GET /api/sessions/{session_id}/contents/series", { session_id: session }, options).then(
       (series) => {
         failure.value = null;
-        found.value = series;
+        answer.value = series;
       },
       (error: Error) => {
         if (!abort.signal.aborted) failure.value = error.message;
@@ -60,7 +60,7 @@ function Topic({
     );
     return () => abort.abort();
   }, [session, topic, span]);
-  const now = found.value;
+  const now = answer.value;
   return (
     <>
       <label class="field">

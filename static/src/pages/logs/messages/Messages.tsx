@@ -93,21 +93,21 @@ export function Messages({ store, session, topic }: MessagesProps) {
 }
 
 function OfTopic({ store, session, topic }: Omit<MessagesProps, "topic"> & { readonly topic: string }) {
-  const found = useAtMoment<MessageAnswer>(
+  const answer = useAtMoment<MessageAnswer>(
     store,
     (at) => addressOf(MESSAGE, { session_id: session }, { topic, at }),
     (address, ending) => answerAt(MESSAGE, address, { ending }),
   );
   const open = useSignal<ReadonlySet<string>>(new Set(["header", "header.stamp"]));
-  if (found.kind === "failed") return <p role="alert">{found.why}</p>;
-  if (found.kind === "none") {
+  if (answer.kind === "failed") return <p role="alert">{answer.why}</p>;
+  if (answer.kind === "none") {
     return (
       <div class="progress waiting wide" role="status" aria-label="The message is being read">
         <span />
       </div>
     );
   }
-  const message = found.value;
+  const message = answer.value;
   const fields = message.fields as { readonly [name: string]: Tree };
   const copy = async (text: string, what: string): Promise<void> => {
     try {

@@ -69,13 +69,13 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
     return series.value?.axis === "scan" ? frame.index - 1 : frame.stamp;
   });
   useSignalEffect(() => {
-    const [index, way] = [state.onTimeline.value, store.trajectory.peek()];
-    if (!way) return;
-    pointed.value = index === null ? null : placeOfScan(series.peek()?.axis ?? "time", way, index);
+    const [index, trajectory] = [state.onTimeline.value, store.trajectory.peek()];
+    if (!trajectory) return;
+    pointed.value = index === null ? null : placeOfScan(series.peek()?.axis ?? "time", trajectory, index);
   });
   const scanAt = (place: number): number => {
-    const way = store.trajectory.peek();
-    return way ? scanAtPlace(axis, way, place, store.frame.peek()?.count ?? 0) : 0;
+    const trajectory = store.trajectory.peek();
+    return trajectory ? scanAtPlace(axis, trajectory, place, store.frame.peek()?.count ?? 0) : 0;
   };
   useSignalEffect(() => {
     const at = pointed.value;

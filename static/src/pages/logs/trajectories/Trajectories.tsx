@@ -84,7 +84,7 @@ function Errors({
     },
     [],
   );
-  const found = errors.value;
+  const comparison = errors.value;
   return (
     <div class="errors">
       <Select label="Reference" names={names} value={reference} />
@@ -109,12 +109,12 @@ function Errors({
         <p class="quiet">These two are the same path, stated twice.</p>
       )}
       {failure.value && <p role="alert">{failure.value}</p>}
-      {!found && !failure.value && <p class="quiet">…</p>}
-      {found && !failure.value && (
+      {!comparison && !failure.value && <p class="quiet">…</p>}
+      {comparison && !failure.value && (
         <>
-          <Table errors={found} />
+          <Table errors={comparison} />
           {(["absolute", "relative"] as const).map((which) => {
-            const series = errorSeries(found, which);
+            const series = errorSeries(comparison, which);
             return series.columns.map(({ plot }) => (
               <Plot
                 key={[reference.value, estimate.value, align.value, delta.value, plot].join(" ")}
