@@ -3,6 +3,7 @@ import { useMemo } from "preact/hooks";
 import { cellAt } from "../../grid/lattice";
 import { probability } from "../../grid/logOdds";
 import { INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
+import { linePath } from "../../render/chart/scale";
 import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
@@ -131,9 +132,8 @@ function Scatter({ counts, beams, chosen, width }: ScatterProps) {
   const most = Math.max(8, expectedBeams(0.15, beams));
   const x = (s: number): number => LEFT + ((width - LEFT - 10) * s) / far;
   const y = (n: number): number => HEIGHT - 24 - ((HEIGHT - 40) * Math.min(n, most)) / most;
-  const curve = Array.from({ length: 90 }, (_, i) => 0.15 + ((far - 0.15) * i) / 89).map(
-    (s, i) => `${i === 0 ? "M" : "L"}${x(s).toFixed(1)} ${y(expectedBeams(s, beams)).toFixed(1)}`,
-  );
+  const distances = Array.from({ length: 90 }, (_, i) => 0.15 + ((far - 0.15) * i) / 89);
+  const curve = linePath(distances.map((s) => [x(s), y(expectedBeams(s, beams))]));
   const dots = [...counts.keys()].filter((i) => (counts[i] ?? 0) > 0 && i !== chosen);
   const isOver = (i: number): boolean => (counts[i] ?? 0) > most;
   const point = (i: number): readonly [number, number] => [
@@ -151,7 +151,7 @@ function Scatter({ counts, beams, chosen, width }: ScatterProps) {
     <>
       <line class="zero" x1={LEFT} x2={width - 10} y1={y(0)} y2={y(0)} />
       <path class="counting-dots" d={path.join("")} />
-      <path class="counting-curve" d={curve.join("")} />
+      <path class="counting-curve" d={curve} />
       <circle class="counting-chosen" cx={cx} cy={cy} r={7} />
       <text x={LEFT - 6} y={y(0) + 4} text-anchor="end">
         0

@@ -1,7 +1,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
 import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
-import { toPixel } from "../../render/chart/scale";
+import { linePath, toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { bound } from "../../ui/numbers";
@@ -240,11 +240,7 @@ function Chart({ width, seen, t, end, clamped, free, prediction, asked, clamp }:
   const up = evidenceScale(HEIGHT, [clamp.low, clamp.high], free.path.slice(0, seen + 1));
   const x = (i: number): number => toPixel(i, across);
   const y = (l: number): number => toPixel(l, up);
-  const line = (history: MapHistory): string =>
-    history.path
-      .slice(0, now + 1)
-      .map((l, i) => `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${y(l).toFixed(1)}`)
-      .join("");
+  const line = (history: MapHistory): string => linePath(history.path.slice(0, now + 1).map((l, i) => [x(i), y(l)]));
   const guess = x(seen + prediction);
   return (
     <>

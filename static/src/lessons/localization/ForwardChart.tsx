@@ -1,7 +1,7 @@
 import type { Signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { type BeamMixture, beamParts, normalPeak } from "../../grid/rangeModels";
-import { toPixel } from "../../render/chart/scale";
+import { linePath, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { keyed, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
@@ -93,7 +93,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
           return [at, beamParts(at, z, now)] as const;
         });
         const line = (of: (parts: ReturnType<typeof beamParts>) => number): string =>
-          samples.map(([at, parts], i) => `${i ? "L" : "M"}${x(at).toFixed(1)} ${y(of(parts)).toFixed(1)}`).join("");
+          linePath(samples.map(([at, parts]) => [x(at), y(of(parts))]));
         const total = line(({ hit, short, rand }) => hit + short + rand);
         const sigmaY = y(now.z_hit * Math.exp(-0.5) * normalPeak(now.sigma_hit));
         return (

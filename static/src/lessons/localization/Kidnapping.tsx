@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
+import { linePath } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { written } from "../../ui/numbers";
@@ -114,7 +115,7 @@ function Averages({ past }: { past: readonly Moment[] }) {
         const x = (i: number): number => PAD.left + i * across;
         const y = (p: number): number => bottom - p * (bottom - top);
         const line = (of: (moment: Moment) => number): string =>
-          shown.map((moment, i) => `${i ? "L" : "M"}${x(i).toFixed(1)} ${y(of(moment)).toFixed(1)}`).join("");
+          linePath(shown.map((moment, i) => [x(i), y(of(moment))]));
         return (
           <>
             {[0, 0.5, 1].map((p) => (

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { kldNumber, kldQuantile } from "../../grid/particleFilter";
+import { linePath } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
@@ -36,9 +37,8 @@ export function ParticleNumber() {
         {(width) => {
           const x = (k: number): number => LEFT + (k / BINS) * (width - LEFT - RIGHT);
           const y = (n: number): number => BOTTOM - (Math.min(n, MOST) / MOST) * (BOTTOM - TOP);
-          const curve = Array.from({ length: 2 * BINS - 3 }, (_, i) => 2 + i / 2).map(
-            (k, i) => `${i === 0 ? "M" : "L"}${x(k).toFixed(1)} ${y(kldNumber(k, error, quantile)).toFixed(1)}`,
-          );
+          const sizes = Array.from({ length: 2 * BINS - 3 }, (_, i) => 2 + i / 2);
+          const curve = linePath(sizes.map((k) => [x(k), y(kldNumber(k, error, quantile))]));
           return (
             <>
               <path class="particle-floor" d={`M${LEFT} ${BOTTOM}H${x(BINS)}M${LEFT} ${BOTTOM}V${TOP}`} />
@@ -58,7 +58,7 @@ export function ParticleNumber() {
               <text x={LEFT + 6} y={TOP + 4}>
                 particles M
               </text>
-              <path class="belief-line" d={curve.join("")} />
+              <path class="belief-line" d={curve} />
               <path class="number-now" d={`M${x(bins)} ${BOTTOM}V${y(wanted)}H${LEFT}`} />
               <circle class="particle-drawn" cx={x(bins)} cy={y(wanted)} r={5} />
               <Grip

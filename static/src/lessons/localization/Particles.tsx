@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { effectiveNumber } from "../../grid/particleFilter";
-import { toPixel } from "../../render/chart/scale";
+import { linePath, toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
@@ -197,11 +197,11 @@ function Corridor({ x }: { x: Across }) {
 function Belief({ x, values }: { x: Across; values: Float64Array }) {
   const most = Math.max(...values);
   const y = (p: number): number => BELIEF.bottom - (p / most) * (BELIEF.bottom - BELIEF.top - 8);
-  const line = Array.from(values, (p, i) => `${i === 0 ? "M" : "L"}${x(centre(i)).toFixed(1)} ${y(p).toFixed(1)}`);
+  const line = linePath(Array.from(values, (p, i) => [x(centre(i)), y(p)]));
   return (
     <>
-      <path class="belief-area" d={`${line.join("")}L${x(LENGTH)} ${BELIEF.bottom}L${x(0)} ${BELIEF.bottom}Z`} />
-      <path class="belief-line" d={line.join("")} />
+      <path class="belief-area" d={`${line}L${x(LENGTH)} ${BELIEF.bottom}L${x(0)} ${BELIEF.bottom}Z`} />
+      <path class="belief-line" d={line} />
       <text x={x(7.25)} y={BELIEF.top + 10} text-anchor="middle">
         the belief, exact
       </text>

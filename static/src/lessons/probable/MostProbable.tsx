@@ -1,4 +1,5 @@
 import { type Signal, useComputed, useSignal } from "@preact/signals";
+import { linePath } from "../../render/chart/scale";
 import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
@@ -96,8 +97,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
         {(width) => {
           const x = (metres: number): number => (metres / WIDE) * width;
           const y = (value: number): number => PAD.top + (1 - value) * (HEIGHT - PAD.top - PAD.bottom);
-          const curve = (of: Float64Array): string =>
-            POSITIONS.map((at, k) => `${k ? "L" : "M"}${x(at).toFixed(1)} ${y(of[k] ?? 0).toFixed(1)}`).join("");
+          const curve = (of: Float64Array): string => linePath(POSITIONS.map((at, k) => [x(at), y(of[k] ?? 0)]));
           const filled = (of: Float64Array): string => `${curve(of)}L${x(LAST)} ${y(0)}L${x(FIRST)} ${y(0)}Z`;
           return (
             <>

@@ -16,6 +16,10 @@ export function toValue(pixel: number, scale: Scale): number {
   return scale.low + ((pixel - scale.from) / (scale.to - scale.from)) * (scale.high - scale.low);
 }
 
+/** The path of a line through points, pixels to a tenth. */
+export const linePath = (points: readonly (readonly [x: number, y: number])[]): string =>
+  points.map(([x, y], i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+
 /** Round values for ticks, about `target` of them: steps of 1, 2 or 5 times a power of ten. */
 export function ticks(low: number, high: number, target: number): readonly number[] {
   const rough = (high - low) / Math.max(1, target);

@@ -1,5 +1,5 @@
 import { useRef } from "preact/hooks";
-import { ticks } from "../../render/chart/scale";
+import { linePath, ticks } from "../../render/chart/scale";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import type { Point } from "./model";
 
@@ -22,9 +22,7 @@ export function ErrorChart({ points }: { readonly points: readonly Point[] }) {
   const x = (updates: number): number => LEFT + ((updates - first) / (last - first)) * (right - LEFT);
   const y = (share: number): number => BOTTOM - share * (BOTTOM - TOP);
   const path = (share: (point: Point) => number): string =>
-    points
-      .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.updates).toFixed(1)} ${y(share(point)).toFixed(1)}`)
-      .join("");
+    linePath(points.map((point) => [x(point.updates), y(share(point))]));
   return (
     <div class="localization-chart" ref={box} style={{ height: `${scale * HEIGHT}px` }}>
       <svg

@@ -9,7 +9,7 @@ import {
   normalPeak,
   shortDensity,
 } from "../../grid/rangeModels";
-import { type Scale, ticks, toPixel, toValue } from "../../render/chart/scale";
+import { linePath, type Scale, ticks, toPixel, toValue } from "../../render/chart/scale";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
@@ -92,8 +92,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   const likelihood = (s: number): number =>
     isBeam ? beamDensity(Math.min(s, below), expected, mixture) : fieldLikelihood(s, mixture, wallReach);
   const points = distances(reach, isBeam ? expected : 0, mixture.sigma_hit);
-  const path = (of: (s: number) => number): string =>
-    points.map((s, i) => `${i ? "L" : "M"}${toPixel(s, xs).toFixed(1)} ${ys.at(of(s)).toFixed(1)}`).join("");
+  const path = (of: (s: number) => number): string => linePath(points.map((s) => [toPixel(s, xs), ys.at(of(s))]));
   const grips = isBeam ? beamGrips(mixture, expected, xs, ys) : fieldGrips(mixture, wallReach, xs, ys);
   const change = (name: string, value: number): void => {
     if (Number.isFinite(value)) set({ [name]: snap(value, row(name)) });

@@ -1,5 +1,5 @@
 import { useRef } from "preact/hooks";
-import { ticks } from "../../render/chart/scale";
+import { linePath, ticks } from "../../render/chart/scale";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import type { Forgetting } from "../../wire/protocol";
 import type { Point } from "./model";
@@ -29,9 +29,7 @@ export function ForgettingChart({ points, guess, forgetting }: ForgettingChartPr
   const x = (scans: number): number => LEFT + (scans / most) * (right - LEFT);
   const y = (share: number): number => BOTTOM - share * (BOTTOM - TOP);
   const path = (share: (point: Point) => number): string =>
-    points
-      .map((point, i) => `${i === 0 ? "M" : "L"}${x(point.scans).toFixed(1)} ${y(share(point)).toFixed(1)}`)
-      .join("");
+    linePath(points.map((point) => [x(point.scans), y(share(point))]));
   return (
     <div class="table-chart" ref={box} style={{ height: `${scale * HEIGHT}px` }}>
       <svg
