@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.mounting import CHANGING
 from mapper.sensors.joint_log import SEPARATOR
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
@@ -31,7 +32,7 @@ TOLERANCE_M, TOLERANCE_RAD = 0.06, math.radians(1.5)  #: of the median, within w
 SHARE = 0.6  #: of the matches that must agree
 LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not reported
 SIGNIFICANT = 4.0  #: standard errors of the median
-SPOILED_BY = frozenset({"mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
+SPOILED_BY = frozenset({CHANGING, "mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
 
 Float64Array = NDArray[np.float64]
 

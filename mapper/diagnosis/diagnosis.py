@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from mapper.diagnosis.events import CLOCK, Event, clock_time, find_events
 from mapper.diagnosis.examination import examine
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.mounting import CHANGING
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import by_sensor, each_part
@@ -43,7 +44,8 @@ def diagnose(
 
     findings = examine(log, trajectory, part(0.0, EXAMINED), wanted, time_offset)
     events = find_events(_remedied(log, findings), wanted, part(EXAMINED, 1.0))
-    if any(finding.check == DELAY for finding in findings):  # where clocks differ, wheels seem to miss each turn
+    # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
+    if any(finding.check in (DELAY, CHANGING) for finding in findings):
         events = [one for one in events if one.kind == CLOCK]
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")

@@ -18,7 +18,7 @@ from mapper.sensors.scan import ScanLog
 
 FEWER_READINGS = 20_000  #: that are looked at for :func:`causes_of_drift`
 #: Findings that draw walls double, and drift itself.
-DOUBLING = frozenset({sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift"})
+DOUBLING = frozenset({sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift", mounting.CHANGING})
 LEAST_SCANS = 10  #: below this there is nothing to compare
 
 
@@ -49,7 +49,8 @@ def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
 
 
 _FEW = frozenset({readings.FEW})
-_TURNED = _FEW | {"mount.turned"}
+_CHANGING = _FEW | {mounting.CHANGING}
+_TURNED = _CHANGING | {"mount.turned"}
 
 #: In the order in which a person should look: what spoils the others comes first.
 CHECKS: tuple[Check, ...] = (
@@ -57,7 +58,8 @@ CHECKS: tuple[Check, ...] = (
     Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
     Check(sweep.check_sweep, (sweep.CHECK,), _FEW),
-    Check(mounting.check_turned, ("mount.turned",), _FEW),
+    Check(mounting.check_changing, (mounting.CHANGING,), _FEW),
+    Check(mounting.check_turned, ("mount.turned",), _CHANGING),
     Check(_delay_or_offset, ("timing.delay", "mount.offset"), _TURNED),
     Check(walls.check_still, ("poses.still",), _TURNED | {"timing.delay"}),
     Check(walls.check_drift, ("walls.drift",), _TURNED | {"timing.delay"}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,9 @@ FINER = 1.12  #: for an offset: what drifting poses gain by one is less
 FINER_BY = 0.04
 FARTHER = 6  #: steps of one size on the way to a mount that is not stated
 DIRECTIONS = np.radians(np.arange(-165.0, 180.1, 15.0)).clip(max=3.1415).tolist()  #: of a mount that is not stated
+CHANGING = "mount.changing"
+MOST_MOUNTS = 8  #: that a log states in turns
+MOUNT_DECIMALS = 3  #: of metres and radians, by which two mounts differ
 LEAST_TURN = 0.2  #: radians, of the robot, that tell where on it the sensor is
 
 _TURNS = (
@@ -24,6 +28,31 @@ _TURNS = (
     ("turned by 90° to the left", math.pi / 2),
     ("turned by 90° to the right", -math.pi / 2),
 )
+
+
+def check_changing(_: ScanLog, seen: Examined) -> list[Finding]:
+    """Try each of the few mounts that the log states in turns at all scans, as where two programs publish one frame."""
+    if seen.log.mounts is None:
+        return []
+    stated = np.unique(seen.log.mounts.round(MOUNT_DECIMALS), axis=0)
+    if not 2 <= len(stated) <= MOST_MOUNTS:  # more are those of a sensor that moves on the robot
+        return []
+    now = seen.agreement
+    fixed = (replace(seen.log, mounts=None, mount=(x, y, yaw)) for x, y, yaw in stated.tolist())
+    best, k = max((consistency(replace(seen, log=log)), k) for k, log in enumerate(fixed))
+    if best < FINER * now or best < now + FINER_BY:
+        return []
+    x, y, yaw = stated[k].tolist()
+    return [
+        Finding(
+            CHANGING,
+            f"The log states {len(stated)} mounts of the sensor in turns, and walls get sharper with one of them at "
+            f"all scans, {x:.2f} m ahead, {y:.2f} m to the left and turned by {math.degrees(yaw):.1f}°: beams end "
+            f"where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
+            "Look for a second program that publishes the sensor's static transform, and record with one.",
+            min(0.99, 0.5 + (best - now)),
+        )
+    ]
 
 
 def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:

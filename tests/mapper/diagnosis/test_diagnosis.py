@@ -10,7 +10,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
-from mapper.diagnosis import Finding, clock, drift_finding, examine, readings, sweep
+from mapper.diagnosis import Finding, clock, diagnose, drift_finding, examine, readings, sweep
 from mapper.diagnosis.consistency import examined
 from mapper.diagnosis.drifting import first_cause
 from mapper.diagnosis.finding import POSSIBLE
@@ -250,6 +250,33 @@ def test_a_laser_that_is_turned(clean: ScanLog, over: bool, yaw: float) -> None:
     assert found.parameters["mount_upside_down"] == over
     error = (float(found.parameters["mount_yaw"]) - yaw + np.pi) % (2 * np.pi) - np.pi
     assert abs(error) < 0.01
+
+
+def with_mounts(log: ScanLog, right: Callable[[np.ndarray], np.ndarray], other: tuple[float, float, float]) -> ScanLog:
+    """A log that states its own mount at the scans that are ``right``, of their numbers, and another at the rest."""
+    is_right = right(np.arange(log.n_scans))[:, np.newaxis]
+    return replace(log, mounts=np.where(is_right, log.mount, compose(log.mount, other)))
+
+
+@pytest.mark.parametrize("other", [(0.0, 0.0, 0.35), *also_long((0.3, 0.2, 0.0), (0.0, 0.0, np.pi))])
+def test_a_mount_that_is_stated_in_two_ways_in_turns(clean: ScanLog, other: tuple[float, float, float]) -> None:
+    """As where two programs publish the sensor's static transform; drift and pushes that follow are not named."""
+    log = with_mounts(clean, lambda k: k // 10 % 2 == 0, other)
+    found = diagnose(replace(log, trajectories={"odom": replace(log.trajectory(), frame_id="odom")}))
+    assert [one.check for one in found.findings] == ["mount.changing"]
+    x, y, yaw = clean.mount
+    assert f"{x:.2f} m ahead, {y:.2f} m to the left and turned by {np.degrees(yaw):.1f}°" in found.findings[0].sentence
+    assert found.events == ()
+
+
+def test_a_sensor_that_was_moved_is_no_mount_in_turns(clean: ScanLog) -> None:
+    """The first half is seen by a lidar that stood elsewhere, as the log says."""
+    n = clean.n_scans
+    before = np.arange(n) < n // 2
+    mounts = np.where(before[:, np.newaxis], compose(clean.mount, (0.0, 0.0, 0.5)), clean.mount)
+    poses = clean.trajectory().poses.copy()
+    poses[before] = compose(compose(poses[before], np.array(clean.mount)), inverse(mounts[before]))
+    assert "mount.changing" not in named(examine(replace(with_poses(clean, poses), mounts=mounts)))
 
 
 @pytest.mark.parametrize(

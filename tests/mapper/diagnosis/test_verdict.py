@@ -12,7 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.diagnosis import Limits, between, examine, judge, named_findings, sweep
+from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sweep
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.verdict import FINDINGS
 from mapper.io.logs import open_log
@@ -119,7 +119,13 @@ def test_possible_findings_count_only_on_request(clean: ScanLog) -> None:
 
 def test_names_of_findings() -> None:
     assert named_findings(["all"]) == set(FINDINGS)
-    assert named_findings(["mount", "walls.drift"]) == {"mount.turned", "mount.offset", "mount.between", "walls.drift"}
+    assert named_findings(["mount", "walls.drift"]) == {
+        "mount.turned",
+        "mount.offset",
+        "mount.between",
+        "mount.changing",
+        "walls.drift",
+    }
     for wrong in ("wall", "walls.", "", "walls.drift.x", "ALL"):
         with pytest.raises(ConfigError, match=r"there are all, clock\.backwards, .*walls\.moving, mount\.between\."):
             named_findings(["mount", wrong])
@@ -128,7 +134,12 @@ def test_names_of_findings() -> None:
 def test_every_finding_that_the_checks_can_make_has_its_name_in_the_list() -> None:
     folder = Path(__file__).parents[3] / "mapper" / "diagnosis"
     source = "".join(path.read_text(encoding="utf-8") for path in folder.glob("*.py"))
-    made = set(re.findall(r'\bFinding\(\s*"([a-z_.]+)"', source)) | {"readings.few", between.CHECK, sweep.CHECK}
+    made = set(re.findall(r'\bFinding\(\s*"([a-z_.]+)"', source)) | {
+        "readings.few",
+        between.CHECK,
+        mounting.CHANGING,
+        sweep.CHECK,
+    }
     assert made == set(FINDINGS)
 
 
