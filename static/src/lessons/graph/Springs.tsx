@@ -2,6 +2,7 @@ import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { compose } from "../../grid/lattice";
+import { linePath } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import { Choice } from "../../ui/Choice";
@@ -38,30 +39,30 @@ function KernelPlot({ kernel, scale, loops }: KernelPlotProps) {
         const x = (residual: number): number =>
           PAD.left + (Math.min(residual, FARTHEST) / FARTHEST) * (width - PAD.left - PAD.right);
         const y = (weight: number): number => PAD.top + (1 - weight) * (HEIGHT - PAD.top - PAD.bottom);
-        const curve = Array.from({ length: 121 }, (_, k) => {
-          const residual = (FARTHEST * k) / 120;
-          return `${k ? "L" : "M"}${x(residual).toFixed(1)} ${y(robustWeight(kernel, residual * residual, scale)).toFixed(1)}`;
-        });
+        const residuals = Array.from({ length: 121 }, (_, k) => (FARTHEST * k) / 120);
+        const curve = residuals.map(
+          (residual) => [x(residual), y(robustWeight(kernel, residual * residual, scale))] as const,
+        );
         return (
           <>
             <path class="kernel-axes" d={`M${PAD.left} ${PAD.top}V${y(0)}H${width - PAD.right}`} />
             {[0, 1].map((weight) => (
-              <text key={weight} class="kernel-tick" x={PAD.left - 6} y={y(weight) + 4} text-anchor="end">
+              <text key={weight} x={PAD.left - 6} y={y(weight) + 4} text-anchor="end">
                 {weight}
               </text>
             ))}
             {TICKS.map((tick) => (
-              <text key={tick} class="kernel-tick" x={x(tick)} y={y(0) + 18} text-anchor="middle">
+              <text key={tick} x={x(tick)} y={y(0) + 18} text-anchor="middle">
                 {tick}
               </text>
             ))}
-            <text class="kernel-tick" x={width - PAD.right} y={HEIGHT - 5} text-anchor="end">
+            <text x={width - PAD.right} y={HEIGHT - 5} text-anchor="end">
               residual, standard deviations
             </text>
-            <text class="kernel-tick" x={0} y={14}>
+            <text x={0} y={14}>
               weight of a loop
             </text>
-            <path class="kernel-curve" d={curve.join("")} />
+            <path class="kernel-curve" d={linePath(curve)} />
             {loops.map(({ name, residual, weight }) => (
               <g key={name} transform={`translate(${x(residual)} ${y(weight)})`}>
                 <circle class="kernel-loop" r={5} />

@@ -86,19 +86,14 @@ export function Strip({ view }: { view: ProfileView }) {
         </g>
       )}
       {passed > 0 && hitMiddle - room - strip.left > 60 && (
-        <text
-          class="label-miss small"
-          x={Math.min(hitMiddle - room, strip.right)}
-          y={strip.bottom + 16}
-          text-anchor="end"
-        >
+        <text class="label-miss" x={Math.min(hitMiddle - room, strip.right)} y={strip.bottom + 16} text-anchor="end">
           {narrow || hitMiddle - room - strip.left < 190
             ? `${passed} × ${signed(model.miss)}`
             : `${passed} cells passed, each ${signed(model.miss)}`}
         </text>
       )}
       {hitCount > 0 && (
-        <text class="label-hit small" x={hitMiddle} y={strip.bottom + 16} text-anchor="middle">
+        <text class="label-hit" x={hitMiddle} y={strip.bottom + 16} text-anchor="middle">
           {!isStepped(values)
             ? `up to ${signed(model.hit)}`
             : narrow || hitCount * size < 150
@@ -107,7 +102,7 @@ export function Strip({ view }: { view: ProfileView }) {
         </text>
       )}
       {strip.right - hitMiddle - room > 70 && (
-        <text class="label-prior small" x={hitMiddle + room} y={strip.bottom + 16} text-anchor="start">
+        <text class="label-prior" x={hitMiddle + room} y={strip.bottom + 16} text-anchor="start">
           untouched
         </text>
       )}
