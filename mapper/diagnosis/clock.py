@@ -42,15 +42,15 @@ def _times(n: int) -> str:
     return "once" if n == 1 else f"{n} times"
 
 
-def _way(log: ScanLog, seen: Examined) -> NDArray[np.float64] | None:
+def _driven(log: ScanLog, seen: Examined) -> NDArray[np.float64] | None:
     """Return the robot's way (n - 1,) from scan to scan, metres, with its turns; None where no poses tell it."""
     along = log.trajectory(seen.trajectory)
     moved = np.diff(along.poses, axis=0)
-    way = np.hypot(moved[:, 0], moved[:, 1]) + TURN_M * np.abs(wrap_angle(moved[:, 2]))
-    return None if along.is_placeholder or not (way > MOVED_M).any() else way
+    driven = np.hypot(moved[:, 0], moved[:, 1]) + TURN_M * np.abs(wrap_angle(moved[:, 2]))
+    return None if along.is_placeholder or not (driven > MOVED_M).any() else driven
 
 
-def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], way: NDArray[np.float64] | None) -> bool:
+def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], driven: NDArray[np.float64] | None) -> bool:
     """Return whether scans are missing in the intervals ``missing`` (n,), ``ratio`` (n,) times the usual one.
 
     Where scans are recorded by time, the robot drives on while one is missing; where they are recorded each time it has
@@ -59,22 +59,22 @@ def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], way: ND
     regular = np.abs(ratio - 1.0) < 0.25
     if missing.mean() <= DROPPED_SHARE or regular.mean() <= REGULAR:
         return False
-    moved = None if way is None else way > MOVED_M
-    if way is None or moved is None or min((moved & missing).sum(), (moved & regular).sum()) < FEWEST_MOVED:
+    moved = None if driven is None else driven > MOVED_M
+    if driven is None or moved is None or min((moved & missing).sum(), (moved & regular).sum()) < FEWEST_MOVED:
         return bool(regular.mean() > REGULAR_STILL)
-    usual = float(np.median(way[moved & regular]))
-    return bool(np.median(way[moved & missing] / np.round(ratio[moved & missing])) > DROVE_ON * usual)
+    usual = float(np.median(driven[moved & regular]))
+    return bool(np.median(driven[moved & missing] / np.round(ratio[moved & missing])) > DROVE_ON * usual)
 
 
-def _speeds_are_smooth(steps: NDArray[np.float64], way: NDArray[np.float64] | None) -> bool:
+def _speeds_are_smooth(steps: NDArray[np.float64], driven: NDArray[np.float64] | None) -> bool:
     """Return whether the robot's speed, by these stamps, goes on from one interval to the next."""
-    if way is None:
+    if driven is None:
         return False
-    moves = (steps > 0.0) & (way > MOVED_M)
+    moves = (steps > 0.0) & (driven > MOVED_M)
     both = moves[1:] & moves[:-1]
     if both.sum() < FEWEST_MOVED:
         return False
-    speed = way / np.where(steps > 0.0, steps, 1.0)
+    speed = driven / np.where(steps > 0.0, steps, 1.0)
     ranks = [np.argsort(np.argsort(one[both])).astype(np.float64) for one in (speed[1:], speed[:-1])]
     first, second = (one - one.mean() for one in ranks)
     return float(np.mean(first * second)) > SMOOTH * float(np.std(first) * np.std(second))
@@ -85,7 +85,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     if not steps.any():
         return []
-    way = _way(log, seen)
+    driven = _driven(log, seen)
     found = []
     back = steps < 0.0
     if back.any():
@@ -114,9 +114,9 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         return found
     usual = float(np.median(forward))
     gap = steps > max(GAP_S, 5.0 * usual)
-    if way is not None and (~gap).any():
+    if driven is not None and (~gap).any():
         # A robot that stood, or whose scans are recorded by distance, has missed nothing.
-        gap &= (way > max(MOVED_M, FARTHER * float(np.quantile(way[~gap], 0.95)))) | (steps > CLOCK_SET_S)
+        gap &= (driven > max(MOVED_M, FARTHER * float(np.quantile(driven[~gap], 0.95)))) | (steps > CLOCK_SET_S)
     if gap.any():
         found.append(
             Finding(
@@ -135,7 +135,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     # A scan that is missing leaves an interval of two, three, ... usual ones, while the others are regular.
     ratio = steps / usual
     missing = ~gap & (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < 0.25)
-    if _are_dropped(missing, ratio, way):
+    if _are_dropped(missing, ratio, driven):
         lost = int(np.round(ratio[missing] - 1.0).sum())
         found.append(
             Finding(
@@ -148,7 +148,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
             )
         )
     spread = float(np.median(np.abs(forward - usual))) / usual
-    if spread > JITTER and not _speeds_are_smooth(steps, way):
+    if spread > JITTER and not _speeds_are_smooth(steps, driven):
         found.append(
             Finding(
                 "clock.jitter",

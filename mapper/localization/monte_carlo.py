@@ -161,14 +161,14 @@ class MonteCarloLocalizer:
             if math.hypot(moved[0], moved[1]) >= self.config.update_min_d or abs(moved[2]) >= self.config.update_min_a:
                 self._due = dict.fromkeys(self._due, True)
             if not self._due.get(sensor, True):
-                return self._carried(moved, scan)
+                return self._moved_by_odometry(moved, scan)
             self.predict(np.array(self._odometry), now)
         self._due[sensor] = False
         self._odometry = here
         self.correct(scan)
         return self.estimate
 
-    def _carried(self, moved: tuple[float, float, float], scan: ScanBeams) -> Estimate:
+    def _moved_by_odometry(self, moved: tuple[float, float, float], scan: ScanBeams) -> Estimate:
         pose = np.array(compose_one(self._base, moved))
         self.estimate = replace(self.estimate, pose=pose, is_updated=False)
         if self.config.reset_below > 0.0:  # a scan that weighs nothing tells too that the robot was carried away

@@ -165,7 +165,7 @@ class LiveMap:
         """Make the map again with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
         config = _live(config)
         if faults.corrects_poses:
-            self._heal(faults)
+            self._correct_poses(faults)
         if not self._mapping:
             self.config, self.faults = config, faults
             return
@@ -180,7 +180,7 @@ class LiveMap:
         self.vanishing = None
         self._has_moved = False
 
-    def _heal(self, faults: Faults) -> None:
+    def _correct_poses(self, faults: Faults) -> None:
         """Correct the poses of what was recorded. Raises :class:`WorkCancelledError`; it can be gone on with then."""
 
         def wanted(fraction: float) -> bool:

@@ -100,8 +100,8 @@ class RobotPoses:
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=base[:MAX_FRAME_NAME],
                 sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
-                at=partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser),
-                covers=partial(tree.covers, path) if denser is None else partial(_covers_carried, tree, path, denser),
+                at=partial(tree.lookup, path) if denser is None else partial(_continued, tree, path, denser),
+                covers=partial(tree.covers, path) if denser is None else partial(_covers_continued, tree, path, denser),
                 stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
@@ -222,7 +222,7 @@ class RobotPoses:
                 when, stamps = denser.in_order[0], denser.as_stated
             known = tree.covers(path, when.stamps_ns)
             when, stamps = when[known], stamps[known]
-            at = partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser)
+            at = partial(tree.lookup, path) if denser is None else partial(_continued, tree, path, denser)
             poses = at(when).planar if len(when) else None
             self.stated[key] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
         return self.stated[key]
@@ -243,7 +243,7 @@ def _is_wanted(topic: str) -> bool:
     return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))
 
 
-def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
+def _continued(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
     """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
 
     That is as REP 105 has it: what is interpolated, and holds before the first and after the last, is the transform
@@ -265,6 +265,6 @@ def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Po
     return carried
 
 
-def _covers_carried(tree: FrameTree, path: Path, denser: Timeline, stamps_ns: Int64Array) -> NDArray[np.bool_]:
-    """Return at which times (n,) :func:`_carried` has more to go by than the nearest pose."""
+def _covers_continued(tree: FrameTree, path: Path, denser: Timeline, stamps_ns: Int64Array) -> NDArray[np.bool_]:
+    """Return at which times (n,) :func:`_continued` has more to go by than the nearest pose."""
     return np.asarray(tree.covers(path, stamps_ns) | denser.covers(stamps_ns))
