@@ -17,7 +17,14 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from server.parts.wire import Command, decode_command
 from server.sessions import SessionBudgetError, SessionHost
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
-from server.stream.commands import AckCommand, InspectCommand, PingCommand, ResumeCommand, SubscribeCommand
+from server.stream.commands import (
+    AckCommand,
+    InspectCommand,
+    PingCommand,
+    ResumeCommand,
+    SelectCommand,
+    SubscribeCommand,
+)
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
 from server.stream.messages import ErrorMessage, ForeignHello, Pong
@@ -95,9 +102,9 @@ async def accepted(websocket: WebSocket) -> bool:
 
 
 async def exchange(
-    websocket: WebSocket, session: SessionHost, max_clients: int, following: Following | None = None
+    websocket: WebSocket, session: SessionHost, max_clients: int, following: Following | None = None, *, page: str = ""
 ) -> None:
-    """Accept the WebSocket, if the session has fewer than ``max_clients`` clients, and exchange messages until it ends.
+    """Accept the WebSocket of a page and exchange messages until it ends, if fewer than ``max_clients`` have joined.
 
     Followers of a class and others are counted apart.
 
@@ -110,7 +117,7 @@ async def exchange(
     if sum(client.follows == follows for client in session.hub.clients) >= max_clients:
         raise SessionBudgetError("session.crowded", "Too many browsers watch this session already.")
     await accepted(websocket)
-    client = session.join(follows=follows)
+    client = session.join(follows=follows, page=page)
     allowance = Allowance()
     direct: DirectSocket | None = websocket.scope.get("extensions", {}).get(EXTENSION, {}).get("socket")
     if direct is not None:
@@ -310,6 +317,8 @@ def _take(session: SessionHost, client: Client, command: Command, following: Fol
                 client.resume(command.layer, command.epoch, command.revision)
         case SubscribeCommand(layers=layers):
             client.subscribe(layers)
+        case SelectCommand(place=place):
+            session.select(client, place)
         case PingCommand(id=number):
             client.send(Pong(number, session.hub.clock()))
         case InspectCommand():

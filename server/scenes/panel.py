@@ -158,7 +158,7 @@ class NamedChoice:
 class Panel:
     """The whole panel: hint, clock, choices, switches, and a tab for each parameter table."""
 
-    def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post) -> None:
+    def __init__(self, gui: viser.GuiApi, controls: SceneControls, post: Post, switched: Callable[[], None]) -> None:
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(47, 150, 130))
         gui.set_panel_label("Gridbloom")
         gui.main_panel.dock_right()  # next to the scene, not over it
@@ -166,7 +166,7 @@ class Panel:
             gui.add_markdown(controls.hint)
         self._clock = Clock(gui, controls, post)
         self._choices = {choice.label: NamedChoice(gui, choice, post) for choice in controls.choices}
-        self.switches = VisibilitySwitches(gui)
+        self.switches = VisibilitySwitches(gui, switched)
         self._tables: dict[str, ParameterControls] = {}
         if controls.tables:
             # The parameters have a separate panel: on a phone it stays closed, so that the scene is visible.
@@ -193,8 +193,10 @@ class Panel:
 class VisibilitySwitches:
     """A folder "Show" with a switch for each label of the scene's nodes."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
+    def __init__(self, gui: viser.GuiApi, switched: Callable[[], None]) -> None:
+        """``switched`` is called where a user has switched one (viser's thread)."""
         self._gui = gui
+        self._switched = switched
         self._folder = gui.add_folder("Show", expand_by_default=False)
         self._switches: dict[str, Any] = {}
         self._nodes: dict[str, list[viser.SceneNodeHandle]] = {}
@@ -236,6 +238,7 @@ class VisibilitySwitches:
 
         async def switched(_: viser.GuiEvent[Any]) -> None:
             self._apply(label)
+            self._switched()
 
         switch.on_update(switched)
         return switch

@@ -27,7 +27,7 @@ from websockets.typing import Subprotocol
 
 from server.scenes.browser_messages import passes
 from server.scenes.pacing import DRAWN, Pace
-from server.scenes.visitors import VISITOR_HEADER
+from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
 #: It reports each message that was worked off (:mod:`server.scenes.pacing`): viser's worker sends what is posted to it
@@ -140,17 +140,17 @@ async def take(browser: WebSocket) -> bool:
     return True
 
 
-async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
+async def pass_on(browser: WebSocket, path: Path, viewer: Viewer = Viewer()) -> None:  # noqa: B008 - immutable
     """Connect a browser's accepted WebSocket to viser's Unix socket at ``path`` until one closes; close the other.
 
-    The scene knows the connection as ``visitor``'s.
+    The scene knows the connection as ``viewer``'s.
     """
     try:
         async with asyncio.timeout(CONNECT_S):
             scene = await unix_connect(
                 str(path),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
-                additional_headers={VISITOR_HEADER: visitor},
+                additional_headers={VISITOR_HEADER: viewer.visitor, PAGE_HEADER: viewer.page},
                 max_size=MAX_FROM_SCENE,
                 max_queue=1,  # further messages, each of which may be as large, wait in viser
                 compression=None,

@@ -18,17 +18,19 @@ import viser
 from msgspec import Struct
 
 from server.logging import short_hash
-from server.scenes.cameras import ASPECT, FOV, CameraName, camera_at
+from server.scenes.cameras import ASPECT, CAMERAS, FOV, CameraName, camera_at
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
+from server.scenes.marks import Marks, Place
 from server.scenes.panel import Panel
 from server.scenes.reading import SceneState, read_state
 from server.scenes.viser_server import ViserServer
-from server.scenes.visitors import visitor_of_connection
+from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds
+from server.stream.messages import SceneMessage
 
 MAX_HZ = 15.0
 SHARE = 0.2
@@ -52,9 +54,11 @@ class Scene:
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
         self._heights: tuple[float, float] | None = None
-        self._visitors: dict[int, str] = {}  #: of each of viser's clients
+        self._viewers: dict[int, Viewer] = {}  #: of each of viser's clients
+        self._marks = Marks(server)
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
+        self._told: SceneMessage | None = None
 
     @classmethod
     async def open(cls, session: SessionHost, drawers: Drawers = DRAWERS) -> Scene:
@@ -114,7 +118,7 @@ class Scene:
         scene.configure_default_lights(cast_shadow=False)
         scene.add_light_hemisphere("/Sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2)
         scene.world_axes.visible = False
-        self._panel = Panel(self._server.gui, state.controls, self._post)
+        self._panel = Panel(self._server.gui, state.controls, self._post, self._note_change)
         context = DrawerContext(scene, self._gizmo_moved)
         self._contents = SceneContents(
             self._server, self._drawers, context, self._panel.switches, short_hash(self._session.id)
@@ -138,12 +142,14 @@ class Scene:
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
         """Move the camera back on a narrow screen, so that all of its bounds are in view."""
-        self._visitors[client.client_id] = visitor_of_connection.get()
+        self._viewers[client.client_id] = viewer_of_connection.get()
         if client.camera.aspect < ASPECT:
             self._aim_client(client, "overview")
+        self._note_change()  # its page may have selected a place
 
     async def _dismiss(self, client: viser.ClientHandle) -> None:
-        self._visitors.pop(client.client_id, None)
+        self._viewers.pop(client.client_id, None)
+        self._marks.forget(client.client_id)
 
     def _aim_client(self, client: viser.ClientHandle, name: CameraName) -> None:
         position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, client.camera.aspect, self._heights)
@@ -155,7 +161,7 @@ class Scene:
     def aim(self, visitor: str, name: CameraName) -> None:
         """Move the cameras of a visitor's views of this scene to one of :data:`CAMERAS`."""
         for client_id, client in self._server.get_clients().items():
-            if self._visitors.get(client_id) == visitor:
+            if self._viewers.get(client_id, Viewer()).visitor == visitor:
                 self._aim_client(client, name)
 
     @property
@@ -166,6 +172,7 @@ class Scene:
     def set_layer(self, label: str, *, visible: bool) -> None:
         """Show or hide all drawings of a label, in all views of the scene; an unknown one is no error."""
         self._panel.switches.switch(label, visible=visible)
+        self._tell()
 
     @property
     def height(self) -> float:
@@ -175,28 +182,43 @@ class Scene:
     async def set_height(self, height: float) -> None:
         """Draw the map's columns ``height`` times as high as by default, in all views of the scene."""
         await asyncio.to_thread(self._contents.set_height, height)
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell the session's pages the settings, where they have changed."""
+        settings = SceneMessage(list(CAMERAS), self.layers, self.height)
+        if settings != self._told:
+            self._told = settings
+            self._session.announce(settings)
 
     # -- from the browser, on viser's threads -------------------------------------------------------------------
 
     def _post(self, command: Struct) -> None:
         """Post a command to the session, and redraw soon, since it may be refused."""
         self._session.post(command)
+        self._note_change()
+
+    def _note_change(self) -> None:
+        """Draw, and tell what has changed (any thread)."""
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
         """Pass the ray of a click to the model, and where it meets what is drawn."""
         met = self._contents.met(event.ray_origin, event.ray_direction)
-        self._loop.call_soon_threadsafe(self._click, event.ray_origin, event.ray_direction, met)
+        page = self._viewers.get(event.client_id, Viewer()).page
+        self._loop.call_soon_threadsafe(self._click, page, event.ray_origin, event.ray_direction, met)
 
     def _gizmo_moved(self, name: str, position: Point, wxyz: Quaternion) -> None:
         self._loop.call_soon_threadsafe(self._note_move, name, position, wxyz)
 
     # -- from the browser, on the event loop --------------------------------------------------------------------
 
-    def _click(self, origin: Point, direction: Point, met: Point | None) -> None:
+    def _click(self, page: str, origin: Point, direction: Point, met: Point | None) -> None:
+        """Post the command for a click; its answer goes to the page that the view is in."""
         command = self._session.model.on_scene_ray(origin, direction, met)
         if command is not None:
-            self._post(command)
+            self._session.post(command, self._session.hub.of_page(page))
+            self._changed.set()  # it may be refused
 
     def _note_move(self, name: str, position: Point, wxyz: Quaternion) -> None:
         """Post a gizmo's move, at most :data:`MAX_HZ` times a second: of moves in between only the last is posted."""
@@ -226,16 +248,24 @@ class Scene:
                 queued = self._server.queued
                 try:
                     state = await read_state(self._session, self._drawers, self._contents.due)
-                    await asyncio.to_thread(self._draw, state)
+                    await asyncio.to_thread(self._draw, state, self._selected())
+                    self._tell()
                     if self._server.queued == queued:  # the next change need not wait
                         pause_s = min(pause_s, (time.monotonic() - state.read_at) / SHARE)
                 except Exception:  # noqa: BLE001 - a scene that cannot be drawn must not end the session's view for good
                     _log.exception("scene not drawn", session=short_hash(self._session.id))
             await asyncio.sleep(pause_s)
 
-    def _draw(self, state: SceneState) -> None:
+    def _selected(self) -> dict[int, Place]:
+        """Return the places that the pages of viser's clients have selected, by the number of the client."""
+        clients = self._session.hub.clients
+        pages = {one.page: one.selected for one in clients if one.page and one.selected is not None}
+        return {number: pages[one.page] for number, one in [*self._viewers.items()] if one.page in pages}
+
+    def _draw(self, state: SceneState, selected: dict[int, Place]) -> None:
         """Draw what changed (a thread)."""
         wait = self._contents.show(state)
+        self._marks.show(selected)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._panel.show(state.controls)
         self._server.flush()  # viser would wait for further messages for 17 ms

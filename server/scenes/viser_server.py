@@ -31,7 +31,7 @@ from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
 from server.process_folder import process_folder
 from server.scenes.message_buffer import MessageBuffer
-from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
+from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer, viewer_of_connection
 
 ZSTD_LEVEL = 6  #: of messages to browsers,
 QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes
@@ -52,12 +52,13 @@ async def _serve(
     options["ping_interval"] = None  # both ends are in one process, and the proxy does not read while a browser is slow
     bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
 
-    async def of_visitor(connection: ServerConnection) -> None:
-        request = connection.request
-        visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
+    async def of_viewer(connection: ServerConnection) -> None:
+        if connection.request is not None:
+            headers = connection.request.headers
+            viewer_of_connection.set(Viewer(headers.get(VISITOR_HEADER, ""), headers.get(PAGE_HEADER, "")))
         await handler(connection)
 
-    server = await unix_serve(of_visitor, sock=bound, **options)
+    server = await unix_serve(of_viewer, sock=bound, **options)
     try:
         yield server
     finally:

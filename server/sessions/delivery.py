@@ -38,7 +38,7 @@ def send_result(
 
 
 def send_answers(result: TickResult, hub: Hub) -> None:
-    """Send the answers to commands, what is sent again to those whose commands were refused, notices and events."""
+    """Send the answers to commands, what is sent again to those whose commands were refused, and notices."""
     for client, message in result.answers:
         if client is not None:
             client.send(message)
@@ -47,7 +47,7 @@ def send_answers(result: TickResult, hub: Hub) -> None:
     for client, kind in result.resent:
         if client is not None:
             client.resend(kind)
-    for message in (*result.notices, *result.events):
+    for message in result.notices:
         hub.send_all(message)
 
 

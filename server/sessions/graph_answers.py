@@ -60,15 +60,32 @@ class ScanPair:
 
 
 @dataclass(frozen=True, slots=True)
-class EdgeAnswer(LoopAnswer):
-    """An edge with both of its scans; ``off_m`` and ``off_deg`` are how far the poses are from its measurement.
-
-    ``score`` and ``inliers`` are those of the match, 0 to 1, null of an edge of odometry.
-    """
+class ConstraintAnswer(LoopAnswer):
+    """An edge of either kind; ``off_m`` and ``off_deg`` are how far the poses are from its measurement."""
 
     kind: Literal["loop", "odometry"]
     off_m: float
     off_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class ScanConstraints:
+    """The edges that determine the pose of a scan, the greatest residual first.
+
+    ``scan`` is that of the node of the graph: the nearest to the one that was asked about.
+    """
+
+    scan: int
+    edges: list[ConstraintAnswer]
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeAnswer(ConstraintAnswer):
+    """An edge with both of its scans.
+
+    ``score`` and ``inliers`` are those of the match, 0 to 1, null of an edge of odometry.
+    """
+
     score: float | None
     inliers: float | None
     poses: list[PoseTuple]

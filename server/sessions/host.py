@@ -74,7 +74,7 @@ class SessionHost:
         self.link = link  #: the link that the owner followed, for a guest; else None
         self.scheduler = scheduler
         self.closed = False
-        self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed something
+        self.listeners: list[Callable[[], None]] = []  #: called after each tick that changed what is shown
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = self.commanded_at = clock()
         self._traffic, self._remake_seconds = traffic or Traffic(), remake_seconds
@@ -141,11 +141,11 @@ class SessionHost:
             self.listeners.remove(callback)
             self._left()
 
-    def join(self, *, follows: bool = False) -> Client:
+    def join(self, *, follows: bool = False, page: str = "") -> Client:
         """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
         if self._hello_is_old:  # a class of hundreds joins within seconds
             self.hub.slots["hello"], self._hello_is_old = encode_text(self._hello()), False
-        client = self.hub.join(follows=follows)
+        client = self.hub.join(follows=follows, page=page)
         self._wake.set()
         return client
 
@@ -175,6 +175,11 @@ class SessionHost:
         client.acknowledge(seq)
         if was_stalled or self._pace.is_full:
             self._wake.set()
+
+    def select(self, client: Client, place: tuple[float, float] | None) -> None:
+        """Have ``place``, map metres, marked in the 3D views of a client's page; None for none."""
+        client.selected = place
+        call_each(self.listeners)
 
     @property
     def cells(self) -> int:
@@ -209,13 +214,13 @@ class SessionHost:
         """Send ``message`` to all clients, unless a newer one of its type replaces it first (event loop)."""
         self.hub.set_slot(message)
 
-    def post(self, command: Struct) -> None:
+    def post(self, command: Struct, client: Client | None = None) -> None:
         """Queue a command from any thread; a refused command is only logged."""
-        self._loop.call_soon_threadsafe(self._post, command)
+        self._loop.call_soon_threadsafe(self._post, command, client)
 
-    def _post(self, command: Struct) -> None:
+    def _post(self, command: Struct, client: Client | None) -> None:
         try:
-            self.enqueue(command)
+            self.enqueue(command, client)
         except ProtocolError as error:
             _log.info("command refused", code=error.code)
 

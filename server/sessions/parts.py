@@ -12,7 +12,14 @@ from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.library.packs.reference_map import MapAnswer
-from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
+from server.sessions.graph_answers import (
+    EdgeAnswer,
+    PoseGraphAnswer,
+    ScanConstraints,
+    ScoreLandscape,
+    TriedLoopScans,
+    TriedNear,
+)
 from server.sessions.view import GraphChange, LogView, Pose, Wanted
 from server.stream.message_parts import Compared
 
@@ -138,6 +145,10 @@ class Graphed(ABC):
     @abstractmethod
     async def edge(self, edge: int, source: GraphSource) -> EdgeAnswer:
         """Return an edge with both of its scans."""
+
+    @abstractmethod
+    async def constraints(self, scan: int, source: GraphSource) -> ScanConstraints:
+        """Return the edges that determine the pose of a scan."""
 
     @abstractmethod
     async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:

@@ -46,7 +46,6 @@ class TickResult:
     remade_ms: float | None = None  #: duration of recomputing the whole map
     slots: dict[str, Struct] = field(default_factory=dict)  #: newest message of each type, to all clients
     notices: list[NoticeMessage | ErrorMessage] = field(default_factory=list)  #: each sent to all clients
-    events: list[Struct] = field(default_factory=list)  #: each sent to all clients, once
     answers: list[tuple[Client | None, Struct]] = field(default_factory=list)
     resent: list[tuple[Client | None, str]] = field(default_factory=list)  #: clients that get a slot's message again
     questions: dict[Client | None, Callable[[], None]] = field(default_factory=dict)  #: answered at the tick's end

@@ -397,7 +397,7 @@ class LogModel(SessionModel):
         picked = picked_by(pick, poses, None if graph is None else graph.loops)
         if picked is None:
             return
-        result.events.append(picked)
+        result.answer(picked)
         if picked.index is not None:
             self._followed.leave()
             self.go_to(picked.index)

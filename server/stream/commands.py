@@ -35,6 +35,12 @@ class SubscribeCommand(Struct, tag_field="type", tag="subscribe"):
     layers: Annotated[list[str], Meta(description="names of all layers that are wanted", max_length=64)]
 
 
+class SelectCommand(Struct, tag_field="type", tag="select"):
+    """Mark a place of the map in the 3D views of this page."""
+
+    place: Annotated[Point | None, Meta(description="the place; null for none")] = None
+
+
 class PlayCommand(Struct, tag_field="type", tag="play"):
     """Start playing."""
 
@@ -188,6 +194,7 @@ COMMANDS = (
     AckCommand,
     ResumeCommand,
     SubscribeCommand,
+    SelectCommand,
     PlayCommand,
     PauseCommand,
     RestartCommand,

@@ -36,6 +36,7 @@ MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
 MAX_TEXT_FRAMES = 16  #: text messages of which a hub keeps the encoded frame until the next tick
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
+PAGE_NAME = "^[0-9a-f]{32}$"  #: pattern of the name that a page gives itself
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 #: For what is encoded at each tick: in a tenth of the time of Python's json. Frames and scans have no NaN.
 _JSON = msgspec.json.Encoder(enc_hook=float)
@@ -73,9 +74,9 @@ class Hub:
         self._text_frames: dict[str, bytes] = {}  #: of text messages that were sent since the last frame
         self.set_layers(layers)
 
-    def join(self, *, follows: bool = False) -> Client:
+    def join(self, *, follows: bool = False, page: str = "") -> Client:
         """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
-        client = Client(self, follows=follows)
+        client = Client(self, follows=follows, page=page)
         self.clients.add(client)
         self.note_watched()
         return client
@@ -84,6 +85,10 @@ class Hub:
         """Remove a client."""
         self.clients.discard(client)
         self.note_watched()
+
+    def of_page(self, page: str) -> Client | None:
+        """Return the client of the page that has this name, None where there is none."""
+        return next((client for client in self.clients if page and client.page == page), None)
 
     @property
     def has_room(self) -> bool:
@@ -187,9 +192,11 @@ class Hub:
 class Client:
     """One browser: what it has received, what it has not yet acknowledged, and what has to be sent to it."""
 
-    def __init__(self, hub: Hub, *, follows: bool = False) -> None:
+    def __init__(self, hub: Hub, *, follows: bool = False, page: str = "") -> None:
         self.hub = hub
         self.follows = follows  #: whether it is a follower's of a class
+        self.page = page  #: the name that the page gave itself; empty for none
+        self.selected: tuple[float, float] | None = None  #: the place that is marked in its 3D views, map metres
         self.wake = asyncio.Event()
         self.wake.set()
         self.on_wake: Callable[[], None] = self.wake.set  #: called when there may be something to :meth:`take`

@@ -273,7 +273,7 @@ class WhyMessage(Struct, tag_field="type", tag="why"):
 
 
 class PickedMessage(Struct, tag_field="type", tag="picked"):
-    """Logs: what was clicked in a 3D view of the session. Sent once, to all pages of the session."""
+    """Logs: what was clicked in a 3D view of the session. Sent to the page that the view is in."""
 
     what: Annotated[
         Literal["loop", "pose", "cell"],
@@ -286,6 +286,14 @@ class PickedMessage(Struct, tag_field="type", tag="picked"):
     yaw: Annotated[float | None, Meta(description="yaw of the pose, rad; null for others")]
     index: Annotated[int | None, Meta(description="scans up to that of the pose, itself included; null for others")]
     edge: Annotated[int | None, Meta(description="number of the loop's edge; null for others")]
+
+
+class SceneMessage(Struct, tag_field="type", tag="scene"):
+    """Settings of the 3D view of the session, from when it is first opened."""
+
+    cameras: Annotated[list[str], Meta(description="places of the camera")]
+    layers: Annotated[dict[str, bool], Meta(description="whether each layer is shown, by its label")]
+    height: Annotated[float, Meta(description="height of the map's columns, of the default")]
 
 
 class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
@@ -325,5 +333,6 @@ MESSAGES = (
     CellMessage,
     WhyMessage,
     PickedMessage,
+    SceneMessage,
     Pong,
 )

@@ -18,7 +18,8 @@ from playwright.sync_api import Error as PlaywrightError
 from tests.browser.lateness import late_script
 from tests.browser.looking import SECONDS
 
-SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
+SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "tablet": (768, 1024), "phone": (390, 844)}
+TOUCHED = ("tablet", "phone")
 Motion = Literal["reduce", "no-preference"]  #: what a visitor's browser asks for
 MOST_KEPT = 2  #: visits that wait for another test; each has a renderer process
 
@@ -85,14 +86,14 @@ class Visit:
 
     def __init__(self, browser: Browser, server: str, size: str, motion: Motion) -> None:
         width, height = SIZES[size]
-        phone = size == "phone"
+        touched = size in TOUCHED
         self.window = (server, size, motion)
         self._server = server
         self._motion = motion
         self._is_lasting = False
         self._viewport = {"width": width, "height": height}
         self.context = _new_context(
-            browser, viewport=self._viewport, has_touch=phone, is_mobile=phone, reduced_motion=motion
+            browser, viewport=self._viewport, has_touch=touched, is_mobile=touched, reduced_motion=motion
         )
         self._watched: WatchedPage | None = None
         self._note_lasting(self.context)

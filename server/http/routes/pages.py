@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import NOT_BUILT, built_file, find_pages, front_page, page_file, page_names
 from server.http.services import Sessions
+from server.stream.hub import PAGE_NAME
 
 router = APIRouter(include_in_schema=False)
 
@@ -28,10 +31,15 @@ async def asset(request: Request, name: str) -> Response:
 
 
 @router.get("/3d")
-async def three_d(sessions: Sessions, session: str) -> Response:
-    """Redirect to the 3D view of a session, without viser's panel: the controls are in the page of the session."""
-    found = sessions.get(session)
-    return RedirectResponse(f"/scenes/{found.id}/plain/", status_code=307)
+async def three_d(
+    sessions: Sessions, session: str, page: Annotated[str | None, Query(pattern=PAGE_NAME)] = None
+) -> Response:
+    """Redirect to the 3D view of a session, without viser's panel: the controls are in the page of the session.
+
+    That page, by the name that it gave itself, is told what is clicked in the view.
+    """
+    address = f"/scenes/{sessions.get(session).id}/plain/"
+    return RedirectResponse(address if page is None else f"{address}{page}/", status_code=307)
 
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])

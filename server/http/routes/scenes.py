@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Request, WebSocket
+from fastapi import APIRouter, Path, Request, WebSocket
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
 from server.scenes.cameras import CAMERAS, CameraName
+from server.scenes.visitors import Viewer
+from server.stream.hub import PAGE_NAME
 
 if TYPE_CHECKING:
+    from server.scenes import Scenes
     from server.scenes.scene import Scene
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/scenes", tags=["scenes"])
 
@@ -34,8 +38,9 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 
 
 @router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"], include_in_schema=False)
+@router.api_route("/{session_id}/plain/{_page}/", methods=["GET", "HEAD"], include_in_schema=False)
 async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
-    """Return viser's client without its panel, for a page that has controls of its own."""
+    """Return viser's client without its panel, for a page that has controls of its own and may have a name."""
     sessions.get(session_id)
     return _client(request, plain_view=True)
 
@@ -106,15 +111,32 @@ def _settings(scene: Scene) -> SceneAnswer:
 async def socket(
     websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str
 ) -> None:
-    """Forward the page's WebSocket to the session's scene."""
+    """Forward the WebSocket of a view to the session's scene."""
+    await _forward(websocket, sessions.get(session_id), scenes, Viewer(visitor))
+
+
+@router.websocket("/{session_id}/plain/{page}")
+@router.websocket("/{session_id}/plain/{page}/")
+async def socket_in_page(
+    websocket: WebSocket,
+    sessions: Sessions,
+    scenes: OpenScenes,
+    visitor: Visitor,
+    session_id: str,
+    page: Annotated[str, Path(pattern=PAGE_NAME)],
+) -> None:
+    """Forward the WebSocket of a view that belongs to a page: the page gets the answers to its clicks."""
+    await _forward(websocket, sessions.get(session_id), scenes, Viewer(visitor, page))
+
+
+async def _forward(websocket: WebSocket, session: SessionHost, scenes: Scenes, viewer: Viewer) -> None:
     from server.scenes.proxy import pass_on, take  # noqa: PLC0415 - imported with the first 3D view
 
-    session = sessions.get(session_id)
     if not await take(websocket):
         return
     scene = await scenes.get(session)
     scene.enter()
     try:
-        await pass_on(websocket, scene.path, visitor)
+        await pass_on(websocket, scene.path, viewer)
     finally:
         scene.leave()

@@ -9,7 +9,7 @@ from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Body, Request, WebSocket
+from fastapi import APIRouter, Body, Query, Request, WebSocket
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
@@ -23,6 +23,7 @@ from server.http.services import Logs, ServiceSettings, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
 from server.sources.history import Replayable, SimulationHistory
+from server.stream.hub import PAGE_NAME
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -204,9 +205,15 @@ def parameters() -> ParameterTables:
 
 @router.websocket("/sessions/{session_id}/stream")
 @guests_may(GuestRight.LINKED_SESSION)
-async def stream(websocket: WebSocket, sessions: Sessions, settings: ServiceSettings, session_id: str) -> None:
-    """Exchange messages with a session."""
+async def stream(
+    websocket: WebSocket,
+    sessions: Sessions,
+    settings: ServiceSettings,
+    session_id: str,
+    page: Annotated[str, Query(pattern=PAGE_NAME)] = "",
+) -> None:
+    """Exchange messages with a session; ``page`` is a name that the page gives itself, for its 3D views."""
     session = sessions.get(session_id)
     from server.http.stream_connection import exchange  # noqa: PLC0415 - what it imports came with the first session
 
-    await exchange(websocket, session, settings.max_clients_per_session)
+    await exchange(websocket, session, settings.max_clients_per_session, page=page)

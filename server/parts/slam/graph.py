@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from server.sessions.graph_answers import (
         EdgeAnswer,
         PoseGraphAnswer,
+        ScanConstraints,
         ScoreLandscape,
         TriedLoopScans,
         TriedNear,
@@ -115,6 +116,12 @@ class LogGraph(Part, Graphed):
         async with self._changing:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.edge, self._recording.log, edge))
+
+    async def constraints(self, scan: int, source: GraphSource) -> ScanConstraints:
+        """Return the edges that determine the pose of a scan. Raises as :meth:`public`, and for an unknown scan."""
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(solved.constraints, scan))
 
     async def landscape(self, edge: int, source: GraphSource) -> ScoreLandscape:
         """Return the scores of the poses around an edge. Raises as :meth:`edge`."""

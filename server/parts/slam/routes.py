@@ -23,7 +23,14 @@ from server.library.processing.log_jobs import ParameterTable
 from server.library.processing.merging import MergeReport, MergeRequest, MergeStatus
 from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
 from server.sessions import SessionRegistry
-from server.sessions.graph_answers import EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear
+from server.sessions.graph_answers import (
+    EdgeAnswer,
+    PoseGraphAnswer,
+    ScanConstraints,
+    ScoreLandscape,
+    TriedLoopScans,
+    TriedNear,
+)
 from server.sessions.kind import GivenValues
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
@@ -223,6 +230,14 @@ async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) ->
     """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
     _, found, source = _graph(library, sessions, session_id)
     return await found.edge(edge, source)
+
+
+@router.get("/sessions/{session_id}/graph/scans/{scan}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def constraints(library: Logs, sessions: Sessions, session_id: str, scan: int) -> ScanConstraints:
+    """Return which edges of the pose graph determine the pose of a scan, the greatest residual first."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.constraints(scan, source)
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}/landscape")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from msgspec import Struct
@@ -24,9 +24,11 @@ from mapper.slam.residuals import residual_series, residuals
 from mapper.slam.scan_store import scans_of
 from server.sessions.drawings import Segments
 from server.sessions.graph_answers import (
+    ConstraintAnswer,
     EdgeAnswer,
     LoopAnswer,
     PoseGraphAnswer,
+    ScanConstraints,
     ScanPair,
     ScanPoints,
     TriedLoop,
@@ -239,25 +241,37 @@ class SolvedGraph:
         graph = self.graph
         self.check_edge(edge)
         i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
-        off = residuals(graph, self.node_poses)[edge]
+        constraint = self._constraint(edge, residuals(graph, self.node_poses)[edge])
         tried = np.flatnonzero((self.candidates.j == j) & self.candidates.accepted)
         score = float(self.candidates.score[tried[0]]) if len(tried) else None
         inliers = float(self.candidates.inliers[tried[0]]) if len(tried) else None
-        loop, pair = self._loop(edge), self.pair(log, i, j, relative)
+        pair = self.pair(log, i, j, relative)
         return EdgeAnswer(
-            edge=edge,
-            scans=loop.scans,
-            residual=loop.residual,
-            weight=loop.weight,
-            locked=loop.locked,
-            kind="loop" if graph.kind[edge] == LOOP else "odometry",
-            off_m=round(float(np.hypot(off[0], off[1])), 4),
-            off_deg=round(math.degrees(float(off[2])), 3),
+            **asdict(constraint),
             score=None if score is None else round(score, 3),
             inliers=None if inliers is None else round(inliers, 3),
             poses=pair.poses,
             points=pair.points,
         )
+
+    def _constraint(self, edge: int, off: Float64Array) -> ConstraintAnswer:
+        """Return an edge without its scans; ``off`` (3,) is its row of :func:`residuals`."""
+        return ConstraintAnswer(
+            **asdict(self._loop(edge)),
+            kind="loop" if self.graph.kind[edge] == LOOP else "odometry",
+            off_m=round(float(np.hypot(off[0], off[1])), 4),
+            off_deg=round(math.degrees(float(off[2])), 3),
+        )
+
+    def constraints(self, scan: int) -> ScanConstraints:
+        """Return the edges of the node that is nearest to a scan. Raises :class:`ConfigError` for an unknown scan."""
+        if not 0 <= scan < len(self.slam_poses):
+            raise ConfigError("graph.scans", f"The log has {len(self.slam_poses)} scans; there is no number {scan}.")
+        graph, node = self.graph, self._node_near(scan)
+        edges = np.flatnonzero((graph.i == node) | (graph.j == node))
+        edges = edges[np.argsort(-graph.residual[edges], kind="stable")]
+        off = residuals(graph, self.node_poses)
+        return ScanConstraints(int(graph.nodes[node]), [self._constraint(int(edge), off[edge]) for edge in edges])
 
     def check_edge(self, edge: int) -> None:
         """Raise :class:`ConfigError` for an edge that there is not."""

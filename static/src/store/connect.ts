@@ -28,7 +28,11 @@ async function isGone(path: string): Promise<boolean> {
 /** Prepare a connection to a session; `start` opens it. */
 export function connect(session: string): Connection {
   const path = `/api/sessions/${encodeURIComponent(session)}`;
-  return connection(`${path}/stream`, path, () => true);
+  return connection(
+    (page) => `${path}/stream?page=${page}`,
+    path,
+    () => true,
+  );
 }
 
 /** Commands that a follower of a class may send: they change nothing. */
@@ -39,16 +43,20 @@ const DRIVING: readonly Command["type"][] = ["drive", "teleport", "auto"];
 export function connectToClass(code: string, drives: () => boolean): Connection {
   const path = `/api/classes/${code}`;
   return connection(
-    `${path}/session`,
+    () => `${path}/session`,
     path,
     ({ type }) => HARMLESS.includes(type) || (DRIVING.includes(type) && drives()),
   );
 }
 
-function connection(streamPath: string, statePath: string, may: (command: Command) => boolean): Connection {
+function connection(
+  streamPath: (page: string) => string,
+  statePath: string,
+  may: (command: Command) => boolean,
+): Connection {
   let stream: Stream;
   const store = new Store((command) => may(command) && stream.send(command));
-  stream = new Stream(address(streamPath), store, () => isGone(statePath));
+  stream = new Stream(address(streamPath(store.page)), store, () => isGone(statePath));
   const { status, trouble } = stream;
   return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

@@ -53,7 +53,7 @@ interface Notice {
 }
 
 /** Two scans in the map, m: each at its pose, and the second where a measurement between them puts it. */
-export type ScanPair = Pick<EdgeAnswer, "poses" | "points">;
+export type ScanPair = Pick<EdgeAnswer, "scans" | "poses" | "points">;
 
 /** The cell of a map at a point; null outside the grid. */
 export function cellIn(map: MapPicture | null, point: Point): Cell | null {
@@ -62,8 +62,14 @@ export function cellIn(map: MapPicture | null, point: Point): Cell | null {
   return contains(map.geometry, cell) ? cell : null;
 }
 
+/** A name that no other page has. */
+const newName = (): string =>
+  Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+
 /** What a page knows of a session, and of its view. */
 export class SessionSignals {
+  /** The name by which the server knows the page: its 3D views have it in their addresses. */
+  readonly page = newName();
   readonly hello = signal<Hello | null>(null);
   readonly frame = signal<Frame | null>(null);
   readonly world = signal<WorldMessage | null>(null);

@@ -102,6 +102,18 @@ export interface ComparisonAnswer {
   readonly max_at: readonly number[] | null;
 }
 
+/** An edge of either kind; `off_m` and `off_deg` are how far the poses are from its measurement. */
+export interface ConstraintAnswer {
+  readonly edge: number;
+  readonly scans: readonly [number, number];
+  readonly residual: number;
+  readonly weight: number;
+  readonly locked: boolean;
+  readonly kind: "loop" | "odometry";
+  readonly off_m: number;
+  readonly off_deg: number;
+}
+
 /** What the recording holds; `pictures` are the topics with images or clouds, `frames` counts frames. */
 export interface ContentsAnswer {
   readonly topics: readonly TopicAnswer[];
@@ -132,8 +144,7 @@ export interface DoctorAnswer {
 }
 
 /**
- * An edge with both of its scans; `off_m` and `off_deg` are how far the poses are from its measurement. `score` and
- * `inliers` are those of the match, 0 to 1, null of an edge of odometry.
+ * An edge with both of its scans. `score` and `inliers` are those of the match, 0 to 1, null of an edge of odometry.
  */
 export interface EdgeAnswer {
   readonly edge: number;
@@ -753,6 +764,15 @@ export interface RepairedWith {
   readonly poses: boolean;
 }
 
+/**
+ * The edges that determine the pose of a scan, the greatest residual first. `scan` is that of the node of the graph:
+ * the nearest to the one that was asked about.
+ */
+export interface ScanConstraints {
+  readonly scan: number;
+  readonly edges: readonly ConstraintAnswer[];
+}
+
 /** The end points of two scans, metres; `aligned` are those of the later one as a loop's measurement puts it. */
 export interface ScanPoints {
   readonly i: readonly (readonly [number, number])[];
@@ -1153,6 +1173,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}/graph/candidates/{candidate}": TriedLoopScans;
   "GET /api/sessions/{session_id}/graph/edges/{edge}": EdgeAnswer;
   "GET /api/sessions/{session_id}/graph/edges/{edge}/landscape": ScoreLandscape;
+  "GET /api/sessions/{session_id}/graph/scans/{scan}": ScanConstraints;
   "GET /api/sessions/{session_id}/heal": SlamStatus;
   "GET /api/sessions/{session_id}/links": LinkList;
   "GET /api/sessions/{session_id}/localization": LocalizationStatus;

@@ -779,7 +779,7 @@ export interface WhyMessage {
   readonly layer: string;
 }
 
-/** Logs: what was clicked in a 3D view of the session. Sent once, to all pages of the session. */
+/** Logs: what was clicked in a 3D view of the session. Sent to the page that the view is in. */
 export interface PickedMessage {
   readonly type: "picked";
   /** a loop of the pose graph, a pose of the path, which the map then goes to, or a cell of the map */
@@ -794,6 +794,17 @@ export interface PickedMessage {
   readonly index: number | null;
   /** number of the loop's edge; null for others */
   readonly edge: number | null;
+}
+
+/** Settings of the 3D view of the session, from when it is first opened. */
+export interface SceneMessage {
+  readonly type: "scene";
+  /** places of the camera */
+  readonly cameras: readonly string[];
+  /** whether each layer is shown, by its label */
+  readonly layers: Readonly<Record<string, boolean>>;
+  /** height of the map's columns, of the default */
+  readonly height: number;
 }
 
 /** Answer to `ping`. */
@@ -1106,6 +1117,13 @@ export interface SubscribeCommand {
   readonly type: "subscribe";
   /** names of all layers that are wanted */
   readonly layers: readonly string[];
+}
+
+/** Mark a place of the map in the 3D views of this page. */
+export interface SelectCommand {
+  readonly type: "select";
+  /** the place; null for none */
+  readonly place?: Point | null;
 }
 
 /** Start playing. */
@@ -1575,6 +1593,7 @@ export type ServerMessage =
   | CellMessage
   | WhyMessage
   | PickedMessage
+  | SceneMessage
   | Pong
   | LocalizationMessage
   | Map3dMessage
@@ -1592,6 +1611,7 @@ export type Command =
   | AckCommand
   | ResumeCommand
   | SubscribeCommand
+  | SelectCommand
   | PlayCommand
   | PauseCommand
   | RestartCommand
@@ -2036,6 +2056,11 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     yaw: oneOf(isNumber, isNull),
     index: oneOf(isInteger, isNull),
     edge: oneOf(isInteger, isNull),
+  },
+  scene: {
+    cameras: isListOf(isText),
+    layers: isRecordOf(isFlag),
+    height: isNumber,
   },
   pong: {
     id: isInteger,

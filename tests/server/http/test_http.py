@@ -227,3 +227,6 @@ def test_the_3d_view_opens(service: Service) -> None:
     answer = service.http.get(f"/3d?session={session_id}")
     assert answer.status_code == 307
     assert answer.headers["location"] == f"/scenes/{session_id}/plain/"
+    of_page = service.http.get(f"/3d?session={session_id}&page={'0a' * 16}")
+    assert of_page.headers["location"] == f"/scenes/{session_id}/plain/{'0a' * 16}/"
+    assert service.http.get(f"/3d?session={session_id}&page=/..").status_code == 422

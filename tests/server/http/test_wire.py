@@ -72,8 +72,10 @@ async def messages_of_a_log(service: Service) -> set[str]:
         session = sessions.get(session_id)
         clicked = session.model.on_scene_ray((1.0, 1.0, 5.0), (0.0, 0.0, -1.0))  # as the 3D view hands it over
         assert clicked is not None
-        sessions.loop.call_soon_threadsafe(session.post, clicked)
+        sessions.loop.call_soon_threadsafe(lambda: session.post(clicked, *session.hub.clients))
         await watcher.answer("picked")
+        await asyncio.to_thread(service.http.post, f"/scenes/{session_id}/settings", json={"height": 2.0})
+        await watcher.answer("scene")
         return set(watcher.newest)
 
 

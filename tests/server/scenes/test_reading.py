@@ -69,7 +69,8 @@ async def test_nothing_is_read_while_a_tick_computes(service: Service, monkeypat
         scene.enter()  # which asks for a drawing with the map
         waiting = cast("Any", session)._lock
         await eventually(lambda: bool(guard.early or waiting._waiters))
-        scene._clicked(cast("Any", SimpleNamespace(ray_origin=(1.0, 1.0, 3.0), ray_direction=(0.0, 0.0, -1.0))))
+        click = SimpleNamespace(client_id=1, ray_origin=(1.0, 1.0, 3.0), ray_direction=(0.0, 0.0, -1.0))
+        scene._clicked(cast("Any", click))
         assert guard.early == []
         guard.computing = False
     await eventually(lambda: guard.reads.count("array") >= 2)

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import httpx
 import msgspec
@@ -133,14 +134,16 @@ async def test_play_and_pause(service: Service) -> None:
 async def test_a_click_on_a_column_of_a_log_means_its_cell(service: Service) -> None:
     session = await new_log(service.sessions, "ann", sample_log(n_scans=40))
     told: list[Struct] = []
-    session.hub.send_all = told.append
+    pages = {name: session.join(page=name * 32) for name in ("a", "b")}
+    pages["a"].send = told.append
+    pages["b"].send = lambda message: pytest.fail(f"the other page was told {message}")
     session.post(command_of({"type": "pause"}))
     session.post(command_of({"type": "seek", "index": 40}))
     await changed(session, lambda view: view.index == 40)
     grid = session.model.grid
     walls = np.argwhere(grid.log_odds == grid.log_odds.max())
     x, y = max(grid.geometry.cell_to_world(walls).tolist())  # the farthest to the east
-    async with viser_client(service.port, session.id) as client:
+    async with viser_client(service.port, session.id, page="a" * 32) as client:
         await client.until(lambda m: m.get("name", "").startswith("/map/") and m["type"] == "MeshMessage")
         # From 4 m to the west and above: on the floor this line of sight ends 0.2 m behind the wall.
         await client.send(
@@ -158,6 +161,31 @@ async def test_a_click_on_a_column_of_a_log_means_its_cell(service: Service) -> 
     row, col = grid.geometry.world_to_cell((picked.x, picked.y))
     assert grid.log_odds[row, col] > 0.0
     assert not grid.observed[tuple(grid.geometry.world_to_cell((x + 0.2, y)))], "there the floor would be met"
+
+
+async def test_a_place_is_marked_in_the_views_of_the_page_that_selects_it(service: Service) -> None:
+    session = await new_log(service.sessions, "ann", sample_log(n_scans=40))
+    page = session.join(page="a" * 32)
+    session.select(page, (1.5, -2.0))
+
+    def is_mark(message: dict[str, Any]) -> bool:
+        return (message["type"], message.get("name")) == ("LineSegmentsMessage", "/selected")
+
+    async with (
+        viser_client(service.port, session.id, page="a" * 32) as own,
+        viser_client(service.port, session.id, page="b" * 32) as other,
+    ):
+        mark = await own.until(is_mark)
+        assert mark["props"]["points"].reshape(2, 3)[:, :2].tolist() == [[1.5, -2.0]] * 2
+        own.forget()
+        session.select(page, (2.5, 0.0))
+        mark = await own.until(is_mark)
+        assert mark["props"]["points"].reshape(2, 3)[:, :2].tolist() == [[2.5, 0.0]] * 2
+        session.select(page, None)
+        await own.until(lambda m: m["type"] == "RemoveSceneNodeMessage" and m["name"] == "/selected")
+        session.post(command_of({"type": "seek", "index": 30}))  # which both are sent
+        await other.until(lambda m: m.get("name") == "/trajectory/line")
+    assert not any(map(is_mark, other.seen))
 
 
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:

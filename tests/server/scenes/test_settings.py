@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 from typing import Any
 
 import httpx
@@ -13,6 +14,7 @@ from server.scenes.cameras import CAMERAS, FOV, CameraName, camera_at
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import Client, viser_client
+from tests.server.service import eventually
 
 
 def cameras_set(client: Client) -> list[Any]:
@@ -43,6 +45,7 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
             )
             settings = (await ann.post(address, json={"height": 2.5})).json()
             assert settings["height"] == 2.5
+            assert json.loads(session.hub.slots["scene"]) == {"type": "scene", **settings}
             await of_bob.until(
                 lambda m: m["type"] == "SceneNodeUpdateMessage" and m["updates"].get("scale") == [1.0, 1.0, 2.5]
             )
@@ -51,6 +54,12 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
             assert settings["layers"]["Beams"] is True
             settings = (await ann.post(address, json={"layers": {"Beams": False, "no such": False}})).json()
             assert (settings["layers"]["Beams"], "no such" in settings["layers"]) == (False, False)
+            assert json.loads(session.hub.slots["scene"]) == {"type": "scene", **settings}
+            # What is switched in the view itself is told as well.
+            beams = await of_ann.until(lambda m: m["type"] == "GuiCheckboxMessage" and m["props"]["label"] == "Beams")
+            await of_bob.send(type="GuiUpdateMessage", uuid=beams["uuid"], updates={"value": True})
+            await eventually(lambda: json.loads(session.hub.slots["scene"])["layers"]["Beams"])
+            await ann.post(address, json={"layers": {"Beams": False}})
             await of_bob.until(
                 lambda m: (
                     m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == "/robot/beams" and not m["visible"]

@@ -93,9 +93,9 @@ class Client:
 
 
 @asynccontextmanager
-async def viser_client(port: int, session_id: str, cookies: str = "") -> AsyncIterator[Client]:
+async def viser_client(port: int, session_id: str, cookies: str = "", page: str = "") -> AsyncIterator[Client]:
     protocol = Subprotocol(f"viser-v{viser.__version__}")
-    url = f"ws://127.0.0.1:{port}/scenes/{session_id}"
+    url = f"ws://127.0.0.1:{port}/scenes/{session_id}" + (f"/plain/{page}/" if page else "")
     headers = {"Cookie": cookies} if cookies else {}
     async with connect(
         url,

@@ -62,6 +62,20 @@ def test_a_lock_and_another_kernel_change_the_weight_of_a_loop(solved: SolvedGra
     assert strict.changed(log, GraphChange(robust="none")).public().loops[0].weight == 1.0
 
 
+def test_the_edges_of_a_scan_say_what_determines_its_pose(solved: SolvedGraph) -> None:
+    first = solved.constraints(0)
+    assert {(one.edge, one.kind, one.scans) for one in first.edges} == {(0, "odometry", (0, 1)), (5, "loop", (0, 5))}
+    assert {one.edge for one in solved.constraints(3).edges} == {2, 3}
+    by_edge = {one.edge: one for one in first.edges}
+    # Each step of the poses is 0.95 m forward and 0.1 m to the left; the odometry measured 1 m forward, the loop 4.5 m.
+    assert by_edge[0].off_m == pytest.approx(np.hypot(0.05, 0.1), abs=1e-4)
+    assert by_edge[5].off_m == pytest.approx(np.hypot(0.25, 0.5), abs=1e-4)
+    residuals = [one.residual for one in first.edges]
+    assert residuals == sorted(residuals, reverse=True)
+    with pytest.raises(ConfigError):
+        solved.constraints(6)
+
+
 def test_a_loop_by_hand_puts_the_scans_where_they_were_taken(log: ScanLog) -> None:
     true = log.trajectory("true").poses
     believed = compose(np.stack([np.linspace(0.0, 0.5, 11), np.zeros(11), np.linspace(0.0, 0.1, 11)], axis=1), true)

@@ -230,7 +230,7 @@ const GROUPS: readonly Group[] = [
     purpose: "Map, robot and world in three dimensions",
     content: ({ store, session }) => (
       <>
-        <Scene session={session} />
+        <Scene store={store} session={session} />
         <ClickChoice store={store} />
       </>
     ),

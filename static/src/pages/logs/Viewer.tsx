@@ -117,16 +117,23 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   }
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
-  const onCorrectPoses = (): void => {
+  const openGraph = (): void => {
     showColumn();
     openGroup.value = "heal";
+  };
+  usePicked(store, {
+    onLoop: (edge) => {
+      openGraph();
+      void correction.select(edge);
+    },
+    onPose: async (scan) => {
+      if (await correction.selectPose(scan)) openGraph();
+    },
+  });
+  const onCorrectPoses = (): void => {
+    openGraph();
     void correction.begin();
   };
-  usePicked(store, (edge) => {
-    showColumn();
-    openGroup.value = "heal";
-    void correction.select(edge);
-  });
   const map = () => (
     <div class="viewer-map">
       <BeliefView

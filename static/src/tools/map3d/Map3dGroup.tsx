@@ -141,7 +141,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
     <div class="map3d stack-narrow">
       {/* First, so that it is in sight in a panel of 200 px: the tabs take as much above it. */}
       <div class="map3d-view">
-        <Scene session={session} hasColumns={false} />
+        <Scene store={store} session={session} hasColumns={false} />
       </div>
       <Choice
         label="Map"

@@ -1,32 +1,35 @@
 import type { Store } from "../../store/store";
 import { written } from "../../ui/numbers";
-import type { PickedMessage } from "../../wire/protocol";
 import { Scene } from "./Scene";
+import { type Selection, selectionOf } from "./selection";
 
 interface PickingSceneProps {
   readonly store: Store;
   readonly session: string;
 }
 
-/** The 3D view of a log, and in words what was clicked in it. */
+/** The 3D view of a log, and in words what is selected in it and on the map. */
 export function PickingScene({ store, session }: PickingSceneProps) {
-  const picked = store.part("picked").message.value;
+  const selection = selectionOf(store).value;
   return (
     <>
       <p class="quiet" role="status">
-        {picked ? wordsOf(picked) : "Click a wall, a pose of the path or a loop to select it, here and on the map."}
+        {selection
+          ? wordsOf(selection)
+          : "Click a wall, a pose of the path or a loop to select it, here and on the map."}
       </p>
-      <Scene session={session} />
+      <Scene store={store} session={session} />
     </>
   );
 }
 
 const DEGREE = 180 / Math.PI;
 
-/** What was clicked, its values, and where it says why. */
-function wordsOf({ what, x, y, yaw, index }: PickedMessage): string {
+/** What is selected, its values, and where it says why. */
+function wordsOf({ what, place: [x, y], yaw, scans }: Selection): string {
   const place = `x ${written(x, 2)} m, y ${written(y, 2)} m`;
-  if (what === "loop") return `Loop closure at ${place}: its residual and both of its scans are under Heal.`;
+  const names = scans.map((scan) => scan + 1).join(" and ");
+  if (what === "scans") return `Scans ${names}, at ${place}: what joins them is under Heal.`;
   if (what === "cell") return `Cell at ${place}: the beams that updated it are under Why.`;
-  return `Pose of scan ${index}: ${place}, ${written((yaw ?? 0) * DEGREE, 1)}°. The map is that of the scans up to it.`;
+  return `Pose of scan ${names}: ${place}, ${written(yaw * DEGREE, 1)}°. The map is that of the scans up to it. If the poses have a graph, the edges of this one are under Heal.`;
 }

@@ -2,26 +2,23 @@
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { isDark, printing } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
-import type { SceneAnswer } from "../../wire/http";
-import { askScene, sceneAddress } from "./settings";
+import { useSelectedPlace } from "./selection";
+import { changeScene, sceneAddress } from "./settings";
 import "./scene.css";
 
 interface SceneProps {
+  readonly store: Store;
   readonly session: string;
   /** Whether the map is drawn as columns, whose height can be set. */
   readonly hasColumns?: boolean;
 }
 
-/** Interval at which the layers are asked for until the scene has some. */
-const AGAIN_MS = 700;
-/** Interval at which they are asked for afterwards: they change with what the session draws. */
-const FOLLOW_MS = 1500;
-
-export function Scene({ session, hasColumns = true }: SceneProps) {
+export function Scene({ store, session, hasColumns = true }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
@@ -35,6 +32,7 @@ export function Scene({ session, hasColumns = true }: SceneProps) {
     document.addEventListener("fullscreenchange", free);
     return () => document.removeEventListener("fullscreenchange", free);
   }, []);
+  useSelectedPlace(store);
   const enlarge = (): void => {
     if (!place.current || !group.current) return;
     // Its place in the panel is kept, and is as much higher as the panel may become: so the panel does not scroll.
@@ -42,12 +40,11 @@ export function Scene({ session, hasColumns = true }: SceneProps) {
     if (!document.fullscreenElement) place.current.style.minHeight = `${room}px`;
     fullScreen(group.current);
   };
-  const query = dark.value ? "?darkMode" : "";
   return (
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
-        <iframe class="scene" title="3D view" src={sceneAddress(session, `plain/${query}`)} />
-        <SceneControls session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
+        <iframe class="scene" title="3D view" src={sceneAddress(session, store, dark.value)} />
+        <SceneControls store={store} session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>
   );
@@ -59,48 +56,28 @@ function fullScreen(element: Element): void {
   (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
-  const now = useSignal<SceneAnswer | null>(null);
-  /** Beginnings and ends of changes: an answer from before one of them is out of date. */
-  const changes = useRef(0);
-  useEffect(() => {
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    let isOver = false;
-    const look = async (): Promise<void> => {
-      const before = changes.current;
-      const found = document.hidden ? null : await askScene(session);
-      if (isOver) return;
-      if (found && before === changes.current) now.value = found;
-      const hasLayers = Object.keys(now.peek()?.layers ?? {}).length > 0;
-      timer = setTimeout(() => void look(), hasLayers ? FOLLOW_MS : AGAIN_MS);
-    };
-    void look();
-    return () => {
-      isOver = true;
-      clearTimeout(timer);
-    };
-  }, [session]);
-  const change = async (wanted: object): Promise<void> => {
-    changes.current += 1;
-    const found = await askScene(session, wanted);
-    changes.current += 1;
-    if (found) now.value = found;
-    else toast("The server does not answer.", "error");
-  };
-  if (!now.value) return null; // all of them come at once, so that none moves when others come
-  const { cameras, layers, height } = now.value;
+function SceneControls({
+  store,
+  session,
+  hasColumns,
+  onFullScreen,
+}: SceneProps & { readonly onFullScreen: () => void }) {
+  const now = store.part("scene").message.value;
+  if (!now) return null; // all of them come at once, so that none moves when others come
+  const change = (wanted: object): void => void changeScene(session, wanted);
+  const { cameras, layers, height } = now;
   return (
     <div class="scene-controls stack-tight">
       <fieldset class="actions" aria-label="Camera">
         {cameras.map((camera) => (
-          <Button key={camera} onClick={() => void change({ camera })}>
+          <Button key={camera} onClick={() => change({ camera })}>
             {camera.charAt(0).toUpperCase() + camera.slice(1)}
           </Button>
         ))}
       </fieldset>
       <fieldset class="actions" aria-label="Layers">
         {Object.entries(layers).map(([label, isShown]) => (
-          <Button key={label} pressed={isShown} onClick={() => void change({ layers: { [label]: !isShown } })}>
+          <Button key={label} pressed={isShown} onClick={() => change({ layers: { [label]: !isShown } })}>
             {label}
           </Button>
         ))}
@@ -115,14 +92,14 @@ function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { rea
           low={0.2}
           high={5}
           step={0.1}
-          onInput={(value) => void change({ height: value })}
+          onInput={(value) => change({ height: value })}
         />
       )}
       <div class="actions">
         <Button icon="fit" onClick={onFullScreen}>
           Full screen
         </Button>
-        <Button icon="cube" href={`/3d?session=${encodeURIComponent(session)}`} target="_blank">
+        <Button icon="cube" href={`/3d?${new URLSearchParams({ session, page: store.page })}`} target="_blank">
           In a tab of its own
         </Button>
       </div>

@@ -1,15 +1,18 @@
-/** What can be set of the server's 3D views, as `/scenes/{session}/settings` has it. */
+/** What can be set of the server's 3D views; the message `scene` has what is set. */
 
+import type { Store } from "../../store/store";
+import { toast } from "../../ui/Toast";
 import { ask } from "../../wire/ask";
-import type { SceneAnswer } from "../../wire/http";
 
-export const sceneAddress = (session: string, part: string): string => `/scenes/${encodeURIComponent(session)}/${part}`;
+/** The address of a session's 3D view in this page, in the colours of the page. */
+export const sceneAddress = (session: string, { page }: Store, isDark: boolean): string =>
+  `/scenes/${encodeURIComponent(session)}/plain/${page}/${isDark ? "?darkMode" : ""}`;
 
-/** The settings of a scene, after a change of some of them; null where the server does not answer. */
-export function askScene(session: string, wanted?: object): Promise<SceneAnswer | null> {
-  const names = { session_id: session };
-  const answer = wanted
-    ? ask("POST /scenes/{session_id}/settings", names, { body: wanted })
-    : ask("GET /scenes/{session_id}/settings", names);
-  return answer.catch(() => null);
+/** Change some settings of a session's 3D view. */
+export async function changeScene(session: string, wanted: object): Promise<void> {
+  try {
+    await ask("POST /scenes/{session_id}/settings", { session_id: session }, { body: wanted });
+  } catch {
+    toast("The server does not answer.", "error");
+  }
 }

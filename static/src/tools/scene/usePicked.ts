@@ -1,14 +1,22 @@
 import { untracked, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
 
-/** Select on the map what was clicked in a 3D view: the cell is explained, a loop is given to `onLoop` by its edge. */
-export function usePicked(store: Store, onLoop: (edge: number) => void): void {
+interface Picks {
+  /** Called with the edge of a loop. */
+  readonly onLoop: (edge: number) => void;
+  /** Called with the scan of a pose, from 0. */
+  readonly onPose: (scan: number) => void;
+}
+
+/** Select in all views what was clicked in a 3D view: the cell is explained. */
+export function usePicked(store: Store, { onLoop, onPose }: Picks): void {
   useSignalEffect(() => {
     const picked = store.part("picked").message.value;
     untracked(() => {
       if (!picked) return;
       store.explain(picked.what === "cell" ? [picked.x, picked.y] : null);
       if (picked.edge !== null) onLoop(picked.edge);
+      if (picked.index !== null) onPose(picked.index - 1);
     });
   });
 }

@@ -22,7 +22,7 @@ test("a cell has a score, and the distance and turn from the loop's measurement"
 });
 
 test("the later scan is moved and turned about where the loop puts it", () => {
-  const pair = { poses: [], points: { i: [], j: [], aligned: [[11, 20]] as const } };
+  const pair = { scans: [0, 1] as const, poses: [], points: { i: [], j: [], aligned: [[11, 20]] as const } };
   const [[x, y] = [0, 0]] = pairAt(pair, LANDSCAPE, placeAt(LANDSCAPE, 2, 1)).points.aligned ?? [];
   expect([x, y]).toEqual([expect.closeTo(10.5), expect.closeTo(21)]);
 });

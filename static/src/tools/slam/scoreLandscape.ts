@@ -54,5 +54,5 @@ export function pairAt(pair: ScanPair, landscape: ScoreLandscape, { dx, dy, turn
     const [px, py] = [x - x0, y - y0];
     return [x0 + dx + c * px - s * py, y0 + dy + s * px + c * py];
   });
-  return { poses: pair.poses, points: { ...pair.points, aligned } };
+  return { ...pair, points: { ...pair.points, aligned } };
 }

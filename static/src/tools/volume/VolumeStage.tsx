@@ -1,13 +1,12 @@
 /** The picture of a map in 3D, drawn by the server's scene, with the buttons of its camera. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
-import type { SceneAnswer } from "../../wire/http";
-import { askScene, sceneAddress } from "../scene/settings";
+import { changeScene, sceneAddress } from "../scene/settings";
 import { useLook } from "./useLook";
 import "./volume.css";
 
@@ -29,11 +28,11 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
         <iframe
           class="volume-scene"
           title="Map in 3D: drag to turn, pinch or scroll to zoom, click a voxel to ask about it"
-          src={sceneAddress(session, `plain/${dark.value ? "?darkMode" : ""}`)}
+          src={sceneAddress(session, store, dark.value)}
         />
       )}
       <div class="volume-buttons">
-        <Cameras session={session} onFullScreen={() => fullScreen(group.current)} />
+        <Cameras store={store} session={session} onFullScreen={() => fullScreen(group.current)} />
         <ClipHandles store={store} />
       </div>
     </div>
@@ -57,27 +56,16 @@ function fullScreen(element: Element | null): void {
   (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-/** Interval at which the cameras are asked for until the scene is there. */
-const AGAIN_MS = 700;
+interface CamerasProps extends VolumeStageProps {
+  readonly onFullScreen: () => void;
+}
 
-function Cameras({ session, onFullScreen }: { readonly session: string; readonly onFullScreen: () => void }) {
-  const now = useSignal<SceneAnswer | null>(null);
-  useEffect(() => {
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const look = async (): Promise<void> => {
-      now.value = await askScene(session);
-      if (!now.value) timer = setTimeout(() => void look(), AGAIN_MS);
-    };
-    void look();
-    return () => clearTimeout(timer);
-  }, [session]);
-  const aim = async (camera: string): Promise<void> => {
-    if (!(await askScene(session, { camera }))) toast("The server does not answer.", "error");
-  };
+function Cameras({ store, session, onFullScreen }: CamerasProps) {
+  const cameras = store.part("scene").message.value?.cameras ?? [];
   return (
     <fieldset class="volume-cameras" aria-label="Camera">
-      {(now.value?.cameras ?? []).map((camera) => (
-        <Button key={camera} onClick={() => void aim(camera)}>
+      {cameras.map((camera) => (
+        <Button key={camera} onClick={() => void changeScene(session, { camera })}>
           {camera.charAt(0).toUpperCase() + camera.slice(1)}
         </Button>
       ))}

@@ -1,6 +1,6 @@
 /** One plot over time, or of numbers over another one, drawn by uPlot. */
 
-import { effect, type Signal } from "@preact/signals";
+import { effect, type Signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -9,6 +9,7 @@ import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
 import { written } from "../../../ui/numbers";
 import type { Plotted } from "../fields/fields";
+import { selectedTimes } from "../time/selectedTimes";
 import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
 import {
@@ -82,7 +83,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     const span = zoom?.peek();
     if (span && !over) chart.setScale("x", { min: span[0], max: span[1] });
     const stop = effect(() => {
-      void store.frame.value;
+      void [store.frame.value, selectedTimes(store)];
       chart.redraw(false);
     });
     return () => {
@@ -166,6 +167,7 @@ function optionsOf(
 ): UPlot.Options {
   const axis = axisStyle(element);
   const now = colourOf(element, "--beam");
+  const selected = colourOf(element, "--foreground");
   const units = [...new Set(columns.map((column) => column.unit))];
   return {
     width,
@@ -208,6 +210,7 @@ function optionsOf(
         (chart) => {
           const at = store.frame.peek()?.stamp;
           if (at !== undefined) drawLineAt(chart, at, now);
+          for (const time of untracked(() => selectedTimes(store))) drawLineAt(chart, time, selected, [4, 4]);
         },
       ],
       ready: [

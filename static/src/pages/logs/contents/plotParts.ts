@@ -94,15 +94,15 @@ export function timeLabels(splits: readonly number[]): string[] {
   });
 }
 
-/** A vertical line over the height of a chart. */
-export function drawLineAt(chart: UPlot, at: number, colour: string): void {
+/** A vertical line over the height of a chart, with the dashes of `dash`, CSS pixels. */
+export function drawLineAt(chart: UPlot, at: number, colour: string, dash: readonly number[] = []): void {
   const x = chart.valToPos(at, "x", true);
   const { left, top, width, height } = chart.bbox;
   if (x < left || x > left + width) return;
   chart.ctx.save();
   chart.ctx.strokeStyle = colour;
   chart.ctx.lineWidth = 2 * devicePixelRatio;
-  chart.ctx.setLineDash([]);
+  chart.ctx.setLineDash(dash.map((one) => one * devicePixelRatio));
   chart.ctx.beginPath();
   chart.ctx.moveTo(x, top);
   chart.ctx.lineTo(x, top + height);

@@ -4,6 +4,7 @@ import type { Store } from "../../../store/store";
 import { residualLabel, whyNone } from "../../../tools/slam/poseGraph";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
+import { plural, written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { Slider } from "../../../ui/Slider";
 import type { PoseGraphAnswer } from "../../../wire/http";
@@ -37,6 +38,7 @@ export function Graph({ store, correction, graph, isGuest }: GraphProps) {
         </p>
         <Pointed correction={correction} />
         <Selected correction={correction} isGuest={isGuest} />
+        <SelectedPose correction={correction} />
         <Why store={store} correction={correction} isGuest={isGuest} />
         {!isGuest && <Solving correction={correction} graph={graph} />}
         <details>
@@ -79,16 +81,45 @@ function Pointed({ correction }: { readonly correction: PoseCorrection }) {
   );
 }
 
-/** The selected loop, or the selected candidate. */
+/** Which edges determine the selected pose, and by how much it misses each. */
+function SelectedPose({ correction }: { readonly correction: PoseCorrection }) {
+  const now = correction.constraints.value;
+  if (!now) return null;
+  return (
+    <section class="loop-detail" aria-label="Selected pose">
+      <p>
+        <strong>Pose of scan {now.scan + 1}</strong>: {plural(now.edges.length, "edge")} of the graph determine
+        {now.edges.length === 1 && "s"} it, the greatest residual first.
+      </p>
+      <ul class="loop-list">
+        {now.edges.map(({ edge, kind, scans, residual, weight, off_m, off_deg }) => (
+          <li key={edge}>
+            <Button kind="quiet" onClick={() => void correction.select(edge)}>
+              <span>
+                {kind === "loop" ? "loop with" : "odometry to"} scan {(scans[0] === now.scan ? scans[1] : scans[0]) + 1}
+              </span>
+              <span>
+                {written(residual, 1)} σ: {written(off_m, 3)} m, {written(off_deg, 2)}°
+                {kind === "loop" && `, weight ${Math.round(100 * weight)} %`}
+              </span>
+            </Button>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+/** The selected edge. */
 function Selected({ correction, isGuest }: { readonly correction: PoseCorrection; readonly isGuest: boolean }) {
   const edge = correction.edge.value;
-  if (edge?.kind !== "loop") return null;
-  const { scans, residual, weight, off_m, off_deg, score, inliers, locked } = edge;
+  if (!edge) return null;
+  const { kind, scans, residual, weight, off_m, off_deg, score, inliers, locked } = edge;
   return (
-    <section class="loop-detail" aria-label="Selected loop">
+    <section class="loop-detail" aria-label={kind === "loop" ? "Selected loop" : "Selected edge"}>
       <p>
         <strong>
-          Loop between scans {scans[0] + 1} and {scans[1] + 1}
+          {kind === "loop" ? "Loop" : "Odometry"} between scans {scans[0] + 1} and {scans[1] + 1}
         </strong>
         : {residualLabel(residual)}.
       </p>
@@ -116,9 +147,9 @@ function Selected({ correction, isGuest }: { readonly correction: PoseCorrection
         <LandscapePicture correction={correction} landscape={correction.landscape.value} />
       )}
       <p class="quiet">
-        Dots are the earlier scan, faint crosses the later one at its pose, full crosses where this loop puts it.
+        Dots are the earlier scan, faint crosses the later one at its pose, full crosses where this edge puts it.
       </p>
-      {!isGuest && (
+      {!isGuest && kind === "loop" && (
         <div class="actions">
           <Button
             icon="trash"

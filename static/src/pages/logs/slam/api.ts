@@ -6,6 +6,7 @@ import type {
   MergeStatus,
   PoseGraphAnswer,
   PoseScore,
+  ScanConstraints,
   ScoreLandscape,
   SlamStatus,
   TriedLoopScans,
@@ -60,6 +61,15 @@ export const changeGraph = async (id: string, change: Change): Promise<PoseGraph
 
 export const edgeOf = (id: string, edge: number): Promise<EdgeAnswer> =>
   ask("GET /api/sessions/{session_id}/graph/edges/{edge}", { session_id: id, edge });
+
+/** The edges that determine the pose of a scan, from 0; null where the poses have no graph. */
+export async function constraintsOf(id: string, scan: number): Promise<ScanConstraints | null> {
+  try {
+    return await ask("GET /api/sessions/{session_id}/graph/scans/{scan}", { session_id: id, scan });
+  } catch {
+    return null;
+  }
+}
 
 export const landscapeOf = (id: string, edge: number): Promise<ScoreLandscape> =>
   ask("GET /api/sessions/{session_id}/graph/edges/{edge}/landscape", { session_id: id, edge });

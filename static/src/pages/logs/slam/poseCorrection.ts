@@ -5,7 +5,14 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { edgeAt, loopAt } from "../../../tools/slam/poseGraph";
 import { type LandscapePlace, pairAt } from "../../../tools/slam/scoreLandscape";
-import type { EdgeAnswer, PoseGraphAnswer, ScoreLandscape, TriedLoopScans, TriedNear } from "../../../wire/http";
+import type {
+  EdgeAnswer,
+  PoseGraphAnswer,
+  ScanConstraints,
+  ScoreLandscape,
+  TriedLoopScans,
+  TriedNear,
+} from "../../../wire/http";
 import type { Point } from "../../../wire/protocol";
 import { JobParameters } from "../jobs/jobParameters";
 import { LogJob } from "../jobs/LogJob";
@@ -25,6 +32,8 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
   /** The edge under the pointer. */
   readonly hovered = signal<EdgeAnswer | null>(null);
   readonly candidate = signal<TriedLoopScans | null>(null);
+  /** The edges of the selected pose. */
+  readonly constraints = signal<ScanConstraints | null>(null);
   /** The place that was asked about. */
   readonly place = signal<{ readonly at: Point; readonly found: TriedNear } | null>(null);
   /** What takes a click on the map while the graph is shown. */
@@ -70,6 +79,14 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
       void this.#loadLandscape(edge);
     });
 
+  /** Select the pose of a scan, from 0: its edges are listed. Whether the poses have a graph. */
+  async selectPose(scan: number): Promise<boolean> {
+    const found = await api.constraintsOf(this.session, scan);
+    this.#deselect();
+    this.constraints.value = found;
+    return found !== null;
+  }
+
   async #loadLandscape(edge: number): Promise<void> {
     try {
       const landscape = await api.landscapeOf(this.session, edge);
@@ -89,7 +106,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
   readonly selectCandidate = (candidate: number): Promise<void> =>
     this.request("Asking", async () => {
       const found = await api.candidateOf(this.session, candidate);
-      this.edge.value = null;
+      this.#deselect();
       this.candidate.value = found;
       this.store.scanPair.value = found;
     });
@@ -106,6 +123,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
     this.edge.value = null;
     this.landscape.value = null;
     this.candidate.value = null;
+    this.constraints.value = null;
     this.place.value = null;
     this.#endHover();
     this.store.scanPair.value = null;
