@@ -90,12 +90,15 @@ class Mesh(PlacedDrawing):
 class Points(PlacedDrawing):
     """A point cloud: ``points`` (n, 3) float32; ``colors`` (n, 3) uint8, or one colour for all.
 
-    A point is drawn ``size`` metres wide. Raises :class:`ValueError` for other shapes or types.
+    A point is drawn ``size`` metres wide, where it is between the least and the greatest coordinates of ``clip``, its
+    bounds included; None: anywhere. The browser leaves out the others: another box is sent without the points. Raises
+    :class:`ValueError` for other shapes or types.
     """
 
     points: NDArray[np.float32]
     colors: NDArray[np.uint8] | Color = (71, 78, 96)
     size: float = 0.05
+    clip: tuple[Point, Point] | None = None
 
     def __post_init__(self) -> None:
         Drawing.__post_init__(self)

@@ -92,3 +92,22 @@ def test_the_ceiling_is_clipped_by_its_handle(
     assert page.evaluate("() => gridbloom.connection.store.part('voxel').message.peek().centre") is None
     page.get_by_role("button", name="Draw the whole map").click()
     until("the handle is at the ceiling", lambda: abs((ceiling_handle(page) or (0.0, 0.0))[1] - start[1]) < 3.0)
+
+
+def test_points_outside_of_the_box_are_left_out_by_the_browser(page: Page, server: str, tmp_path: Path) -> None:
+    opened(page, server, room(tmp_path))
+    look = "values => gridbloom.connection.store.send({ type: 'volume_look', values })"
+    page.evaluate(look, {"show": "points"})
+    frame = page.locator("iframe.volume-scene")
+
+    def upper() -> int:
+        """The pixels in the upper third, within the frame's border, that are not the background: ceiling and walls."""
+        with Image.open(io.BytesIO(frame.screenshot(scale="css"))) as picture:
+            pixels = np.asarray(picture.convert("RGB")).astype(int)
+        return int((np.abs(pixels[4 : len(pixels) // 3, 4:-4] - (250, 248, 242)).max(axis=2) > 40).sum())
+
+    until("the ceiling's points are drawn", lambda: upper() > 1000)
+    page.evaluate(look, {"cut_high": -1.3})
+    until("only the lowest points are drawn", lambda: upper() < 20)
+    page.evaluate(look, {"cut_high": 2.0})
+    until("all points are drawn again", lambda: upper() > 1000)

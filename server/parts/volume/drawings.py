@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,9 +85,10 @@ class VolumeDrawings:
         """Note that another look was chosen."""
         if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
             return
-        self._stale_points = True
+        # A cut alone leaves the points as they are: the browser clips them.
+        self._stale_points |= any(getattr(old, name) != getattr(new, name) for name in DRAWN if name not in CUTS)
         if old.show in WITHOUT_VOXELS:
-            self.note_change(volume, None)
+            self._pending = set(chunks_of(volume)) | set(self.faces.chunks)
             return
         if old.colour != new.colour and not {old.colour, new.colour}.isdisjoint(NUMBERED):
             # Rectangles of the old colouring in the new colours would mislead until the last of them is made again.
@@ -163,9 +165,7 @@ class VolumeDrawings:
             return None
         scans = self._scans
         some = np.arange(0, int(scans.starts[index]), max(1, -(-int(scans.starts[index]) // MOST_POINTS)))
-        points = scans.points[some]
-        kept = look.shows(points)
-        some, points = some[kept], np.ascontiguousarray(points[kept])
+        points = np.ascontiguousarray(scans.points[some])
         colors: NDArray[np.uint8] | tuple[int, int, int] = PLAIN
         if look.colour == "own colour" and "rgb" in scans.fields:
             colors = scans.fields["rgb"][some].astype(np.uint8)
@@ -206,7 +206,10 @@ class VolumeDrawings:
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
-        found += [one for one in (self._points, self._newest) if one is not None]
+        if self._points is not None:
+            found.append(replace(self._points, clip=(look.low, look.high)))
+        if self._newest is not None:
+            found.append(self._newest)
         return [*found, *self.clip_box.drawings(look), *self.chosen.drawings, *self._changes]
 
 

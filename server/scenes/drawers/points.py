@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from server.scenes.drawer import Drawer, differs
+from server.scenes.drawer import Drawer, DrawerContext, differs
 from server.sessions.drawings import Points
 
 
 class PointsDrawer(Drawer[Points, Points]):
-    """Sends points and colours in one message if they changed, otherwise only a changed pose."""
+    """Sends points and colours in one message if they changed, otherwise only a changed pose or clip box.
 
-    _shown: Points | None = None
+    viser clips nothing: ``static/src/pages/scene.ts`` takes the places of two nodes beside the cloud for the corners of
+    its clip box, and gives viser's client the points in between.
+    """
+
+    def __init__(self, context: DrawerContext, drawing: Points) -> None:
+        super().__init__(context, drawing)
+        self._shown: Points | None = None
+        names = () if drawing.clip is None else ("clip_low", "clip_high")
+        self._corners = [self.scene.add_frame(f"{self.path}/{name}", show_axes=False) for name in names]
 
     def show(self, content: Points) -> None:
         """Draw the points."""
         self.place(content)
+        for corner, place in zip(self._corners, content.clip or (), strict=True):
+            corner.position = place
         old, self._shown = self._shown, content
         if not differs(old, content, "points", "colors", "size"):
             return

@@ -1,21 +1,25 @@
 /**
  * Script of the 3D view, inserted by server/scenes/proxy.py before those of viser's client: it makes glTF files of the
- * chunks of voxels before the client reads the messages that they are in.
+ * chunks of voxels, and clips point clouds, before the client reads the messages that they are in.
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
 
+import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
-interface SceneMessage {
-  readonly props?: { glb_data?: unknown };
+interface SceneMessage extends NodeMessage {
+  readonly props?: { glb_data?: unknown; points?: unknown; colors?: unknown };
 }
 
-function expand({ data }: MessageEvent<{ readonly messages?: readonly SceneMessage[] }>): void {
+const clouds = new ClippedClouds();
+
+function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>): void {
+  clouds.take(data?.messages ?? []);
   for (const { props } of data?.messages ?? []) {
     const file = props?.glb_data;
     if (props && file instanceof Uint8Array && isVoxelChunk(file)) props.glb_data = voxelGlb(decodeVoxels(file));

@@ -129,6 +129,21 @@ async def test_one_of_many_chunks_changes(service: Service, monkeypatch: pytest.
         assert client.received < 4000
 
 
+async def test_another_clip_box_is_sent_without_the_points(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    points = np.random.default_rng(0).normal(size=(50_000, 3)).astype(np.float32)
+    cloud = Points(name="cloud", points=points, clip=((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0)))
+    async with showing(service, monkeypatch, cloud) as (shown, client):
+        made = await client.until(named("PointCloudMessage", "/cloud/points"))
+        np.testing.assert_array_equal(made["props"]["points"], points.ravel())
+        assert (await client.until(named("SetPositionMessage", "/cloud/clip_high")))["position"] == [9.0, 9.0, 9.0]
+        client.forget()
+        shown.show(replace(cloud, clip=((-9.0, -9.0, -9.0), (9.0, 9.0, 1.5))))
+        moved = await client.until(named("SetPositionMessage", "/cloud/clip_high"))
+        assert moved["position"] == [9.0, 9.0, 1.5]
+        assert [message["type"] for message in await shown.drawn(client)] == ["SetPositionMessage"]
+        assert client.received < 1000
+
+
 async def test_points_arrive_exactly(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(5)
     points = rng.uniform(-300, 300, (1000, 3)).astype(np.float32)

@@ -10,7 +10,7 @@ from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.drawings import VolumeDrawings
 from server.parts.volume.look import Look, normal_colors
-from server.sessions.drawings import Voxels
+from server.sessions.drawings import Points, Voxels
 
 
 class Shown:
@@ -78,3 +78,21 @@ def test_floor_and_wall_have_the_colours_of_their_normals() -> None:
             area[name][1] += wide * high
     for right, every in area.values():
         assert right > 0.9 * every > 1000
+
+
+def test_a_cut_leaves_the_points_as_they_are_and_moves_their_clip_box() -> None:
+    shown = Shown()
+
+    def points() -> Points:
+        shown.work()
+        return next(one for one in shown.drawn.current(shown.volume, shown.look) if isinstance(one, Points))
+
+    shown.choose(show="points")
+    before = points()
+    assert len(before.points) == 2 * 200 * 200
+    shown.choose(cut_low=-1.0, cut_high=2.5)
+    after = points()
+    assert after.points is before.points
+    assert after.colors is before.colors
+    assert after.clip is not None
+    assert (after.clip[0][2], after.clip[1][2]) == (-1.0, 2.5)

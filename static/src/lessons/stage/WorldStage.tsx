@@ -203,13 +203,16 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   );
 }
 
-/** The map with the strip of a cell's history below it, in a low box beside it; the strip is drawn once it is complete. */
+/**
+ * The map with the strip of a cell's history below it, in a low box beside it; the strip is drawn once it is complete.
+ * A box may have no size, as a hidden one.
+ */
 function layout(width: number, height: number, strip: number): { map: Rect; ladder: Rect | null } {
   if (height < LOW) {
     const across = Math.round(0.4 * width * strip);
     const left = width - across;
     return {
-      map: { left: 0, top: 0, width: left - GAP * strip, height },
+      map: { left: 0, top: 0, width: Math.max(0, left - GAP * strip), height },
       ladder: strip < 1 ? null : { left, top: NAME, width: across, height: height - NAME },
     };
   }
