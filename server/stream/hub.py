@@ -36,7 +36,6 @@ MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
 MAX_TEXT_FRAMES = 16  #: text messages of which a hub keeps the encoded frame until the next tick
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
-PAGE_NAME = "^[0-9a-f]{32}$"  #: pattern of the name that a page gives itself
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 #: For what is encoded at each tick: in a tenth of the time of Python's json. Frames and scans have no NaN.
 _JSON = msgspec.json.Encoder(enc_hook=float)

@@ -74,6 +74,7 @@ from msgspec import Struct
 
 SUBPROTOCOL = "gridbloom.v3"
 MAX_COMMAND_BYTES = 64 * 1024
+PAGE_NAME = "^[0-9a-f]{32}$"  #: pattern of the name that a page gives itself
 
 
 class ProtocolError(Exception):

@@ -161,9 +161,14 @@ def observed(page: Page) -> int:
 
 
 def without_canvas_in_3d(page: Page) -> None:
-    """Leave the canvas of the page's 3D views empty: its drawing by the processor takes seconds."""
+    """Leave the canvas of the page's 3D views empty: its drawing by the processor takes seconds.
+
+    The views are asked for their settings, as the canvas would make the service open them.
+    """
 
     def empty(route: Route) -> None:
+        view, _ = route.request.url.split("/plain/")
+        expect(page.request.get(f"{view}/settings")).to_be_ok()
         route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
 
     page.route("**/scenes/*/plain/**", empty)

@@ -46,7 +46,7 @@ def test_pages_show_a_lost_connection_and_reconnect(context: BrowserContext, ser
             home, ".hero-maps", f"{AWAY}. The page tries again by itself. The sensor model can be dragged all the same."
         )
         home.get_by_role("slider", name="Hit", exact=True).press("ArrowRight")
-        expect(home.locator(".profile .label-hit:not(.small)")).to_contain_text("+0.90 → p 0.71")
+        expect(home.locator(".profile .label-hit", has_text="hit")).to_contain_text("+0.90 → p 0.71")
         says(viewer, ".viewer-over", AWAY)
         logs.bring_to_front()
         card.get_by_role("button", name="Open map").click()

@@ -138,7 +138,7 @@ def test_a_change_before_the_session_is_known_reaches_it(page: Page, server: str
     page.route("**/api/sessions", hold)
     page.goto(server)
     page.get_by_role("slider", name="Hit", exact=True).press("ArrowRight")
-    label = page.locator(".profile .label-hit:not(.small)")
+    label = page.locator(".profile .label-hit", has_text="hit")
     expect(label).to_contain_text("+0.90")
     expect(page.get_by_role("status").filter(has_text="Starting the simulation")).to_be_visible()
     assert len(held) == 1

@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import NOT_BUILT, built_file, find_pages, front_page, page_file, page_names
 from server.http.services import Sessions
-from server.stream.hub import PAGE_NAME
+from server.stream.protocol import PAGE_NAME
 
 router = APIRouter(include_in_schema=False)
 

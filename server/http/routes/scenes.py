@@ -13,7 +13,7 @@ from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
 from server.scenes.cameras import CAMERAS, CameraName
 from server.scenes.visitors import Viewer
-from server.stream.hub import PAGE_NAME
+from server.stream.protocol import PAGE_NAME
 
 if TYPE_CHECKING:
     from server.scenes import Scenes

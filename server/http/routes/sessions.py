@@ -23,7 +23,7 @@ from server.http.services import Logs, ServiceSettings, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
 from server.sources.history import Replayable, SimulationHistory
-from server.stream.hub import PAGE_NAME
+from server.stream.protocol import PAGE_NAME
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost

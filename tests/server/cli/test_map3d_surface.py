@@ -91,7 +91,7 @@ def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
         assert said in err
         assert err.count("\n") == 1
     (frames / "frame-000000.pose.txt").write_text("2 0 0 0\n0 2 0 0\n0 0 2 0\n0 0 0 1\n")
-    assert "no rotation" in run("map3d", frames, "--tsdf", "--out", ply).err
+    assert "not a rotation" in run("map3d", frames, "--tsdf", "--out", ply).err
     np.savetxt(frames / "frame-000000.pose.txt", np.eye(4))
     Image.fromarray(np.full((6, 8), 1000, dtype=np.uint16)).save(frames / "frame-000001.depth.png")
     np.savetxt(frames / "frame-000001.pose.txt", np.eye(4))

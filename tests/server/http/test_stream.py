@@ -18,6 +18,7 @@ from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
 from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, Allowance, exchange
+from server.stream.messages import Pong
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
 
@@ -291,13 +292,13 @@ async def test_what_comes_for_a_client_whose_connection_was_just_closed_is_no_fa
 
     async def flooded(websocket: Any, _: object, client: Any, *__: object) -> None:
         await websocket.close(1008, "too many commands")
-        client.send({"type": "pong", "id": 1, "t": 0.0})
+        client.send(Pong(1, 0.0))
         sending = [task for task in asyncio.all_tasks() if task.get_name() == "stream out"]
         await asyncio.wait(sending, return_when=asyncio.FIRST_COMPLETED)
 
-    async def watched(*arguments: Any) -> None:
+    async def watched(*arguments: Any, page: str) -> None:
         try:
-            await exchange(*arguments)
+            await exchange(*arguments, page=page)
         finally:
             ended.set()
 

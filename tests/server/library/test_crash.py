@@ -38,7 +38,11 @@ def kept(settings: Settings) -> set[str]:
     """The files of the library, save those of the database and the picture of the sample."""
     root = settings.data_dir / "library"
     found = {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
-    return {name for name in found if not name.startswith(("library.db", "pictures/sample-office."))}
+    return {
+        name
+        for name in found
+        if not name.startswith(("library.db", "pictures/sample-office.", "pictures/.sample-office."))
+    }
 
 
 _READ = (("packs", "npz"), ("pictures", "png"))

@@ -147,7 +147,7 @@ def test_bad_input_is_refused_and_the_map_stays() -> None:
     no_rotation[:3, :3] *= 1.1
     for image, pose, said in (
         (depth[:-1], AHEAD, "80 × 59 pixels has intrinsics for 80 × 60"),
-        (depth, no_rotation, "no rotation"),
+        (depth, no_rotation, "not a rotation"),
         (depth, AHEAD * np.nan, "not finite"),
     ):
         with pytest.raises(ConfigError, match=said):
