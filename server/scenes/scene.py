@@ -62,7 +62,7 @@ class Scene:
 
     @classmethod
     async def open(cls, session: SessionHost, drawers: Drawers = DRAWERS) -> Scene:
-        """Create the scene of ``session`` and start updating it."""
+        """Create the scene of ``session``, tell its settings and start updating it."""
         server = await asyncio.to_thread(ViserServer)
         scene = cls(session, server, drawers)
         try:
@@ -70,6 +70,7 @@ class Scene:
         except BaseException:
             await asyncio.to_thread(server.stop)
             raise
+        scene._tell()
         scene._task = asyncio.create_task(scene._follow(), name="scene")
         return scene
 
