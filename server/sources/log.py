@@ -131,7 +131,6 @@ class LogModel(SessionModel):
         replay.wanted = host.may_continue
         self._host = host
         self._title = title or replay.log.name
-        self._path_bounds = bounds_of(replay.log.trajectory(replay.trajectory).poses)
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
         self._left_at = 0  #: the index at which the map was before it was requested
@@ -220,12 +219,16 @@ class LogModel(SessionModel):
         own = ExplainedMap(self._map, self.grid, self.config, self.recording.sources, self.progress[0])
         return [own, *self.comparison.explained()]
 
+    @property
+    def _poses(self) -> NDArray[np.float64]:
+        """The poses (n, 3) of the scans along the chosen trajectory, ``T_map_base``."""
+        return self.recording.log.trajectory(self.recording.trajectory).poses
+
     def drawings(self) -> list[Drawing]:
         """Return the map, the robot, the path, and what the parts show."""
-        poses = self.recording.log.trajectory(self.recording.trajectory).poses
         return [
             *map_drawings(self.grid, self.recording.robot_state(), self.config),
-            Path(name="trajectory", label="Path", poses=poses),
+            Path(name="trajectory", label="Path", poses=self._poses),
             *(drawing for part in self.parts for drawing in part.drawings()),
         ]
 
@@ -241,7 +244,7 @@ class LogModel(SessionModel):
             index=index,
             count=count,
             can_restart=True,
-            bounds=self._path_bounds,
+            bounds=bounds_of(self._poses),
         )
 
     def on_scene_ray(self, origin: Point, direction: Point, met: Point | None = None) -> Struct:
@@ -392,9 +395,8 @@ class LogModel(SessionModel):
 
     def _pick(self, pick: ScenePick, result: TickResult) -> None:
         """Say what was clicked in the 3D view, and go to the scan of a pose."""
-        poses = self.recording.log.trajectory(self.recording.trajectory).poses
         graph = self.find(Graphed)
-        picked = picked_by(pick, poses, None if graph is None else graph.loops)
+        picked = picked_by(pick, self._poses, None if graph is None else graph.loops)
         if picked is None:
             return
         result.answer(picked)
@@ -426,7 +428,6 @@ class LogModel(SessionModel):
         self._followed.leave()
         self.parameters.adopt(recording.replay.config)
         self._times = play_times(log.stamps_ns)
-        self._path_bounds = bounds_of(log.trajectory(recording.trajectory).poses)
         self.go_to(log.n_scans if reached is None else int((log.stamps_ns <= reached).sum()))
         self._left_at = 0
         result.is_new_hello = result.new_grid = True

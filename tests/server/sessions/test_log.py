@@ -31,7 +31,7 @@ from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.delivery import hello_message
 from server.sessions.why import CellAsked, why_message
-from server.sources.log import MAX_GAP_S, play_times
+from server.sources.log import MAX_GAP_S, PATH_MARGIN, play_times
 from server.sources.log_recording import first_replay
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
@@ -184,7 +184,10 @@ async def test_another_trajectory_makes_another_map(
     assert session.model.recording.trajectory == "odometry"
     assert view_of(session).geometry == grid.geometry
     np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
-    assert view_of(session).pose == pytest.approx(tuple(office_log.trajectory("odometry").poses[99]))
+    odometry = office_log.trajectory("odometry").poses
+    assert view_of(session).pose == pytest.approx(tuple(odometry[99]))
+    box = (*(odometry[:, :2].min(axis=0) - PATH_MARGIN), *(odometry[:, :2].max(axis=0) + PATH_MARGIN))
+    assert session.model.controls().bounds == pytest.approx(box)
 
 
 @pytest.mark.parametrize(
