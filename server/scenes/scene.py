@@ -58,7 +58,7 @@ class Scene:
         self._marks = Marks(server)
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
-        self._told: SceneMessage | None = None
+        self._announced: SceneMessage | None = None
 
     @classmethod
     async def open(cls, session: SessionHost, drawers: Drawers = DRAWERS) -> Scene:
@@ -188,8 +188,8 @@ class Scene:
     def _tell(self) -> None:
         """Tell the session's pages the settings, where they have changed."""
         settings = SceneMessage(list(CAMERAS), self.layers, self.height)
-        if settings != self._told:
-            self._told = settings
+        if settings != self._announced:
+            self._announced = settings
             self._session.announce(settings)
 
     # -- from the browser, on viser's threads -------------------------------------------------------------------

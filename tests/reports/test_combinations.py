@@ -247,7 +247,7 @@ CASES = {
         [LASER, *late(drive(by_tf()), "/scan", 15 * SECOND // 10)], sensor_at(), unsaid="The clock of"
     ),
     "messages in no order": Case(
-        [BASE[k] for k in np.random.default_rng(2).permutation(len(BASE))], sensor_at(), "put in it", unsaid="begins"
+        [BASE[k] for k in np.random.default_rng(2).permutation(len(BASE))], sensor_at(), "were sorted", unsaid="begins"
     ),
     "transforms by a simulated clock": Case(
         stamped(BASE, "/tf", lambda at: at - T0 + SECOND), sensor_at(), "each scan gets the pose of when it was"

@@ -278,7 +278,9 @@ class Recording:
         if disordered:
             for sensor in sensors:
                 sensor.put_in_order()
-            self.notes.append("The messages do not stand in the order in which they were recorded: they are put in it.")
+            self.notes.append(
+                "Messages were not stored in the order in which they were recorded; they were sorted by recording time."
+            )
         offsets = None if disordered else offsets_of_runs(tracks)
         if offsets is None:
             for _, line in lines:

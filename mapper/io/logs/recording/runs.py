@@ -13,7 +13,7 @@ many publishers: stamps of one may be behind those of another by a second, as th
 A frame of tf is judged by itself, as each may have a publisher of its own; of the frames of one topic the majority
 counts as the topic.
 
-A file whose messages do not stand in the order in which they were recorded, as of a program that puts recordings
+A file whose messages are not stored in the order in which they were recorded, as of a program that puts recordings
 together, is put in order instead (:func:`is_in_disorder`).
 """
 
@@ -55,7 +55,7 @@ class Track:
 
 
 def is_in_disorder(tracks: Sequence[Track]) -> bool:
-    """Return whether the messages of a file do not stand in the order in which they were recorded."""
+    """Return whether the messages of a file are not stored in the order in which they were recorded."""
     known = [track for track in tracks if track.recorded_ns is not None and track.recorded_ns.all()]
     if not known:
         return False
