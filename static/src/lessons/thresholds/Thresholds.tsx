@@ -101,6 +101,8 @@ function rowsOf(greys: Uint8Array): string {
 
 const HEIGHT = 150;
 const BINS = 50;
+/** The part of a bin's width that its bar takes; the rest is the gap between bars. */
+const BAR_SHARE = 0.75;
 const LEFT = 14;
 const BOTTOM = HEIGHT - 26;
 const RANGE = { low: 0.02, high: 0.98, step: 0.01 };
@@ -146,9 +148,9 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
           <rect
             key={`${i / BINS}`}
             class="bar"
-            x={x(i / BINS) + 1}
+            x={x((i + (1 - BAR_SHARE) / 2) / BINS)}
             y={BOTTOM - tall(count)}
-            width={(right - LEFT) / BINS - 2}
+            width={(BAR_SHARE * (right - LEFT)) / BINS}
             height={tall(count)}
           />
         ),
