@@ -1,8 +1,8 @@
 """The scans of several sensors in the order of their times, in few batches.
 
 Scans of sensors whose beams are alike, of beams that are deskewed, and of thin beams are rows of one batch; otherwise
-each sensor has a batch, and their scans are drawn by turns (:class:`mapper.mapping.turns.Turns`). The map is that of
-the scans one after another, bit for bit, in any case.
+each sensor has a batch, and their scans are drawn by turns (:class:`mapper.mapping.update_plan.Turns`). The map is that
+of the scans one after another, bit for bit, in any case.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from mapper.grid import GridGeometry
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
 from mapper.mapping.scan_batch import ScanBatch
-from mapper.mapping.turns import Run, Turns
-from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.mapping.update_plan import Run, Turns, UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog
 

@@ -1,4 +1,8 @@
-"""The per-beam update on all cores, in two passes: beams are planned by scans, then drawn by bands of rows."""
+"""The per-beam update on all cores, in two passes: beams are planned by scans, then drawn by bands of rows.
+
+Each cell gets its additions from one thread, in the order of the log, so the result does not depend on the number of
+threads, not even in its last bit.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.parallel import in_parallel, shares
+from mapper.core.parallel import bands, in_parallel, shares
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.bands import Draw, draw_in_bands
 from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
 from mapper.mapping.scan_batch import part_of, scan_ends
-from mapper.mapping.turns import Turns
-from mapper.mapping.update_plan import UpdatePlan
+from mapper.mapping.update_plan import Turns, UpdatePlan
 
 _ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 #: One map counts the hits and one the misses: in each of them one of the two adds 1 and the other 0.
@@ -28,6 +30,8 @@ ONE_MISS, ONE_HIT = (
     LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
     for miss in (1.0, 0.0)
 )
+#: Draws the rows [row_low, row_high), widens a box (row0, row1, col0, col1); returns the number of cell updates.
+Draw = Callable[[int, int, NDArray[np.int64]], int]
 NO_ENDS = np.empty(0, dtype=np.int64)  #: of scans, where hits and misses count alike
 
 
@@ -156,3 +160,20 @@ def _draw_with_observed(
     count = draw(row_low, row_high, box, False)
     decode_observed(grid.log_odds, grid.observed, touched)
     return count
+
+
+def draw_in_bands(
+    draw: Draw, work: NDArray[np.float64], rows: tuple[int, int], threads: int, box: NDArray[np.int64]
+) -> int:
+    """Draw the rows [first, stop) of ``rows``, one band for each thread; return the number of cell updates.
+
+    ``work`` (rows of the grid,) is the cost of each row, in any unit; ``box`` (4,) int64 (row0, row1, col0, col1),
+    half-open, is widened to hold the cells that were touched.
+    """
+    first, stop = rows
+    parts = [(first + low, first + high, box.copy()) for low, high in bands(work[first:stop], threads)]
+    counts = in_parallel([partial(draw, *part) for part in parts])
+    for _, _, own in parts:
+        box[::2] = np.minimum(box[::2], own[::2])
+        box[1::2] = np.maximum(box[1::2], own[1::2])
+    return sum(int(count) for count in counts)

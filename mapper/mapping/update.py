@@ -18,7 +18,6 @@ from mapper.core.parallel import cores, in_parallel, scratch, shares
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import Frame
 from mapper.mapping import cell_statistics
-from mapper.mapping.bands import Draw, draw_in_bands
 from mapper.mapping.certainty_update import update_certainties
 from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
 from mapper.mapping.kernels.cones import draw_cones
@@ -26,9 +25,8 @@ from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fiel
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
 from mapper.mapping.parameters import Statistics
 from mapper.mapping.scan_batch import ScanBatch, part_of
-from mapper.mapping.thin_update import ONE_HIT, ONE_MISS, count_beams, draw_beam_evidence
-from mapper.mapping.turns import Run, Turns
-from mapper.mapping.update_plan import UpdatePlan, check_beam_length
+from mapper.mapping.thin_update import ONE_HIT, ONE_MISS, Draw, count_beams, draw_beam_evidence, draw_in_bands
+from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length
 
 WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
 #: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).

@@ -1,7 +1,8 @@
-"""Plan of an update: parameters and sensor, resolved once before any scan is read."""
+"""Plan of an update: parameters and sensor, resolved before any scan is read; scans of several sensors in turns."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,8 +11,9 @@ import numpy as np
 from mapper.core.errors import ConfigError
 from mapper.mapping.kernels.bresenham import MAX_STEPS
 from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP
-from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate, ReadingFilter
+from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate, ReadingFilter, Scans
 from mapper.mapping.parameters import MappingConfig, ModelStrategy
+from mapper.mapping.scan_batch import part_of
 from mapper.mapping.sensor_model import BeamModel
 
 
@@ -103,3 +105,32 @@ def check_beam_length(metres: float, resolution: float) -> None:
         raise ConfigError(
             "grid.resolution", f"A beam of {metres:g} m crosses {MAX_STEPS} cells or more; choose coarser ones."
         )
+
+
+Run = tuple[int, int, int]  #: a sensor's number, and its scans [first, stop)
+
+
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """The scans of each of ``sensors``, with the plan of their update, and in which ``runs`` they follow one another.
+
+    The scans of a sensor come in their order, each once.
+    """
+
+    sensors: Sequence[tuple[Scans, UpdatePlan]]
+    runs: Sequence[Run]
+
+    @classmethod
+    def of_one(cls, scans: Scans, plan: UpdatePlan) -> Turns:
+        """Return the scans of one sensor."""
+        return cls([(scans, plan)], [(0, 0, len(scans.ranges))])
+
+    @property
+    def readings(self) -> int:
+        """Number of readings."""
+        return sum(scans.ranges.size for scans, _ in self.sensors)
+
+    @property
+    def pieces(self) -> list[tuple[Scans, UpdatePlan]]:
+        """The scans of each run, with their plan."""
+        return [(part_of(self.sensors[k][0], first, stop), self.sensors[k][1]) for k, first, stop in self.runs]

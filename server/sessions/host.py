@@ -22,8 +22,16 @@ from msgspec import Struct
 
 from mapper.core.limits import Limits
 from server.sessions.command_queue import CommandQueue, ReplacingRequests
-from server.sessions.computation import MAX_TICK_S, TICK_S, TickPace, compute_tick
-from server.sessions.delivery import call_each, hello_message, publish_frame, send_result
+from server.sessions.computation import (
+    MAX_TICK_S,
+    TICK_S,
+    TickPace,
+    call_each,
+    compute_tick,
+    hello_message,
+    publish_frame,
+    send_result,
+)
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult

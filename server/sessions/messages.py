@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import msgspec
 import numpy as np
@@ -51,6 +51,21 @@ def scan_of(robot_state: RobotState, config: MappingConfig) -> ScanFields:
         beam_width=scan.beam_width if scan.beam_width > 0.0 else UNSET,
         range_max=min(scan.range_max, config.range_max),
     )
+
+
+class ScanReport:
+    """The fields of ``frame`` about a scan, computed once for each scan."""
+
+    def __init__(self) -> None:
+        self._key: tuple[Any, ...] = ()
+        self._scan = NO_READINGS
+
+    def scan(self, robot: RobotState, config: MappingConfig) -> ScanFields:
+        """Return the fields of the newest scan: the same object until there is a newer scan."""
+        key = (robot.scan, robot.scan_pose, robot.believed_scan_pose, config.range_max)
+        if not self._key or self._key[0] is not robot.scan or self._key[1:] != key[1:]:
+            self._key, self._scan = key, scan_of(robot, config)
+        return self._scan
 
 
 def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str) -> CellMessage:

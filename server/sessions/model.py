@@ -79,6 +79,11 @@ class SessionModel(ABC):
         """Return what implements an interface: the model itself, its source or one of its parts; None: nothing does."""
         return next((one for one in (self, self.source, *self.parts) if isinstance(one, kind)), None)
 
+    @property
+    def parts_on(self) -> list[Part]:
+        """The parts that are on, or follow one that is."""
+        return [part for part in self.parts if part.is_on or (part.followed is not None and part.followed.is_on)]
+
     # -- description -----------------------------------------------------------------------------------------------
 
     @property
@@ -209,7 +214,7 @@ class SessionModel(ABC):
 
     def draw(self, result: TickResult) -> None:
         """Update the layers with the changes of the tick; by default those of the parts."""
-        for part in self.parts:
+        for part in self.parts_on:
             with self.computing(part.subject):
                 part.changed(result)
 
@@ -247,11 +252,11 @@ class SessionModel(ABC):
     @property
     def has_deferred_work(self) -> bool:
         """Whether there is work that the layers do not depend on (event loop); by default of a part."""
-        return any(part.has_deferred_work for part in self.parts)
+        return any(part.has_deferred_work for part in self.parts_on)
 
     def run_deferred_work(self, result: TickResult) -> None:
         """Do the deferred work."""
-        for part in self.parts:
+        for part in self.parts_on:
             part.run_deferred_work(result)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:

@@ -13,7 +13,7 @@ from mapper.grid import OccupancyGrid
 from mapper.sensors.scan import RangeScan, ScanLog
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
-from server.sessions.parts import Costs, LayerCosts, Recording
+from server.sessions.parts import Costing, LayerCosts, Recording
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sessions.view import Pose
@@ -103,7 +103,7 @@ class Offers:
     ``grid`` returns the source's map, which ``map_title`` describes as the title of a plan does, and ``robot`` the
     robot in it; ``drive`` drives the robot with velocities in m/s and rad/s. ``plans`` and ``maps`` are other maps by
     name. ``costs`` are costs of a layer of a costmap by the layer's name: another object when they have changed, None
-    while there are none. ``costmap`` returns the costs that a path is planned on, None while there is no costmap.
+    while there are none. ``costing`` has the costs that a path is planned on.
 
     ``recording`` is the log that is played, ``update_log`` replaces it by one with other trajectories. ``simulation``
     is the simulated world with its robot.
@@ -118,7 +118,7 @@ class Offers:
     plans: dict[str, Plan] = field(default_factory=dict)
     maps: dict[str, OtherMap] = field(default_factory=dict)
     costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)
-    costmap: Callable[[], Costs | None] | None = None
+    costing: Costing | None = None
     recording: Recording | None = None
     update_log: Callable[[ScanLog, TickResult], None] | None = None
     simulation: LiveMap | None = None
@@ -131,11 +131,15 @@ class Part:
     commands: ClassVar[tuple[type[Struct], ...]] = ()  #: those that :meth:`handle` takes
     recorded: ClassVar[tuple[type[Struct], ...]] = ()  #: those of them that :meth:`history` may return
     subject: ClassVar[str] = "map"  #: what it computes, as in the message ``working``
+    #: Whether it has something to show or to follow. While it is off, only commands, :meth:`messages`, :meth:`history`
+    #: and :meth:`forget` reach it. Many are off most of the time.
+    is_on: bool = True
+    followed: Costing | None = None  #: a part whose results it uses: while that is on, it is asked as if it were on
     tables: Mapping[str, list[Parameter]] = {}  #: rows of its parameters, by the type of the command for them
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """Its layers; none while it is off."""
+        """Its layers."""
         return ()
 
     @property

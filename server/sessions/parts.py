@@ -205,10 +205,7 @@ class Localized(ABC):
 class Volumetric(ABC):
     """The map in 3D of a session."""
 
-    @property
-    @abstractmethod
-    def is_on(self) -> bool:
-        """Whether there is one now."""
+    is_on: bool  #: whether there is one now
 
     @property
     @abstractmethod
@@ -324,6 +321,16 @@ class Costs(Protocol):
 
     def speed_limit(self, pose: Pose) -> SpeedLimit | None:
         """Return the speed limit of a robot at ``pose``; None where speed limits are off."""
+
+
+class Costing(Protocol):
+    """A part with costs."""
+
+    is_on: bool  #: whether there are some
+
+    @property
+    def costmap(self) -> Costs | None:
+        """The costs, None while there are none."""
 
 
 class UploadedCosts(LayerCosts, Protocol):

@@ -25,7 +25,7 @@ from server.parts.mapping.part import MappingParameters
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path, Point
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import set_robot
+from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
 from server.sessions.parts import Graphed
@@ -36,7 +36,6 @@ from server.sessions.view import LogView
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings
-from server.sources.robot_report import ScanReport
 from server.sources.scene_picks import ScenePick, picked_by
 from server.stream.commands import (
     AutoCommand,
@@ -161,7 +160,7 @@ class LogModel(SessionModel):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map, and those of the parts."""
-        of_parts = (layer for part in self.parts for layer in part.layers)
+        of_parts = (layer for part in self.parts_on for layer in part.layers)
         return (self._map, *of_parts)
 
     @property
@@ -193,8 +192,8 @@ class LogModel(SessionModel):
     def footprint(self) -> Footprint:
         """The cells of both maps, and their logs."""
         return Footprint(
-            int(self.grid.log_odds.size) + sum(part.cells for part in self.parts),
-            (self.recording.log, *(log for part in self.parts for log in part.logs)),
+            int(self.grid.log_odds.size) + sum(part.cells for part in self.parts_on),
+            (self.recording.log, *(log for part in self.parts_on for log in part.logs)),
         )
 
     @property
@@ -229,7 +228,7 @@ class LogModel(SessionModel):
         return [
             *map_drawings(self.grid, self.recording.robot_state(), self.config),
             Path(name="trajectory", label="Path", poses=self._poses),
-            *(drawing for part in self.parts for drawing in part.drawings()),
+            *(drawing for part in self.parts_on for drawing in part.drawings()),
         ]
 
     def controls(self) -> SceneControls:

@@ -24,7 +24,7 @@ from server.parts.mapping.part import MappingParameters
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import set_robot
+from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -33,7 +33,6 @@ from server.sessions.view import RobotState
 from server.sessions.why import Source
 from server.sources.history import Action, History
 from server.sources.map_drawings import map_drawings
-from server.sources.robot_report import ScanReport
 from server.sources.simulation_commands import act
 from server.sources.simulation_messages import forgetting_message, world_message
 from server.sources.simulation_replay import SimulationReplay
@@ -103,7 +102,7 @@ class SimulationModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map if there is one, and those of the parts."""
         second = () if self._second is None else (self._second,)
-        return (self._map, *second, *(layer for part in self.parts for layer in part.layers))
+        return (self._map, *second, *(layer for part in self.parts_on for layer in part.layers))
 
     @property
     def title(self) -> str:
@@ -128,7 +127,7 @@ class SimulationModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the map, and of the parts."""
-        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts))
+        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in self.parts_on))
 
     @property
     def world(self) -> World:
@@ -143,13 +142,13 @@ class SimulationModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the recomputation of the map, or of what a part computes, that is done."""
-        shares = (self._mapper.fraction, *(part.progress for part in self.parts))
+        shares = (self._mapper.fraction, *(part.progress for part in self.parts_on))
         return next((share for share in shares if share is not None), None)
 
     @property
     def is_catching_up(self) -> bool:
         """Whether a part goes on with what commands requested."""
-        return any(part.is_behind for part in self.parts)
+        return any(part.is_behind for part in self.parts_on)
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -203,11 +202,11 @@ class SimulationModel(SessionModel):
         """Return the map and the robot, what the parts show, some of them instead of the map, and the true world."""
         world = self.world
         flat = map_drawings(self.grid, self.robot_state(), self.config)
-        for part in self.parts:
+        for part in self.parts_on:
             flat = part.over(flat)
         return [
             *flat,
-            *(drawing for part in self.parts for drawing in part.drawings()),
+            *(drawing for part in self.parts_on for drawing in part.drawings()),
             Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
         ]
 
@@ -216,7 +215,7 @@ class SimulationModel(SessionModel):
         sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), SensorCommand, ("sensor",))
         return SceneControls(
             playing=self.playback.playing,
-            hint=next((part.hint for part in self.parts if part.hint), "Click the floor to place the robot there."),
+            hint=next((part.hint for part in self.parts_on if part.hint), "Click the floor to place the robot there."),
             tables=(self.parameters.controls(), sensor),
             choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
             can_restart=True,
@@ -288,7 +287,7 @@ class SimulationModel(SessionModel):
             result.changed = True
             left = dt * self.playback.speed
             while left > 0.0:
-                step = min(part.advance(left, result) for part in self.parts)
+                step = min(part.advance(left, result) for part in self.parts_on)
                 left -= step
                 for change in self._mapper.advance(step):
                     result.add(change)

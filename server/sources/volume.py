@@ -117,7 +117,7 @@ class VolumeModel(SessionModel, Volumetric):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map from above, and those of the parts."""
-        return (self._layer, *(layer for part in self.parts for layer in part.layers))
+        return (self._layer, *(layer for part in self.parts_on for layer in part.layers))
 
     @property
     def title(self) -> str:
@@ -184,7 +184,7 @@ class VolumeModel(SessionModel, Volumetric):
     def footprint(self) -> Footprint:
         """The voxels of the map, of the one that it is compared with, and the points."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
-        of_parts = sum(part.cells for part in self.parts)
+        of_parts = sum(part.cells for part in self.parts_on)
         return Footprint(self._map.n_cells + self._comparison.n_cells + points + of_parts + self._surface.cells)
 
     @property
@@ -226,7 +226,7 @@ class VolumeModel(SessionModel, Volumetric):
         return [
             *self._drawn.current(self._map.volume, self._look),
             *surface,
-            *(drawing for part in self.parts for drawing in part.drawings()),
+            *(drawing for part in self.parts_on for drawing in part.drawings()),
         ]
 
     def controls(self) -> SceneControls:
@@ -364,7 +364,7 @@ class VolumeModel(SessionModel, Volumetric):
     @property
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map, or what a part has done of its computation."""
-        share = next((part.progress for part in self.parts if part.progress is not None), None)
+        share = next((part.progress for part in self.parts_on if part.progress is not None), None)
         if share is not None:
             return share
         target = self._timeline.target

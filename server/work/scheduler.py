@@ -27,8 +27,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
 from mapper.core.parallel import share_cores
-from server.work.recent_computing import HEAVY_S, RecentComputing
-from server.work.waiting_turns import WaitingTurns
+from server.work.waiting_turns import HEAVY_S, RecentComputing, WaitingTurns
 
 T = TypeVar("T")
 

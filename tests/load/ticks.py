@@ -21,9 +21,8 @@ from mapper.simulation import explorer as exploring
 from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
 from mapper.simulation.kernels import driving
-from server.sessions import SessionRegistry, delivery, host
+from server.sessions import SessionRegistry, computation, host, messages
 from server.settings import Settings
-from server.sources import robot_report
 from server.sources.simulation_kind import simulation_plan
 from server.stream.hub import Client, Hub
 from server.stream.layers import GridLayer
@@ -50,8 +49,8 @@ def _counted(spans: Spans) -> None:
     spans.count("record", recording.Recording, "append")
     spans.count("integrate", live_map, "integrate_scan")
     spans.count("quantise", GridLayer, "update")
-    spans.count("messages", delivery, "frame_message")
-    spans.count("messages", robot_report, "scan_of")
+    spans.count("messages", computation, "frame_message")
+    spans.count("messages", messages, "scan_of")
     spans.count("JSON", Hub, "publish")
     spans.count("JSON", Hub, "frame_text")
     spans.count("tiles", Client, "take")

@@ -57,6 +57,7 @@ class CostmapPart(Part, Costed):
     commands = (CostmapCommand, CostCommand, Nav2Command, UseCosts)
     recorded = (CostmapCommand, Nav2Command)
     subject = "costmap"
+    is_on = False
 
     @classmethod
     def of(cls, offers: Offers) -> CostmapPart | None:
@@ -73,8 +74,8 @@ class CostmapPart(Part, Costed):
         titles |= {name: other.title for name, other in self._maps.items()}
         self._names = tuple(titles)
         self.tables = {"costmap": rows_with(titles, () if offers.drive else OF_THE_FOLLOWER)}
-        offers.costmap = lambda: self._costmap
-        self._costmap: Costmap | None = None
+        offers.costing = self
+        self.costmap: Costmap | None = None
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
         self._version: object = None  #: of the plan that the static layer has
         self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
@@ -87,16 +88,16 @@ class CostmapPart(Part, Costed):
     @property
     def layers(self) -> tuple[Layer, ...]:
         """The costs and each layer's own; none while it is off."""
-        return () if self._costmap is None else self._costmap.layers
+        return () if self.costmap is None else self.costmap.layers
 
     @property
     def cells(self) -> int:
         """Cells of the grids that it holds."""
-        return 0 if self._costmap is None else self._costmap.cells
+        return 0 if self.costmap is None else self.costmap.cells
 
     def messages(self) -> tuple[CostmapMessage]:
         """Return the message ``costmap``."""
-        costmap = self._costmap
+        costmap = self.costmap
         parameters = CostmapParameters() if costmap is None else costmap.parameters
         strokes = () if costmap is None else costmap.strokes
         footprint = parameters.footprint_answer()
@@ -117,7 +118,7 @@ class CostmapPart(Part, Costed):
         all layers, since a layer that is off may have such parameters too, and the command after it switches them as
         they are. The command ``use_terrain`` names an upload, which the service then reads.
         """
-        costmap = self._costmap
+        costmap = self.costmap
         if costmap is None:
             return []
         loaded = costmap.parameters
@@ -135,15 +136,15 @@ class CostmapPart(Part, Costed):
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""
-        return None if self._costmap is None else self._costmap.recorded(self._robot().time_s, None)
+        return None if self.costmap is None else self.costmap.recorded(self._robot().time_s, None)
 
     def present_footprint(self) -> FootprintAnswer | None:
         """Return the footprint with both radii, None while there is no costmap."""
-        return None if self._costmap is None else self._costmap.parameters.footprint_answer()
+        return None if self.costmap is None else self.costmap.parameters.footprint_answer()
 
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""
-        return {} if self._costmap is None else self._costmap.masks
+        return {} if self.costmap is None else self.costmap.masks
 
     # -- commands -------------------------------------------------------------------------------------------------
 
@@ -152,7 +153,7 @@ class CostmapPart(Part, Costed):
 
         The answer to a question is no change: a frame that came with it would look like a reason to ask again.
         """
-        costmap = self._costmap
+        costmap = self.costmap
         if isinstance(command, CostmapCommand):
             self._set(command, result)
         elif isinstance(command, UseCosts):
@@ -170,7 +171,7 @@ class CostmapPart(Part, Costed):
         if command.value is False:
             self._end(result)
             return
-        costmap = self._costmap
+        costmap = self.costmap
         self._check(command.values)
         first = CostmapParameters().with_values(self._first_values()) if costmap is None else costmap.parameters
         parameters = first.with_values(command.values)
@@ -178,7 +179,8 @@ class CostmapPart(Part, Costed):
             parameters = replace(parameters, footprint=footprint_of(command.footprint))
         strokes = None if command.keepout is None else strokes_of(command.keepout)
         if costmap is None:
-            self._costmap = costmap = Costmap(self._map(parameters), self._plan, parameters)
+            self.costmap = costmap = Costmap(self._map(parameters), self._plan, parameters)
+            self.is_on = True
             self._laid, self._number = None, -1
         elif parameters != costmap.parameters:
             costmap.change(parameters, self._map(parameters), self._plan)
@@ -222,8 +224,8 @@ class CostmapPart(Part, Costed):
         return found
 
     def _end(self, result: TickResult) -> None:
-        if self._costmap is not None:
-            self._costmap = None
+        if self.costmap is not None:
+            self.costmap, self.is_on = None, False
             result.changed = True
             result.slot(*self.messages())
 
@@ -231,7 +233,7 @@ class CostmapPart(Part, Costed):
         """Take the costs of an upload for the terrain's layer."""
         self._uploaded = terrain
         result.changed = True
-        geometry = self._grid().geometry if self._costmap is None else self._costmap.geometry
+        geometry = self._grid().geometry if self.costmap is None else self.costmap.geometry
         if terrain is not None and not _meets(terrain, geometry):
             message = "The terrain has no known cell within the costmap: are both in one frame?"
             result.notice("terrain.elsewhere", message)
@@ -273,7 +275,7 @@ class CostmapPart(Part, Costed):
 
     def changed(self, result: TickResult) -> None:
         """Follow what changed in the map, and look at a new scan."""
-        costmap = self._costmap
+        costmap = self.costmap
         if costmap is None:
             return
         self._renew_plan(costmap, result)

@@ -18,6 +18,7 @@ class LocalizationView(Part):
 
     commands = (LocalizeCommand,)
     subject = "localization"
+    is_on = False
 
     def __init__(self, mapper: LiveMap) -> None:
         self._mapper = mapper
@@ -55,6 +56,7 @@ class LocalizationView(Part):
             self._filter = LabLocalization(
                 simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, command.values, command.map
             )
+        self.is_on = self._filter is not None
         result.changed = True
         result.slot(self.message())
 
@@ -74,5 +76,5 @@ class LocalizationView(Part):
         if isinstance(command, TeleportCommand):
             self._filter.note_teleport(self._mapper.newest_pose)
         elif isinstance(command, SensorCommand | WorldCommand | RestartCommand):
-            self._filter = None
+            self._filter, self.is_on = None, False
             result.slot(OFF)

@@ -10,7 +10,7 @@ from msgspec import Struct
 from server.parts.path.messages import GoalCommand, PathMessage
 from server.parts.path.path import PathToGoal
 from server.sessions.part import Offers, Part, Robot
-from server.sessions.parts import Costs
+from server.sessions.parts import Costing, Costs
 from server.sessions.tick import TickResult
 from server.stream.commands import AutoCommand, DriveCommand
 from server.stream.layers import Layer
@@ -25,24 +25,25 @@ class PathPart(Part):
     commands = (GoalCommand,)
     recorded = (GoalCommand,)
     subject = "costmap"
+    is_on = False
+    followed: Costing
 
     @classmethod
     def of(cls, offers: Offers) -> PathPart | None:
         """Return the part of a source with a costmap and a robot."""
-        if offers.costmap is None or offers.robot is None:
+        if offers.costing is None or offers.robot is None:
             return None
-        return cls(offers.costmap, offers.robot, offers.drive)
+        return cls(offers.costing, offers.robot, offers.drive)
 
     def __init__(
         self,
-        costmap: Callable[[], Costs | None],
+        costing: Costing,
         robot: Callable[[], Robot],
         drive: Callable[[float, float, TickResult], None] | None,
     ) -> None:
-        """``costmap``, ``robot`` and ``drive`` as :class:`server.sessions.part.Offers` has them."""
-        self._offered, self._robot, self._drive = costmap, robot, drive
+        """``costing``, ``robot`` and ``drive`` as :class:`server.sessions.part.Offers` has them."""
+        self.followed, self._robot, self._drive = costing, robot, drive
         self._begin(None)
-        self._is_announced = True  #: whether the pages know that there is no path any more
         self._steered = -math.inf  #: when the follower was last asked, simulated seconds
 
     def _begin(self, costs: Costs | None) -> None:
@@ -56,10 +57,10 @@ class PathPart(Part):
 
     def _current(self) -> Costs | None:
         """Return the present costs; on others than before there is no goal yet."""
-        costs = self._offered()
+        costs = self.followed.costmap
         if costs is not self._costs:
             self._begin(costs)
-            self._is_announced = False
+            self.is_on = True  # without costs, until the pages know that there is no path any more
         return costs
 
     @property
@@ -118,9 +119,8 @@ class PathPart(Part):
         """Plan again where the costs, the goal or the robot are others."""
         costs = self._current()
         if costs is None:
-            if not self._is_announced:
-                self._is_announced = True
-                result.slot(*self.messages())
+            self.is_on = False
+            result.slot(*self.messages())
             return
         robot = self._robot()
         is_scan = robot.scan is not None and robot.number != self._number

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.simulation.live_map import LiveMap
 from server.sessions.part import Part
@@ -18,6 +19,7 @@ class SlamView(Part):
 
     def __init__(self, mapper: LiveMap) -> None:
         self._mapper = mapper
+        self.is_on = mapper.faults.corrects_poses
         self._graph: GraphLayer | None = None
         self._path: TableLayer | None = None
         self._scans = 0  # in the path
@@ -27,14 +29,17 @@ class SlamView(Part):
         """The path, and the graph over it, or nothing."""
         return () if self._graph is None or self._path is None else (self._path, self._graph)
 
+    def note(self, command: Struct, result: TickResult) -> None:  # noqa: ARG002 - the map says what the command did
+        """Begin or end with the correction of the poses."""
+        self.is_on = self._mapper.faults.corrects_poses
+        if not self.is_on:
+            self._graph = self._path = None
+
     def changed(self, result: TickResult) -> None:  # noqa: ARG002 - the recording says what is new
         """Write the layers."""
-        mapper = self._mapper
-        if not mapper.faults.corrects_poses:
-            self._graph = self._path = None
-            return
         from server.parts.slam.live_slam import LiveSlam  # noqa: PLC0415 - imports SLAM, which few sessions need
 
+        mapper = self._mapper
         recording = mapper.recordings[-1]
         corrector = mapper.pose_correction.corrector_of(recording)
         if not isinstance(corrector, LiveSlam):

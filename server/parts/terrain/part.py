@@ -33,6 +33,7 @@ class TerrainPart(Part):
 
     commands = (TerrainCommand,)
     subject = "terrain"
+    is_on = False
 
     @classmethod
     def of(cls, offers: Offers) -> TerrainPart | None:
@@ -94,7 +95,7 @@ class TerrainPart(Part):
         parameters = (self._parameters or self._first).with_values(command.values)
         if parameters != self._parameters:
             self._note_change(parameters)
-            self._parameters, self._taken = parameters, -1
+            self._parameters, self._taken, self.is_on = parameters, -1, True
         if (place := place_of(command)) is not None:
             self._asked = place[0], place[1]
         result.changed = True
@@ -102,6 +103,7 @@ class TerrainPart(Part):
 
     def _end(self, result: TickResult) -> None:
         self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
+        self.is_on = False
         result.changed = True
         result.slot(*self.messages())
 

@@ -57,6 +57,7 @@ class VolumeView(Part, Volumetric):
 
     commands = (Map3dCommand, VoxelCommand, VoxelRayCommand)
     subject = "map_3d"
+    is_on = False
 
     def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
         self.tables = {"map3d": rows_of(MAP_3D)}
@@ -76,11 +77,6 @@ class VolumeView(Part, Volumetric):
         self._memory_at = -1  #: scans in the map when memory was counted last
         self._missing = 0
         self.projection: OccupancyGrid | None = None  #: the map from above, replaced when it changes; None: no 3D map
-
-    @property
-    def is_on(self) -> bool:
-        """Whether there is a 3D map."""
-        return self._map is not None
 
     @property
     def is_asked(self) -> bool:
@@ -165,7 +161,7 @@ class VolumeView(Part, Volumetric):
         before = VolumeParameters() if self._map is None else self._map.parameters
         parameters = before.with_values(command.values)
         if self._map is None:
-            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
+            self._map, self.is_on = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters), True
             self._start_again()
         elif self._map.change(parameters):
             self._choose_none(self._map, result)
@@ -233,6 +229,7 @@ class VolumeView(Part, Volumetric):
         if self._map is not None:
             self._choose_none(self._map, result)
             self._map = self._surface = self.projection = None
+            self.is_on = False
             self._start_again()
             result.slot(self.message())
 

@@ -96,7 +96,7 @@ class Lab:
 
     @property
     def costs(self) -> LayeredCostmap:
-        made = self.part._costmap
+        made = self.part.costmap
         assert made is not None
         return made.costmap
 

@@ -167,7 +167,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     lab.do(type="costmap", values={"map": "terrain"})
     part = lab.model.find(CostmapPart)
     assert part is not None
-    costmap = part._costmap
+    costmap = part.costmap
     assert costmap is not None
     assert costmap.geometry.resolution == pytest.approx(0.25)
     # As a layer: each cell has the cost of the patch around its centre, and says that patch's slope, roughness, step.

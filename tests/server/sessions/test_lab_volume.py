@@ -188,7 +188,7 @@ async def test_the_costmap_can_stand_on_the_map_from_above(lab: Lab) -> None:
     lab.do(type="costmap", values={"map": "belief"})
     part = lab.model.find(CostmapPart)
     assert part is not None
-    costmap = part._costmap
+    costmap = part.costmap
     assert costmap is not None
 
     def cost() -> int:

@@ -18,6 +18,7 @@ from server.parts.slam.live_slam import LiveSlam, live_slam
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.sources.history import Replayable
+from server.stream.commands import FaultsCommand
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 
@@ -56,7 +57,8 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     path, graph = view.layers
     assert (graph.name, path.name) == ("slam", "true_path")
     mapper.set_up(mapper.config, Faults(drift=True))
-    view.changed(TickResult())
+    view.note(FaultsCommand({"slam": False}), TickResult())
+    assert not view.is_on
     assert view.layers == ()
 
 

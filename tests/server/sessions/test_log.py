@@ -29,7 +29,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
-from server.sessions.delivery import hello_message
+from server.sessions.computation import hello_message
 from server.sessions.why import CellAsked, why_message
 from server.sources.log import MAX_GAP_S, PATH_MARGIN, play_times
 from server.sources.log_recording import first_replay

@@ -66,7 +66,7 @@ class Log:
 
     @property
     def costs(self) -> np.ndarray:
-        costmap = self.part._costmap
+        costmap = self.part.costmap
         assert costmap is not None
         return costmap.costs
 

@@ -225,6 +225,7 @@ async def test_the_progress_says_what_is_computed(
     def slow(*_: Any, **__: Any) -> None:
         assert released.wait(PATIENCE_S)
 
+    monkeypatch.setattr(CostmapPart, "is_on", True)
     monkeypatch.setattr(CostmapPart, "changed", slow)
     monkeypatch.setattr(VolumeView, "handle", slow)
     monkeypatch.setattr(CostmapPart, "handle", slow)

@@ -17,7 +17,7 @@ import pytest
 import zstandard
 from numpy.typing import NDArray
 
-from server.sessions.delivery import publish_frame
+from server.sessions.computation import publish_frame
 from server.sources.kinds import KINDS
 from server.stream.codecs import decode_frame
 from server.stream.hub import Hub

@@ -365,3 +365,18 @@ async def test_a_new_kind_of_sensor_begins_a_new_map_with_its_default_model(
     assert view.observed.any()
     await obey(session, type="sensor", values={"kind": "lidar"})
     assert view_of(session).config.model == "fixed_increments"
+
+
+async def test_a_tick_asks_only_the_parts_that_are_on(
+    registry: SessionRegistry, obey: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await new_simulation(registry, "me", "room", seed=1, playing=False)
+    asked: list[str] = []
+    optional = [part for part in session.model.parts if not part.is_on]
+    for part in optional:
+        monkeypatch.setattr(part, "changed", lambda _, name=type(part).__name__: asked.append(name))
+    await obey(session, type="parameters", values={"log_odds_hit": 1.5})
+    assert asked == []
+    await obey(session, type="costmap")
+    assert asked == ["CostmapPart", "PathPart"]
+    assert {type(part).__name__ for part in optional} > set(asked)
