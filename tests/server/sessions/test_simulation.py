@@ -6,6 +6,7 @@ import asyncio
 import json
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -374,7 +375,7 @@ async def test_a_tick_asks_only_the_parts_that_are_on(
     asked: list[str] = []
     optional = [part for part in session.model.parts if not part.is_on]
     for part in optional:
-        monkeypatch.setattr(part, "changed", lambda _, name=type(part).__name__: asked.append(name))
+        monkeypatch.setattr(part, "changed", partial(lambda name, _: asked.append(name), type(part).__name__))
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
     assert asked == []
     await obey(session, type="costmap")
