@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,12 +13,12 @@ import pytest
 from tests.hostile.test_crash import opens, put, served, settled, uploads
 from tests.programs import in_ci
 from tests.server.library.small_logs import carmen
+from tests.tmpfs import tmpfs
 
 pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="it mounts a tmpfs of Linux"),
 ]
-SIZE = "4m"
 
 
 @pytest.fixture
@@ -27,19 +26,12 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     """A file system of 4 MB."""
     folder = tmp_path / "small"
     folder.mkdir()
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={SIZE}", "none", str(folder)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if mounted.returncode != 0:
-        reason = f"a file system cannot be mounted here: {mounted.stderr.strip()}"
-        (pytest.fail if in_ci() else pytest.skip)(reason)
-    try:
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(tmpfs(folder, "4m"))
+        except PermissionError as error:
+            (pytest.fail if in_ci() else pytest.skip)(str(error))
         yield folder
-    finally:
-        subprocess.run(["umount", str(folder)], check=True)
 
 
 def test_a_full_file_system_refuses_uploads_and_loses_none(small_disk: Path) -> None:
