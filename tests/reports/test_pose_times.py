@@ -19,7 +19,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
 from server.library.packs.log import read_pack, write_pack
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.recorded import Said, odometry, transform, written
+from tests.mapper.io.logs.recorded import SECOND, Said, odometry, transform, written
 from tests.reports.test_transforms import (
     LASER,
     MOUNT,
@@ -28,8 +28,10 @@ from tests.reports.test_transforms import (
     N,
     Pose,
     assert_places,
+    back,
     drive,
     of,
+    seen,
     sensor_at,
     static,
     true,
@@ -51,6 +53,12 @@ CAMERA = static("base_link", "camera_pose_frame", (0.4, 0.0, 3.1))
 
 def step(at: int) -> int:
     return (at - T0) // STEP
+
+
+def drifted(i: float) -> Pose:
+    """Where the wheels have the robot after i steps: 4 % too far, and turned by 0.3° more with each."""
+    x, y, yaw = true(i)
+    return (1.04 * x, 1.04 * y, yaw + 0.005 * i)
 
 
 def within(source: Callable[[int, Pose], list[Said]], first: int, last: int) -> Callable[[int, Pose], list[Said]]:
@@ -142,6 +150,56 @@ def test_scans_of_a_lidar_that_is_switched_stay_in_order_where_its_clock_steps_b
             assert kept.stamps_ns.tolist() == stamps
         if resets:
             assert_places(log, [of(true(i, way), MOUNT) for way in (0, 1) for i in range(N)])
+
+
+@pytest.mark.parametrize("ahead", [0, SECOND // 5, SECOND], ids=["on time", "slam_toolbox", "AMCL"])
+@pytest.mark.parametrize("every", [1, 5, 25], ids=["again and again", "with each scan", "once a second"])
+def test_a_localisers_corrections_count_from_when_they_were_made(tmp_path: Path, ahead: int, every: int) -> None:
+    """Wheels that drift, a correction each second, stated again meanwhile and stamped ahead.
+
+    AMCL's transform_tolerance and slam_toolbox's transform_timeout (navigation2/nav2_amcl/src/amcl_node.cpp,
+    slam_toolbox/src/slam_toolbox_common.cpp): tf2 looks up a correction that is older by as much.
+    """
+    said = [LASER]
+    for at in range(5 * N + 1):  # 25 a second
+        said.append(transform(T0 + at * STEP // 5, "odom", "base_link", *drifted(at / 5)))
+        if at % every == 0:
+            made = at // 25 * 5
+            correction = of(true(made), back(drifted(made)))
+            one = transform(T0 + at * STEP // 5 + ahead, "map", "odom", *correction)
+            said.append(replace(one, stamp_ns=one.stamp_ns - ahead))
+        if at % 5 == 0 and at < 5 * N:
+            said.append(seen(T0 + at * STEP // 5 + SECOND // 50))
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert_places(log, sensor_at(), "tf/map", tolerance=0.03)
+    assert any("ahead of the odometry recorded with it" in note for note in log.notes) == (ahead > 0)
+
+
+def test_corrections_hold_where_odometry_is_set_back_by_them(tmp_path: Path) -> None:
+    """Odometry that begins again from each correction: between two of them no transform is in between."""
+    said = [LASER]
+    for at in range(5 * N + 1):
+        correction = of((0.4, -0.3, 0.1), (0.02 * (at // 25), 0.1 * (at // 25), 0.08 * (at // 25)))
+        if at % 25 == 0:
+            said.append(transform(T0 + at * STEP // 5, "map", "odom", *correction))
+        said.append(transform(T0 + at * STEP // 5, "odom", "base_link", *of(back(correction), true(at / 5))))
+        if at % 5 == 0 and at < 5 * N:
+            said.append(seen(T0 + at * STEP // 5 + SECOND // 50))
+    assert_places(open_log(written(tmp_path, said, "db3")), sensor_at(), "tf/map", tolerance=0.01)
+
+
+def test_no_scan_is_between_the_two_sides_of_a_closed_loop(tmp_path: Path) -> None:
+    """A correction that steps by 2 m in a fifth of a second is no drift: scans have it as it was, or as it is then."""
+    said = [LASER]
+    for at in range(5 * N + 1):
+        said.append(transform(T0 + at * STEP // 5, "odom", "base_link", *true(at / 5)))
+        if at % 5 == 0:
+            said.append(transform(T0 + at * STEP // 5, "map", "odom", 0.0 if at < 50 else 2.0, 0.0, 0.0))
+        if at % 5 == 3:
+            said.append(seen(T0 + at * STEP // 5))
+    log = open_log(written(tmp_path, said, "bag"))
+    wanted = [of((0.0 if i < 10 else 2.0, 0.0, 0.0), true(i + 0.6)) for i in range(N)]
+    np.testing.assert_allclose(log.trajectory("tf/map").poses[:, :2], np.array(wanted)[:, :2], atol=5e-3)
 
 
 @pytest.mark.parametrize("first", [1, 3])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from typing import NamedTuple
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.recording.corrections import Motion, motion_along
 from mapper.io.logs.recording.cutting import CAMERA, IMAGE, topic_folder
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.pulling import Take, pulled
@@ -40,6 +41,7 @@ class _Recorded:
     files: Sequence[Source]
     take: Take
     taken: Taken
+    _motions: dict[tuple[str, str], Motion] = field(default_factory=dict)  #: made when first asked
 
     @property
     def limits(self) -> Limits:
@@ -108,7 +110,10 @@ class _Recorded:
         tree = self.taken.tf.tree_of(topic, frame)
         worlds = tree.worlds(frame)
         if worlds:
-            return _matrices(tree.lookup(worlds[0], when), tree.covers(worlds[0], when.stamps_ns))
+            if (topic, frame) not in self._motions:
+                self._motions[topic, frame] = motion_along(tree, worlds[0])
+            motion = self._motions[topic, frame]
+            return _matrices(motion.at(when), motion.covers(when.stamps_ns))
         base = tree.base_of(frame, self.taken.children)
         for known in self.taken.poses.values():
             mount = tree.relative(frame, known.child or base, when) if len(known.timeline) else None

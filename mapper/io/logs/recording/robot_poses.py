@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.recording.corrections import Motion, motion_along
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3, interpolated
 from mapper.io.logs.recording.sensor_scans import SensorScans
@@ -94,15 +95,22 @@ class RobotPoses:
             if name in found:
                 name = f"{name} via {path[-2]}"
             denser = tree.denser(path)
+            motion = motion_along(tree, path) if denser is None else _continued(tree, path, denser)
+            if motion.ahead_ns:
+                self.notes.append(
+                    f"{topic} states where {path[-2]!r:.100} is in {world!r:.100} {motion.ahead_ns / 1e9:.2g} s ahead "
+                    "of the odometry recorded with it, as AMCL does by its transform_tolerance: each counts from that "
+                    "odometry's time."
+                )
             between = "" if denser is None else ", and between its transforms as the frame moves in its other parent"
             found[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=base[:MAX_FRAME_NAME],
                 sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
-                at=partial(tree.lookup, path) if denser is None else partial(_continued, tree, path, denser),
-                covers=partial(tree.covers, path) if denser is None else partial(_covers_continued, tree, path, denser),
-                stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
+                at=motion.at,
+                covers=motion.covers,
+                stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser, motion),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
                 is_scans_clock_own=self.sensor.clock.is_own,
@@ -213,17 +221,21 @@ class RobotPoses:
         return poses if path is None else poses @ self.tree.lookup(path, when)
 
     def _stated_by_tf(
-        self, key: tuple[str, ...], tree: FrameTree, path: Path, denser: Timeline | None
+        self,
+        key: tuple[str, ...],
+        tree: FrameTree,
+        path: Path,
+        denser: Timeline | None,
+        motion: Motion,
     ) -> StatedPoses | None:
         """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
         if key not in self.stated:
             when, stamps = tree.stated(path)
             if denser is not None:
                 when, stamps = denser.in_order[0], denser.as_stated
-            known = tree.covers(path, when.stamps_ns)
+            known = motion.covers(when.stamps_ns)
             when, stamps = when[known], stamps[known]
-            at = partial(tree.lookup, path) if denser is None else partial(_continued, tree, path, denser)
-            poses = at(when).planar if len(when) else None
+            poses = motion.at(when).planar if len(when) else None
             self.stated[key] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
         return self.stated[key]
 
@@ -243,7 +255,16 @@ def _is_wanted(topic: str) -> bool:
     return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))
 
 
-def _continued(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
+def _continued(tree: FrameTree, path: Path, denser: Timeline) -> Motion:
+    """Return the motion along a path whose first frame is stated more often in another parent."""
+
+    def covers(stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        return np.asarray(tree.covers(path, stamps_ns) | denser.covers(stamps_ns))
+
+    return Motion(partial(_carried_on, tree, path, denser), covers)
+
+
+def _carried_on(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
     """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
 
     That is as REP 105 has it: what is interpolated, and holds before the first and after the last, is the transform
@@ -263,8 +284,3 @@ def _continued(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> 
         own = tree.lookup(path, when[~known])
         carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
     return carried
-
-
-def _covers_continued(tree: FrameTree, path: Path, denser: Timeline, stamps_ns: Int64Array) -> NDArray[np.bool_]:
-    """Return at which times (n,) :func:`_continued` has more to go by than the nearest pose."""
-    return np.asarray(tree.covers(path, stamps_ns) | denser.covers(stamps_ns))

@@ -141,6 +141,11 @@ class Timeline:
             self._run_from, self._is_ascending = 0, False
 
     @property
+    def has_runs(self) -> bool:
+        """Whether the clock began again between its poses."""
+        return self._offsets is not None and bool((self._offsets != self._offsets[0]).any())
+
+    @property
     def last_position(self) -> int:
         """The number of the last message, −1 without one."""
         return self._positions[-1] if self._positions else -1

@@ -378,6 +378,11 @@ class FrameTree:
             return self._moving.get(one, {}).get(other), True
         return self._moving.get(other, {}).get(one), False
 
+    def moving_lines(self, path: Path) -> list[tuple[int, Timeline]]:
+        """Return the transforms between a frame of a path and the next one that move, each with the frame's index."""
+        lines = [(index, self._line(one, other)[0]) for index, (one, other) in enumerate(pairwise(path))]
+        return [(index, line) for index, line in lines if line is not None and line.moves]
+
     def _moves(self, one: str, other: str) -> bool:
         line, _ = self._line(one, other)
         return line is not None and line.moves

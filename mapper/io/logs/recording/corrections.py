@@ -1,0 +1,157 @@
+"""How the robot moved in a fixed frame by whose transform to another one its odometry is corrected.
+
+A localiser publishes ``map → odom``, and the wheels ``odom → base_link`` (REP 105). tf2 looks up each of the two at the
+time of a scan, interpolated between the transforms around it (``TimeCache::getData``). Of a localiser's transforms this
+is not what it meant, for three reasons:
+
+- It states its last correction again until it has a new one, so that tf2 holds each and then jumps: AMCL with each
+  scan, slam_toolbox every 20 ms. What is stated again is one correction here, made when it was first stated.
+- AMCL and slam_toolbox stamp it ahead by ``transform_tolerance`` or ``transform_timeout``, so that others need not wait
+  for the next one: tf2 looks up an older one then. Here it counts from the odometry that it was made of.
+- Between two corrections the wheels drifted as they drove, so that a scan there has the share of both that the robot
+  had driven by then; where the odometry is set back by what the correction steps, each correction holds until the
+  next. That is taken with which the robot moves more smoothly. A step far beyond any drift is the localiser's, as of a
+  closed loop or a pose that somebody set, and no scan is between its two sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import wrap_angle
+from mapper.io.logs.recording.poses3 import Poses3, interpolated
+from mapper.io.logs.recording.timeline import Moments, Timeline
+from mapper.io.logs.recording.transforms import DENSER, FrameTree, Path
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+LEAST_AHEAD_NS, MOST_AHEAD_NS = 50_000_000, 3_000_000_000  #: by which corrections are stamped ahead
+TURN_M = 0.5  #: metres of way that a turn of 1 rad counts as
+MOST_DRIFT = 0.5  #: of the way driven: a larger step is none of the wheels
+SAME_M = 1e-6  #: metres, and parts of quaternions: what differs by less is stated again
+
+
+@dataclass(frozen=True, slots=True)
+class Corrections:
+    """The transform between two fixed frames as k values, each made at one of ``stamps_ns`` (k,).
+
+    ``odometry_ns`` (m,) are the times at which the robot's odometry is known, and ``way`` (m,) the metres that it had
+    driven by then, turns included. Of the steps from each value to the next some are ``held`` (k − 1,): the earlier
+    value holds until the next. ``ahead_ns`` is by how much they were stamped ahead.
+    """
+
+    stamps_ns: Int64Array
+    values: Poses3
+    odometry_ns: Int64Array
+    way: Float64Array
+    held: NDArray[np.bool_]
+    ahead_ns: int
+
+    def at(self, stamps_ns: Int64Array) -> Poses3:
+        """Return the transform at n times; the first before all, the last after all."""
+        if len(self.held) == 0:
+            return self.values
+        low = np.clip(np.searchsorted(self.stamps_ns, stamps_ns, side="right") - 1, 0, len(self.held) - 1)
+        ends = self._driven(self.stamps_ns)
+        between = ends[low + 1] - ends[low]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares = np.where(between > 0.0, (self._driven(stamps_ns) - ends[low]) / between, 0.0)
+        shares = np.where(self.held[low], 0.0, np.clip(shares, 0.0, 1.0))
+        shares[stamps_ns >= self.stamps_ns[-1]] = 1.0
+        return interpolated(self.values[low], self.values[low + 1], shares)
+
+    def _driven(self, stamps_ns: Int64Array) -> Float64Array:
+        return np.interp(stamps_ns, self.odometry_ns, self.way)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The poses of the first frame of a path in the last: ``at`` n times, as far as they are known (``covers``, (n,)).
+
+    ``ahead_ns`` is by how much the corrections among its transforms are stamped ahead.
+    """
+
+    at: Callable[[Moments], Poses3]
+    covers: Callable[[Int64Array], NDArray[np.bool_]]
+    ahead_ns: int = 0
+
+
+def motion_along(tree: FrameTree, path: Path) -> Motion:
+    """Return the motion along a path: by the rules above where it has corrections, else by those of tf2."""
+    by_tf2 = Motion(partial(tree.lookup, path), partial(tree.covers, path))
+    moving = tree.moving_lines(path)
+    if len(moving) < 2:
+        return by_tf2
+    last, line = moving[-1]
+    odometry = max((one for _, one in moving[:-1]), key=len)
+    below, edge, above = path[: last + 1], path[last : last + 2], path[last + 1 :]
+    found = None if line.has_runs or odometry.has_runs else _corrections(tree, below, edge, line, odometry)
+    if found is None:
+        return by_tf2
+
+    def at(when: Moments) -> Poses3:
+        return tree.lookup(above, when) @ found.at(when.stamps_ns) @ tree.lookup(below, when)
+
+    def covers(stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        return tree.covers(below, stamps_ns) & tree.covers(edge, stamps_ns + found.ahead_ns)
+
+    return Motion(at, covers, found.ahead_ns)
+
+
+def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odometry: Timeline) -> Corrections | None:
+    """Return the corrections that ``line`` states along an ``edge``; None where they are as dense as the odometry."""
+    when = line.in_order[0]
+    values = tree.lookup(edge, when)
+    rows = np.column_stack([values.positions, values.rotations])
+    is_new = np.append(True, np.abs(np.diff(rows, axis=0)).max(axis=1) > SAME_M)
+    known = odometry.in_order[0]
+    if np.count_nonzero(is_new) * DENSER > len(known):
+        return None
+    ahead = _ahead_ns(line, odometry)
+    stamps, values = when.stamps_ns[is_new] - ahead, values[is_new]
+    driven = tree.lookup(below, known).planar
+    way = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
+    found = Corrections(stamps, values, known.stamps_ns, way, np.zeros(len(stamps) - 1, dtype=np.bool_), ahead)
+    held = replace(found, held=np.ones(len(stamps) - 1, dtype=np.bool_))
+    poses = tree.lookup(below, known)
+    if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(found.at(known.stamps_ns) @ poses):
+        return held
+    there = tree.lookup(below, Moments(stamps[1:]))
+    steps = _apart((values[1:] @ there).planar, (values[:-1] @ there).planar)
+    return replace(found, held=steps > MOST_DRIFT * np.diff(np.interp(stamps, found.odometry_ns, way)))
+
+
+def _ahead_ns(line: Timeline, odometry: Timeline) -> int:
+    """Return by how much the transforms of ``line`` are usually ahead of the odometry recorded before them, ns.
+
+    0 where that is no more than odometry may be late.
+    """
+    stamps, positions, _ = line.track
+    own, before, _ = odometry.track
+    number = np.searchsorted(before, positions, side="right") - 1
+    stamps, number = stamps[number >= 0], number[number >= 0]
+    if not len(stamps):
+        return 0
+    ahead = int(np.median(stamps - own[number]))
+    least = max(LEAST_AHEAD_NS, 2 * int(np.median(np.abs(np.diff(own)))))
+    return ahead if least <= ahead <= MOST_AHEAD_NS else 0
+
+
+def _apart(one: Float64Array, other: Float64Array) -> Float64Array:
+    """Return how far planar poses (n, 3) are apart (n,), metres, turns included."""
+    difference = one - other
+    return np.asarray(np.hypot(difference[:, 0], difference[:, 1]) + TURN_M * np.abs(wrap_angle(difference[:, 2])))
+
+
+def _roughness(poses: Poses3) -> float:
+    """Return by how much the steps of a motion change, in all: metres, turns included."""
+    planar = poses.planar
+    steps = np.diff(planar, axis=0)
+    steps[:, 2] = wrap_angle(steps[:, 2])
+    return float(_apart(steps[1:], steps[:-1]).sum())
