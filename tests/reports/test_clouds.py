@@ -408,6 +408,29 @@ def test_a_laz_file_whose_first_chunk_is_in_layers_says_why_none_of_its_points_c
         read(tmp_path, data[: int(0.9 * len(data))], "b.laz")
 
 
+def test_a_las_header_that_counts_fewer_points_than_follow_is_noted(tmp_path: Path) -> None:
+    """PDAL and laspy read as many as it counts; what follows may be points of a writer that was killed."""
+    data = bytearray(las(tmp_path / "a.las", POINTS, {}).read_bytes())
+    struct.pack_into("<I", data, 107, 20)
+    points, notes = read(tmp_path, bytes(data), "b.las")
+    np.testing.assert_allclose(points, POINTS[:20], atol=1e-3)
+    assert notes == ("The header says 20 points, which are read; bytes of 10 more follow them.",)
+
+
+@pytest.mark.parametrize("version", ["1.2", "1.3", "1.4"])
+def test_extended_records_of_a_las_file_are_no_points(tmp_path: Path, version: str) -> None:
+    header = laspy.LasHeader(point_format=1, version=version)
+    header.scales = np.full(3, 0.001)
+    cloud = laspy.LasData(header)
+    cloud.xyz = POINTS
+    if version == "1.4":
+        cloud.evlrs = laspy.vlrs.vlrlist.VLRList([VLR("somebody", 7, "", bytes(1000))])
+    cloud.write(tmp_path / "a.las")
+    found = read_cloud(tmp_path / "a.las")
+    np.testing.assert_allclose(found.points, POINTS, atol=1e-3)
+    assert not found.notes
+
+
 def test_a_las_file_whose_header_was_not_written_to_the_end(tmp_path: Path) -> None:
     data = bytearray(las(tmp_path / "a.las", POINTS, {}).read_bytes())
     struct.pack_into("<I", data, 107, 0)

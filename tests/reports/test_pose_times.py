@@ -218,3 +218,35 @@ def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path:
     assert not any("clock" in note for note in log.notes)
     np.testing.assert_allclose(log.trajectory().poses, expected.trajectory().poses, atol=1e-6)
     assert (log.stamps_ns + T0 == expected.stamps_ns).all()
+
+
+def _halves(said: list[Said]) -> list[Said]:
+    return [*said[len(said) // 2 :], *said[: len(said) // 2]]
+
+
+def _a_few_apart(said: list[Said]) -> list[Said]:
+    said = said.copy()
+    said.insert(5, said.pop(20))
+    said.insert(30, said.pop(12))
+    return said
+
+
+ORDERS: dict[str, Callable[[list[Said]], list[Said]]] = {
+    "the second half first": _halves,
+    "the last first": lambda said: said[::-1],
+    "by topic": lambda said: sorted(said, key=lambda one: one.topic),
+    "a few in other places": _a_few_apart,
+}
+
+
+@pytest.mark.parametrize("form", ["bag", "db3", "mcap"])
+@pytest.mark.parametrize("name", ORDERS)
+def test_messages_count_by_when_they_were_recorded_not_by_where_they_are_stored(
+    tmp_path: Path, name: str, form: str
+) -> None:
+    """As rosbag2 reads a db3 (``ORDER BY messages.timestamp``), MCAP's readers and rosbag do."""
+    said = [LASER, *drive(SOURCES["tf"])]
+    log = open_log(written(tmp_path, ORDERS[name](said), form))
+    assert_places(log, sensor_at(), tolerance=0.03)
+    assert (np.diff(log.stamps_ns) > 0).all()
+    assert not any("begins again" in note or "backwards" in note for note in log.notes)

@@ -82,9 +82,11 @@ def _read(data: bytes, limits: Limits, notes: tuple[str, ...], *, is_cut: bool =
             raise ReadError("cloud.scale", f"The LAS header has scale factors of {steps}: all points would be one.")
         n = int(header.point_count)
         check_count(n, limits)
-        there = (len(data) - int(header.offset_to_point_data)) // int(header.point_format.size)
+        there = (_points_end(data) - int(header.offset_to_point_data)) // int(header.point_format.size)
         if header.are_points_compressed:
             there = n
+        elif 0 < n < there:
+            notes = (*notes, f"The header says {n} points, which are read; bytes of {there - n} more follow them.")
         elif n == 0 < there:
             check_count(there, limits)
             notes = (*notes, f"The header says 0 points, and {there} are there: it was not written to the end.")
@@ -114,6 +116,14 @@ def _sizes(data: bytes) -> _Sizes:
     header, points_at, records, point_format = struct.unpack_from("<HIIB", data, 94)
     extended_at, extended = struct.unpack_from("<QI", data, 235) if data[25] >= 4 and len(data) >= 375 else (0, 0)
     return _Sizes(header, points_at, records, bool(point_format & 0x80), extended_at, extended)
+
+
+def _points_end(data: bytes) -> int:
+    """Return where points that are not compressed end at the latest: before waveforms, extended records or the end."""
+    said = _sizes(data)
+    (waveforms_at,) = struct.unpack_from("<Q", data, 227) if data[25] >= 3 and len(data) >= 235 else (0,)
+    ends = (waveforms_at, said.extended_at if said.extended else 0)
+    return min([len(data), *(end for end in ends if end >= said.points_at)])
 
 
 def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:

@@ -21,7 +21,7 @@ from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.cutting import CAMERA, IMAGE, Cutter
 from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recording.recorded_log import RecordedLog
-from mapper.io.logs.recording.runs import Track, is_in_disorder, offsets_of_runs
+from mapper.io.logs.recording.runs import Track, are_parts_of_one, is_in_disorder, offsets_of_runs
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
@@ -275,14 +275,16 @@ class Recording:
         tracks = [Track(topic, *line.track) for topic, line in lines]
         tracks += [sensor.track for sensor in sensors]
         disordered = is_in_disorder(tracks)
+        offsets = None if disordered else offsets_of_runs(tracks)
+        if offsets is not None and are_parts_of_one(tracks, offsets):
+            disordered, offsets = True, None
         if disordered:
-            for sensor in sensors:
-                sensor.put_in_order()
             self.notes.append(
                 "Messages were not stored in the order in which they were recorded; they were sorted by recording time."
             )
-        offsets = None if disordered else offsets_of_runs(tracks)
         if offsets is None:
+            for sensor in sensors:
+                sensor.put_in_order()
             for _, line in lines:
                 line.put_together()
             return

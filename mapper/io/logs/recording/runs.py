@@ -14,13 +14,15 @@ A frame of tf is judged by itself, as each may have a publisher of its own; of t
 counts as the topic.
 
 A file whose messages are not stored in the order in which they were recorded, as of a program that puts recordings
-together, is put in order instead (:func:`is_in_disorder`).
+together, is put in order instead (:func:`is_in_disorder`), and so is one of parts in another order, as of files that
+are joined by their names: each was recorded where another one ends (:func:`are_parts_of_one`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +65,22 @@ def is_in_disorder(tracks: Sequence[Track]) -> bool:
     recorded = np.concatenate([track.recorded_ns for track in known if track.recorded_ns is not None])
     back = np.count_nonzero(np.diff(recorded[np.argsort(positions, kind="stable")]) < -LEAST_STEP_NS)
     return bool(back > 1 and back > DISORDERED * len(recorded))
+
+
+def are_parts_of_one(tracks: Sequence[Track], offsets: Sequence[Int64Array]) -> bool:
+    """Return whether runs, by what is added to the stamps of each track, are parts of one recording in another order.
+
+    By their recording times each follows on another within :data:`NEAR_S`, but they are not stored so: where a clock
+    begins again, it comes to times at which it was before, or to others.
+    """
+    if any(track.recorded_ns is None or not track.recorded_ns.all() for track in tracks):
+        return False
+    recorded = np.concatenate([track.recorded_ns for track in tracks if track.recorded_ns is not None])
+    runs = np.concatenate(list(offsets))
+    spans = [(int(recorded[runs == run].min()), int(recorded[runs == run].max())) for run in np.unique(runs)]
+    in_time = sorted(spans)
+    between = [after[0] - before[1] for before, after in pairwise(in_time)]
+    return spans != in_time and all(0 <= step <= NEAR_S * 1e9 for step in between)
 
 
 def steps_back(stamps_ns: Int64Array) -> list[int]:

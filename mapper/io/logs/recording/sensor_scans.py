@@ -90,7 +90,7 @@ class SensorScans:
     def put_in_order(self) -> None:
         """Put the scans into the order in which they were recorded, as far as that is known."""
         recorded = self.clock.recorded(np.array(self.stamps))
-        if recorded is None:
+        if recorded is None or (np.diff(recorded) >= 0).all():
             return
         order = np.argsort(recorded, kind="stable")
         beams = np.array([beaming.beams for beaming in self._numbers])[np.array(self._of_scan)]
