@@ -170,6 +170,21 @@ def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, serv
     expect(ladder).to_contain_text("after 66 scans")
 
 
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_the_way_back_leaves_the_caption_its_room_on_a_phone(page: Page, server: str) -> None:
+    never_idle(page)
+    open_lecture(page, server)
+    stage = stage_of(page)
+    stage.get_by_role("slider", name="Robot").focus()
+    page.keyboard.press("ArrowDown")
+    expect(stage.get_by_role("button", name="Back to the lecture’s path")).to_be_visible()
+    caption = stage.locator(".world-stage-caption > p").first
+    for name in ("sensor-models", "octree"):  # the longest captions
+        to_scene(page, name)
+        expect(caption).to_have_text(re.compile(POINTS[name]))
+        assert caption.evaluate("it => it.scrollHeight <= it.clientHeight + 1")
+
+
 def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str) -> None:
     never_idle(page)
     open_lecture(page, server)

@@ -132,7 +132,7 @@ function Legend() {
     <ul class="map-legend" title="RViz and map.pgm draw free cells white and unknown ones grey.">
       <li class="occupied">occupied</li>
       <li class="free">free</li>
-      <li class="undecided">undecided</li>
+      <li class="undecided">unknown</li>
       <li class="unobserved">never seen</li>
     </ul>
   );

@@ -53,7 +53,7 @@ export function LectureStage() {
         <p class="lecture-stage-back" role="status">
           {isOffPath.value && (
             <Button icon="restart" onClick={backToPath}>
-              Back to the lecture’s path
+              Back<span class="lecture-stage-where"> to the lecture’s path</span>
             </Button>
           )}
         </p>

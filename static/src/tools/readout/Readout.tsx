@@ -144,7 +144,7 @@ function Values({ texts, kind, store, isShown }: ValuesProps) {
 const LEGEND = [
   ["occupied", "occupied"],
   ["free", "free"],
-  ["unknown", "seen, unknown"],
+  ["unknown", "unknown"],
   ["unobserved", "never seen"],
 ];
 

@@ -14,7 +14,7 @@ export const PART: PagePart = {
       id: "terrain",
       title: "Terrain",
       section: "3D",
-      purpose: "Planes of the 3D map's points, and where it is safe to drive",
+      purpose: "Planes of the 3D map’s points, and where it is safe to drive",
       content: ({ store }) => <TerrainGroup store={store} />,
     },
   ],
