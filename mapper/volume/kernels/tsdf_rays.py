@@ -15,15 +15,37 @@ from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.types import BlockTable, Fusion
 
+Axis = tuple[int, float, float]  #: step, parameter of the first border and that between borders, 0 … 1 on the line
+
 
 @jit
-def _border(at: float, along: float) -> tuple[int, float, float]:
-    """Return of one axis the step, the parameter of the first border and that between borders, 0 … 1 on the line."""
+def _border(at: float, along: float) -> Axis:
+    """Return one axis of a line that goes ``along`` from ``at``, in keys."""
     if along == 0.0:
         return 0, np.inf, np.inf
     step = 1 if along > 0.0 else -1
     border = np.floor(at + 0.5) + 0.5 * step
     return step, (border - at) / along, abs(1.0 / along)
+
+
+@jit
+def _line(
+    origin: Float64Array, end: Float64Array, resolution: float, fusion: Fusion
+) -> tuple[float, tuple[float, float, float], tuple[int, int, int], tuple[Axis, Axis, Axis]]:
+    """Return of a beam its length in metres, its direction in keys, the first voxel to update, and the axes from there.
+
+    The length is 0 for a beam that updates nothing: one of no length, or one that is too long.
+    """
+    dx, dy, dz = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
+    length = sqrt(dx * dx + dy * dy + dz * dz) * resolution
+    if length > fusion.far:
+        length = 0.0
+    reach = np.float64(fusion.truncation) / length if length > 0.0 else 0.0
+    a, b = 0.0 if fusion.carve else max(1.0 - reach, 0.0), 1.0 + reach
+    px, py, pz = origin[0] + a * dx, origin[1] + a * dy, origin[2] + a * dz
+    first = int(np.floor(px + 0.5)), int(np.floor(py + 0.5)), int(np.floor(pz + 0.5))
+    axes = _border(px, (b - a) * dx), _border(py, (b - a) * dy), _border(pz, (b - a) * dz)
+    return length, (dx, dy, dz), first, axes
 
 
 @jit
@@ -35,17 +57,10 @@ def beam_blocks(origin: Float64Array, ends: Float64Array, resolution: float, fus
     """
     band, n = np.float64(fusion.truncation), 0
     for i in range(ends.shape[0]):
-        dx, dy, dz = ends[i, 0] - origin[0], ends[i, 1] - origin[1], ends[i, 2] - origin[2]
-        length = sqrt(dx * dx + dy * dy + dz * dz) * resolution
-        if length == 0.0 or length > fusion.far:
+        length, (dx, dy, dz), (x, y, z), axes = _line(origin, ends[i], resolution, fusion)
+        if length == 0.0:
             continue
-        a, b = 0.0 if fusion.carve else max(1.0 - band / length, 0.0), 1.0 + band / length
-        px, py, pz = origin[0] + a * dx, origin[1] + a * dy, origin[2] + a * dz
-        lx, ly, lz = (b - a) * dx, (b - a) * dy, (b - a) * dz
-        x, y, z = int(np.floor(px + 0.5)), int(np.floor(py + 0.5)), int(np.floor(pz + 0.5))
-        step_x, tx, apart_x = _border(px, lx)
-        step_y, ty, apart_y = _border(py, ly)
-        step_z, tz, apart_z = _border(pz, lz)
+        (step_x, tx, apart_x), (step_y, ty, apart_y), (step_z, tz, apart_z) = axes
         last = -1
         while True:
             code = block_code(x, y, z)
@@ -81,17 +96,10 @@ def fuse_beams(
     band, near = np.float64(fusion.truncation), np.float64(fusion.near)
     most = np.float64(fusion.max_weight)
     for i in range(ends.shape[0]):
-        dx, dy, dz = ends[i, 0] - origin[0], ends[i, 1] - origin[1], ends[i, 2] - origin[2]
-        length = sqrt(dx * dx + dy * dy + dz * dz) * resolution
-        if length == 0.0 or length > fusion.far:
+        length, (dx, dy, dz), (x, y, z), axes = _line(origin, ends[i], resolution, fusion)
+        if length == 0.0:
             continue
-        a, b = 0.0 if fusion.carve else max(1.0 - band / length, 0.0), 1.0 + band / length
-        px, py, pz = origin[0] + a * dx, origin[1] + a * dy, origin[2] + a * dz
-        lx, ly, lz = (b - a) * dx, (b - a) * dy, (b - a) * dz
-        x, y, z = int(np.floor(px + 0.5)), int(np.floor(py + 0.5)), int(np.floor(pz + 0.5))
-        step_x, tx, apart_x = _border(px, lx)
-        step_y, ty, apart_y = _border(py, ly)
-        step_z, tz, apart_z = _border(pz, lz)
+        (step_x, tx, apart_x), (step_y, ty, apart_y), (step_z, tz, apart_z) = axes
         base = 1.0 / (length * length) if fusion.inverse_square else 1.0
         code, slot = -1, -1
         while True:
