@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import type { ComponentChild } from "preact";
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -33,32 +34,45 @@ function SurfaceWhy({ now, centre }: SurfaceWhyProps) {
         )}
       </p>
       <p>{total === 0 ? `None of ${index} scans measured it.` : `${total} of ${index} scans measured it.`}</p>
-      {updates.length > 0 && (
-        <div class="volume-updates">
-          <table>
-            <thead>
-              <tr>
-                <th scope="col">Scan</th>
-                <th scope="col">Measured</th>
-                <th scope="col">Mean</th>
-                <th scope="col">Weight</th>
-              </tr>
-            </thead>
-            <tbody>
-              {[...updates].reverse().map((one) => (
-                <tr key={one.scan}>
-                  <td class="number">{one.scan}</td>
-                  <td class="number">{millimetres(one.measured)}</td>
-                  <td class="number">
-                    {one.before === null ? "unknown" : millimetres(one.before)} → {millimetres(one.after)}
-                  </td>
-                  <td class="number">{written(one.weight, 2)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
-      )}
+      <Updates columns={["Scan", "Measured", "Mean", "Weight"]}>
+        {updates.map((update) => (
+          <tr key={update.scan}>
+            <td class="number">{update.scan}</td>
+            <td class="number">{millimetres(update.measured)}</td>
+            <td class="number">
+              {update.before === null ? "unknown" : millimetres(update.before)} → {millimetres(update.after)}
+            </td>
+            <td class="number">{written(update.weight, 2)}</td>
+          </tr>
+        ))}
+      </Updates>
+    </div>
+  );
+}
+
+interface UpdatesProps {
+  readonly columns: readonly string[];
+  /** A row for each update, the oldest first. */
+  readonly children: readonly ComponentChild[];
+}
+
+/** What scans did to a voxel, the newest first; nothing where none did anything. */
+function Updates({ columns, children }: UpdatesProps) {
+  if (children.length === 0) return null;
+  return (
+    <div class="volume-updates">
+      <table>
+        <thead>
+          <tr>
+            {columns.map((column) => (
+              <th key={column} scope="col">
+                {column}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>{[...children].reverse()}</tbody>
+      </table>
     </div>
   );
 }
@@ -138,32 +152,19 @@ function Answer({ now, centre, hasScans }: AnswerProps) {
       ) : (
         <p class="quiet">An octree does not contain the scans from which it was made.</p>
       )}
-      {updates.length > 0 && (
-        <div class="volume-updates">
-          <table>
-            <thead>
-              <tr>
-                <th scope="col">Scan</th>
-                <th scope="col">Beams</th>
-                <th scope="col">Log-odds</th>
-              </tr>
-            </thead>
-            <tbody>
-              {[...updates].reverse().map((one) => (
-                <tr key={one.scan} class={one.hit ? "hit" : "miss"}>
-                  <td class="number">{one.scan}</td>
-                  <td>
-                    {one.beams >= 64 ? "64 or more" : one.beams} {one.hit ? "ended in it" : "passed it"}
-                  </td>
-                  <td class="number">
-                    {one.before === null ? "unknown" : written(one.before, 2)} → {written(one.after, 2)}
-                  </td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
-      )}
+      <Updates columns={["Scan", "Beams", "Log-odds"]}>
+        {updates.map((update) => (
+          <tr key={update.scan} class={update.hit ? "hit" : "miss"}>
+            <td class="number">{update.scan}</td>
+            <td>
+              {update.beams >= 64 ? "64 or more" : update.beams} {update.hit ? "ended in it" : "passed it"}
+            </td>
+            <td class="number">
+              {update.before === null ? "unknown" : written(update.before, 2)} → {written(update.after, 2)}
+            </td>
+          </tr>
+        ))}
+      </Updates>
     </div>
   );
 }
