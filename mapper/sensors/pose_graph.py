@@ -15,6 +15,8 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.timed_poses import check_poses
 
 ODOMETRY, LOOP = 0, 1  #: kinds of edges: between nodes that follow one another, and between others
+#: Residuals from which a loop is strained, and from which it contradicts the rest; standard deviations.
+STRAINED, CONTRADICTS = 2.0, 5.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from mapper.diagnosis.examination import LEAST_SCANS
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
 from mapper.grid.merge import LATTICE_TOLERANCE
 from mapper.mapping.parameters import PARAMETERS
+from mapper.sensors.pose_graph import CONTRADICTS, STRAINED
 from mapper.simulation.edits import WALL_THICKNESS
 from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.live_map import LiveMap
@@ -46,6 +47,8 @@ CONSTANTS: tuple[tuple[str, float, str], ...] = (
     ("LATTICE_TOLERANCE", LATTICE_TOLERANCE, "How far two lattices may lie apart and still be the same, in cells."),
     ("OCCUPIED_THRESHOLD", OCCUPIED_THRESHOLD, "p_occ above which a cell is occupied, as in map_server."),
     ("FREE_THRESHOLD", FREE_THRESHOLD, "p_occ below which a cell is free, as in map_server."),
+    ("LOOP_STRAINED", STRAINED, "Residual from which a loop is strained, standard deviations."),
+    ("LOOP_CONTRADICTS", CONTRADICTS, "Residual from which a loop contradicts the rest, standard deviations."),
     ("DOCTOR_LEAST_SCANS", LEAST_SCANS, "Scans of a sensor below which the doctor refuses to judge a log."),
 )
 ROOT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ from mapper.matching.kernels.types import NO_POINT
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import scan_target
-from mapper.sensors.pose_graph import LOOP, PoseGraph
+from mapper.sensors.pose_graph import CONTRADICTS, LOOP, STRAINED, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.residuals import residual_series, residuals
@@ -48,8 +48,8 @@ LEAST_SCORE = 0.4  #: of such a match, 0 … 1
 LEAST_DEVIATIONS = (0.03, 0.03, 0.01)  #: m, m, rad: no match is taken to be more certain than this
 MAX_POINTS = 720  #: of one scan that is drawn
 LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view shows loops
-LOOP_STEPS = (2.0, 5.0)  #: residuals from which a loop is strained and contradicts the rest, as on the map
-LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)  #: of those below, and of these
+#: of loops that fit, that are strained, and that contradict the rest
+LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)
 
 Float64Array = NDArray[np.float64]
 
@@ -182,7 +182,7 @@ class SolvedGraph:
         edges = np.flatnonzero(graph.kind == LOOP)
         nodes = np.stack([graph.i[edges], graph.j[edges]], axis=1)
         ends = np.concatenate([self.node_poses[nodes][..., :2], np.full((len(edges), 2, 1), LOOP_Z)], axis=2)
-        colors = LOOP_COLOURS[np.searchsorted(LOOP_STEPS, graph.residual[edges], side="right")]
+        colors = LOOP_COLOURS[np.searchsorted((STRAINED, CONTRADICTS), graph.residual[edges], side="right")]
         return ShownLoops(edges, ends), Segments(
             name="loops",
             label="Loops",

@@ -21,6 +21,12 @@ export const OCCUPIED_THRESHOLD = 0.65;
 /** p_occ below which a cell is free, as in map_server. */
 export const FREE_THRESHOLD = 0.25;
 
+/** Residual from which a loop is strained, standard deviations. */
+export const LOOP_STRAINED = 2.0;
+
+/** Residual from which a loop contradicts the rest, standard deviations. */
+export const LOOP_CONTRADICTS = 5.0;
+
 /** Scans of a sensor below which the doctor refuses to judge a log. */
 export const DOCTOR_LEAST_SCANS = 10;
 

@@ -9,6 +9,7 @@ import { Choice } from "../../ui/Choice";
 import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { ToggleOf } from "../../ui/Toggle";
+import { LOOP_CONTRADICTS, LOOP_STRAINED } from "../../wire/constants";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Walls } from "../common/Scene";
@@ -94,9 +95,6 @@ const FEW_ITERATIONS = 20;
 /** The part of a Gauss–Newton step that a released graph makes in one frame, and the step at which it stands still. */
 const PART = 0.2;
 const STILL = 2e-3;
-/** Standard deviations: springs from here on are drawn as strained, and as torn. */
-const STRAINED = 2;
-const TORN = 5;
 
 interface Held {
   readonly node: number;
@@ -207,8 +205,8 @@ export function Springs() {
       </Stage>
       <p class="legend">
         <SpringKey tone="fits">fits</SpringKey>
-        <SpringKey tone="strained">off by {STRAINED} σ and more</SpringKey>
-        <SpringKey tone="torn">by {TORN} σ and more</SpringKey>
+        <SpringKey tone="strained">off by {LOOP_STRAINED} σ and more</SpringKey>
+        <SpringKey tone="torn">by {LOOP_CONTRADICTS} σ and more</SpringKey>
         <SpringKey tone="fits loop">thick: a loop</SpringKey>
       </p>
       <div class="figure-controls no-print">
@@ -284,7 +282,8 @@ function zigzag([ax, ay]: Point, [bx, by]: Point, width: number): string {
   return `M${ax.toFixed(1)} ${ay.toFixed(1)}${corners.join("")}L${bx.toFixed(1)} ${by.toFixed(1)}`;
 }
 
-const toneOf = (residual: number): string => (residual < STRAINED ? "fits" : residual < TORN ? "strained" : "torn");
+const toneOf = (residual: number): string =>
+  residual < LOOP_STRAINED ? "fits" : residual < LOOP_CONTRADICTS ? "strained" : "torn";
 
 interface SpringProps {
   readonly transform: StageTransform;

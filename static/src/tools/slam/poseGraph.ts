@@ -8,20 +8,17 @@
 import { columnOf, type LayerContent, OVERLAYS, type Overlay } from "../../render/picture/overlays";
 import { SHADES } from "../../render/picture/pictureColours";
 import { toScreen } from "../../render/view";
+import { LOOP_CONTRADICTS, LOOP_STRAINED } from "../../wire/constants";
 import type { TriedNear } from "../../wire/http";
 import type { Point } from "../../wire/protocol";
 
 /** Style of the layer. */
 export const STYLE = "pose_graph";
 
-/** Residuals from which a loop is strained, and from which it contradicts the rest; standard deviations. */
-export const STRAINED = 2;
-const CONTRADICTS = 5;
-
 const KINDS: readonly { least: number; width: number; dash: number[]; shade: number }[] = [
   { least: 0, width: 1.25, dash: [], shade: 0 },
-  { least: STRAINED, width: 2, dash: [6, 3], shade: Math.floor(SHADES / 2) },
-  { least: CONTRADICTS, width: 3, dash: [2, 3], shade: SHADES - 1 },
+  { least: LOOP_STRAINED, width: 2, dash: [6, 3], shade: Math.floor(SHADES / 2) },
+  { least: LOOP_CONTRADICTS, width: 3, dash: [2, 3], shade: SHADES - 1 },
 ];
 
 const paintPoseGraph: Overlay = (brush, content) => {
@@ -116,6 +113,6 @@ export function whyNone({ visits, candidates }: Pick<TriedNear, "visits" | "cand
 
 /** A residual in words, so that it is not told by colour alone. */
 export function residualLabel(residual: number): string {
-  if (residual < STRAINED) return "fits";
-  return residual < CONTRADICTS ? "strained" : "contradicts";
+  if (residual < LOOP_STRAINED) return "fits";
+  return residual < LOOP_CONTRADICTS ? "strained" : "contradicts";
 }
