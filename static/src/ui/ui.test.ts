@@ -1,4 +1,6 @@
+import { signal } from "@preact/signals";
 import { describe, expect, it } from "vitest";
+import { showAnswer } from "./browser/attempts";
 import { sectionsOf } from "./dock/Dock";
 import { keyedTab } from "./dock/Tabs";
 import { clock, decimals, fromFraction, keyed, numberOf, signed, snap, toFraction, written } from "./numbers";
@@ -95,3 +97,35 @@ describe("the sections of a dock", () => {
     ]);
   });
 });
+
+describe("the answer to a request of an effect", () => {
+  it("is shown in place of an earlier failure, and a refusal of a request that was ended is not shown", async () => {
+    const failure = signal<string | null>("The server answered 500.");
+    const shown: string[] = [];
+    showAnswer(
+      () => Promise.resolve("new"),
+      failure,
+      (answer) => shown.push(answer),
+    );
+    await Promise.resolve();
+    expect([shown, failure.value]).toEqual([["new"], null]);
+    const end = showAnswer(
+      (ending) => refusedAtEnd(ending, "ended"),
+      failure,
+      () => undefined,
+    );
+    end();
+    const refused = Promise.reject<string>(new Error("There is no such topic."));
+    showAnswer(
+      () => refused,
+      failure,
+      () => undefined,
+    );
+    await Promise.resolve();
+    expect(failure.value).toBe("There is no such topic.");
+  });
+});
+
+/** A request that is refused once it is ended. */
+const refusedAtEnd = (ending: AbortSignal, why: string): Promise<string> =>
+  new Promise((_, refuse) => ending.addEventListener("abort", () => refuse(new Error(why))));

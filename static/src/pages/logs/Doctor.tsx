@@ -112,8 +112,7 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
       state.value = isOfNow ? { kind: "done", examination } : { kind: "idle" };
     } catch (error) {
       if (own.signal.aborted) return;
-      const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-      state.value = { kind: "failed", why };
+      state.value = { kind: "failed", why: (error as Error).message };
     }
   };
   const cancel = (): void => {

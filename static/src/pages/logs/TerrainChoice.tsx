@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { useAttempts } from "../../ui/browser/attempts";
 import { ask } from "../../wire/ask";
 import type { MapAnswer } from "../../wire/http";
 import { type ChosenLog, LogChoice } from "./LogChoice";
@@ -18,23 +19,16 @@ interface TerrainChoiceProps {
 
 export function TerrainChoice({ store, session }: TerrainChoiceProps) {
   const chosen = useSignal<ChosenLog | null>(null);
-  const isBusy = useSignal(false);
-  const failure = useSignal<string | null>(null);
+  const { isBusy, failure, attempt } = useAttempts();
   const terrain = useSignal<MapAnswer | null>(null);
-  const choose = async (next: ChosenLog | null): Promise<void> => {
-    isBusy.value = true;
-    failure.value = null;
-    try {
+  const choose = (next: ChosenLog | null): Promise<void> =>
+    attempt(async () => {
       const body = { log: next?.log ?? null };
       const answer = await ask("PUT /api/sessions/{session_id}/costmap/terrain", { session_id: session }, { body });
       chosen.value = next;
       terrain.value = answer.map;
       store.setPart("costmap", { terrain_layer: next !== null });
-    } catch (error) {
-      failure.value = (error as Error).message;
-    }
-    isBusy.value = false;
-  };
+    });
   const classes = terrain.value?.classes;
   const patches = classes && `Patches: ${classes.safe} safe, ${classes.unsafe} unsafe, ${classes.unknown} unknown.`;
   return (

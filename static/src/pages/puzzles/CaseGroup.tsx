@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { ParameterRows } from "../../tools/parameters/ParameterRows";
 import { Button } from "../../ui/Button";
+import { useAttempts } from "../../ui/browser/attempts";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { written } from "../../ui/numbers";
@@ -30,17 +31,13 @@ interface CaseProps {
 
 export function CaseGroup(props: CaseProps) {
   const { session, store, attempt, openGroup, onCheck, isChecking, onClose, next, onNext } = props;
-  const failure = useSignal<string | null>(null);
+  const { failure, attempt: attempted } = useAttempts();
   const now = attempt.value;
   if (!now) return null;
-  const step = async (work: Promise<Attempt>): Promise<void> => {
-    failure.value = null;
-    try {
+  const step = (work: Promise<Attempt>): Promise<void> =>
+    attempted(async () => {
       attempt.value = await work;
-    } catch (error) {
-      failure.value = (error as Error).message;
-    }
-  };
+    });
   const tool = (id: string, label: string) => (
     <Button
       onClick={() => {

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { lecturersClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { toastFailure } from "../../ui/browser/attempts";
 import { isDark } from "../../ui/browser/theme";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
@@ -38,12 +39,10 @@ const LEVELS: Readonly<Record<number, string>> = { 1: "Level 1", 2: "Level 2", 3
 async function give(puzzle: string): Promise<void> {
   const room = lecturersClass.peek();
   if (!room) return;
-  try {
+  await toastFailure(async () => {
     await giveToClass(room.code, puzzle);
     toast("The class can begin. The board is at the bottom of the page.");
-  } catch (error) {
-    toast((error as Error).message, "error");
-  }
+  });
 }
 
 /** All puzzles by level, and those that the visitor made. */
@@ -143,11 +142,7 @@ function Mine({ made, onGone }: { readonly made: MadePuzzleAnswer; readonly onGo
   const remove = async (): Promise<void> => {
     if (!(await confirm("Remove this puzzle?", "Its link stops working, and all attempts at it end.", "Remove")))
       return;
-    try {
-      await removePuzzle(made.token);
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
+    await toastFailure(() => removePuzzle(made.token));
     onGone();
   };
   return (

@@ -4,8 +4,8 @@ import type { Picture } from "../../render/picture/Picture";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
+import { toastFailure } from "../../ui/browser/attempts";
 import { Dock, type DockGroup } from "../../ui/dock/Dock";
-import { toast } from "../../ui/Toast";
 import type { Attempt, OfferedPuzzle } from "../../wire/http";
 import { Compare } from "../logs/compare/Compare";
 import { useComparison } from "../logs/compare/useComparison";
@@ -42,13 +42,10 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
   const doctor = useDoctor(store, session, true);
   const openGroup = useOpenGroup(store, "case");
   const isChecking = useSignal(false);
-  const load = async (): Promise<void> => {
-    try {
+  const load = (): Promise<void> =>
+    toastFailure(async () => {
       attempt.value = await attemptOf(session);
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
-  };
+    });
   useEffect(() => void load(), [session]);
   // The map of all scans fills the picture: a grid of large cells is mostly a border.
   useSignalEffect(() => {
@@ -62,13 +59,11 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
   }, [isSolved]);
   const check = async (): Promise<void> => {
     isChecking.value = true;
-    try {
+    await toastFailure(async () => {
       const checked = await step(session, "check");
       attempt.value = checked;
       if (leadsToCase(checked)) openGroup.value = "case";
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
+    });
     isChecking.value = false;
   };
   if (status.value === "gone") {

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
-import { toast } from "../../ui/Toast";
+import { toastFailure } from "../../ui/browser/attempts";
 import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage } from "./OutdatedPage";
@@ -45,11 +45,7 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
   const canFork = (room.shown.value?.stage ?? 0) > 0;
   const tryOut = async (): Promise<void> => {
     isForking.value = true;
-    try {
-      await fork(room);
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
+    await toastFailure(() => fork(room));
     isForking.value = false;
   };
   const asks = room.asksForRobot.value;

@@ -2,7 +2,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { type Classroom, endClass, openClass, questionInHeading, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
-import { toast } from "../../ui/Toast";
+import { toastFailure } from "../../ui/browser/attempts";
 import type { ClassQuestion } from "../../wire/protocol";
 import { Histogram } from "./Histogram";
 import { OutdatedPage } from "./OutdatedPage";
@@ -65,11 +65,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
   const question = room.question.value;
   const end = async (): Promise<void> => {
     isEnding.value = false;
-    try {
-      await endClass();
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
+    await toastFailure(endClass);
   };
   if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)

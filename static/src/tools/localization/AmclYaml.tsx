@@ -23,8 +23,7 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
       const text = await what();
       said.value = text === null ? null : { text, isError: false };
     } catch (error) {
-      const text = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-      said.value = { text, isError: true };
+      said.value = { text: (error as Error).message, isError: true };
     }
   };
   const open = (file: File): Promise<void> =>

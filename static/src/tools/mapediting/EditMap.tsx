@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
-import { toast } from "../../ui/Toast";
+import { toastFailure } from "../../ui/browser/attempts";
 import { ask } from "../../wire/ask";
 
 /** Where a map of the library is opened. */
@@ -12,13 +12,11 @@ export function EditMap({ session, name }: { readonly session: string; readonly 
   const isBusy = useSignal(false);
   const begin = async (): Promise<void> => {
     isBusy.value = true;
-    try {
+    await toastFailure(async () => {
       const body = { name: `Map of ${name}`.slice(0, 100) };
       const kept = await ask("POST /api/sessions/{session_id}/kept-map", { session_id: session }, { body });
       location.href = mapAddress(kept.id);
-    } catch (error) {
-      toast((error as Error).message, "error");
-    }
+    });
     isBusy.value = false;
   };
   return (

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { Button } from "../../ui/Button";
+import { useAttempts } from "../../ui/browser/attempts";
 import { Choice } from "../../ui/Choice";
 import { ask } from "../../wire/ask";
 import type { NamedCause } from "../../wire/http";
@@ -15,23 +16,14 @@ export function MakePuzzle({ session }: { readonly session: string }) {
   const fault = useSignal(AS_IT_IS.name);
   const address = useSignal<string | null>(null);
   const said = useSignal("");
-  const isBusy = useSignal(false);
-  const attempt = async (work: () => Promise<void>): Promise<void> => {
-    isBusy.value = true;
-    said.value = "";
-    try {
-      await work();
-    } catch (error) {
-      said.value = (error as Error).message;
-    }
-    isBusy.value = false;
-  };
+  const { isBusy, failure, attempt } = useAttempts();
   const open = (): Promise<void> =>
     attempt(async () => {
       faults.value = [AS_IT_IS, ...(await ask("GET /api/puzzles", {})).faults];
     });
   const make = (): Promise<void> =>
     attempt(async () => {
+      said.value = "";
       const made = await ask(
         "POST /api/sessions/{session_id}/puzzles",
         { session_id: session },
@@ -80,7 +72,9 @@ export function MakePuzzle({ session }: { readonly session: string }) {
         />
       )}
       <p class="quiet" role="status">
-        {said.value || (faults.value === null && "A map with a hidden fault, for others to find and repair.")}
+        {failure.value ||
+          said.value ||
+          (faults.value === null && "A map with a hidden fault, for others to find and repair.")}
       </p>
     </section>
   );

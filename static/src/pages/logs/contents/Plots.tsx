@@ -4,6 +4,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { showAnswer } from "../../../ui/browser/attempts";
 import { ask } from "../../../wire/ask";
 import type { PlottedTopic, SeriesAnswer } from "../../../wire/http";
 import { FieldPlot } from "../fields/FieldPlot";
@@ -45,20 +46,16 @@ function Topic({
   const topic = chosen.value;
   const span = zoom.value;
   useEffect(() => {
-    const abort = new AbortController();
     if (answer.peek()?.topic !== topic) answer.value = null;
     const query = { topic, ...(span && { start: span[0], end: span[1] }) };
-    const options = { query, ending: abort.signal };
-    ask("GET /api/sessions/{session_id}/contents/series", { session_id: session }, options).then(
+    const what = "GET /api/sessions/{session_id}/contents/series";
+    return showAnswer(
+      (ending) => ask(what, { session_id: session }, { query, ending }),
+      failure,
       (series) => {
-        failure.value = null;
         answer.value = series;
       },
-      (error: Error) => {
-        if (!abort.signal.aborted) failure.value = error.message;
-      },
     );
-    return () => abort.abort();
   }, [session, topic, span]);
   const now = answer.value;
   return (

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { Button } from "../../../ui/Button";
-import { toast } from "../../../ui/Toast";
+import { toastFailure } from "../../../ui/browser/attempts";
 import { type ExampleName, openExample } from "./library";
 
 interface Example {
@@ -33,13 +33,8 @@ export function Examples() {
   const making = useSignal<ExampleName | null>(null);
   const begin = async (name: ExampleName): Promise<void> => {
     making.value = name;
-    try {
-      await openExample(name);
-    } catch (error) {
-      toast((error as Error).message, "error");
-    } finally {
-      making.value = null;
-    }
+    await toastFailure(() => openExample(name));
+    making.value = null;
   };
   return (
     <section class="shelf">

@@ -1,6 +1,7 @@
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { showAnswer } from "../../../ui/browser/attempts";
 import { ask } from "../../../wire/ask";
 import type { ContentsOfSession } from "../contents/useContents";
 import type { LinesState } from "./lines";
@@ -33,18 +34,14 @@ export function useLines(session: string, store: Store, contents: ContentsOfSess
   }, [session, isRecording, known]);
   useEffect(() => {
     if (known !== "ready") return;
-    const abort = new AbortController();
-    ask("GET /api/sessions/{session_id}/contents/lines", { session_id: session }, { ending: abort.signal }).then(
+    return showAnswer(
+      (ending) => ask("GET /api/sessions/{session_id}/contents/lines", { session_id: session }, { ending }),
+      state.failure,
       (found) => {
-        state.failure.value = null;
         state.leftOut.value = found.left_out;
         state.lines.value = found.lines;
       },
-      (error: Error) => {
-        if (!abort.signal.aborted) state.failure.value = error.message;
-      },
     );
-    return () => abort.abort();
   }, [session, known]);
   return state;
 }

@@ -3,6 +3,7 @@ import type { Store } from "../../../store/store";
 import { mapAddress } from "../../../tools/mapediting/EditMap";
 import { mapEditingOf } from "../../../tools/mapediting/state";
 import { Button } from "../../../ui/Button";
+import { useAttempts } from "../../../ui/browser/attempts";
 import { Panel } from "../../../ui/Panel";
 import { ask } from "../../../wire/ask";
 import type { LogRecord } from "../library/library";
@@ -16,23 +17,17 @@ interface SavingProps {
 export function Saving({ store, session }: SavingProps) {
   const title = store.hello.value?.title ?? "map";
   const typed = useSignal<string | null>(null);
-  const isBusy = useSignal(false);
+  const { isBusy, failure, attempt } = useAttempts();
   const saved = useSignal<LogRecord | null>(null);
-  const failure = useSignal<string | null>(null);
   const name = typed.value ?? `${title}, edited`.slice(0, 100);
   const address = `/api/sessions/${encodeURIComponent(session)}/edited-map`;
   const at = { session_id: session };
   const { edits } = mapEditingOf(store);
-  const save = async (): Promise<void> => {
-    isBusy.value = true;
-    failure.value = saved.value = null;
-    try {
+  const save = (): Promise<void> =>
+    attempt(async () => {
+      saved.value = null;
       saved.value = await ask("POST /api/sessions/{session_id}/edited-map", at, { body: { name: name.trim() } });
-    } catch (error) {
-      failure.value = (error as Error).message;
-    }
-    isBusy.value = false;
-  };
+    });
   const geometry = store.map.value?.geometry;
   const files = [
     ["map.pgm", "pgm"],

@@ -27,7 +27,7 @@ export function useNotes(session: string, store: Store, first: string | null = n
       failure.value = null;
       return true;
     } catch (error) {
-      failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      failure.value = (error as Error).message;
       return false;
     }
   };

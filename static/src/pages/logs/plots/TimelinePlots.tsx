@@ -1,9 +1,10 @@
 /** Plots below the timeline of a log: motion and readings from scan to scan, with the timeline's cursor. */
 
-import { batch, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useId, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { showAnswer } from "../../../ui/browser/attempts";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { ask } from "../../../wire/ask";
 import type { ScanSeries } from "../../../wire/http";
@@ -46,20 +47,15 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   }, [session, trajectory]);
   useEffect(() => {
     pointed.value = null; // the pointer is over another place now
-    const abort = new AbortController();
-    const options = { ...(span && { query: { start: span[0], end: span[1] } }), ending: abort.signal };
-    ask("GET /api/sessions/{session_id}/scan-series", { session_id: session }, options).then(
-      (found) =>
-        batch(() => {
-          failure.value = null;
-          series.value = found;
-          if (!span) whole.value = wholeSpan(found.times);
-        }),
-      (error: Error) => {
-        if (!abort.signal.aborted) failure.value = error.message;
+    const options = span ? { query: { start: span[0], end: span[1] } } : {};
+    return showAnswer(
+      (ending) => ask("GET /api/sessions/{session_id}/scan-series", { session_id: session }, { ...options, ending }),
+      failure,
+      (found) => {
+        series.value = found;
+        if (!span) whole.value = wholeSpan(found.times);
       },
     );
-    return () => abort.abort();
   }, [session, trajectory, span]);
 
   const axis = series.value?.axis ?? "time";

@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import type { SharedView } from "../../../render/view";
 import { Button } from "../../../ui/Button";
+import { useAttempts } from "../../../ui/browser/attempts";
 import { confirm } from "../../../ui/Dialog";
 import { Panel } from "../../../ui/Panel";
 import { described, type Link, linksOf, makeLink, revokeLink, type Shown } from "./links";
@@ -42,25 +43,17 @@ const made = ({ created_s }: Link): string =>
 /** Creates links to this view, lists and revokes one's own. */
 export function ShareLinks({ session, sharedView, shown, unit = "scan", text, children }: ShareLinksProps) {
   const links = useSignal<readonly Link[] | null>(null);
-  const failure = useSignal<string | null>(null);
   const said = useSignal("");
-  const busy = useSignal(false);
+  const { isBusy, failure, attempt: attempted } = useAttempts();
   const copy = async (address: string, words: string): Promise<void> => {
     said.value = await copied(address, words);
   };
   const refresh = async (): Promise<void> => {
     links.value = await linksOf(session);
   };
-  const attempt = async (work: () => Promise<void>): Promise<void> => {
-    failure.value = null;
+  const attempt = (work: () => Promise<void>): Promise<void> => {
     said.value = "";
-    busy.value = true;
-    try {
-      await work();
-    } catch (error) {
-      failure.value = (error as Error).message;
-    }
-    busy.value = false;
+    return attempted(work);
   };
   const make = (): Promise<void> =>
     attempt(async () => {
@@ -83,7 +76,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
       <div class="share">
         <p>{text}</p>
         <div class="actions">
-          <Button kind="primary" icon="link" disabled={busy.value} onClick={() => void make()}>
+          <Button kind="primary" icon="link" disabled={isBusy.value} onClick={() => void make()}>
             Create link
           </Button>
           <Button
@@ -120,7 +113,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
                   <Button kind="quiet" onClick={() => void copy(absolute(link), "Link copied.")}>
                     Copy
                   </Button>
-                  <Button kind="danger" disabled={busy.value} onClick={() => void revoke(link)}>
+                  <Button kind="danger" disabled={isBusy.value} onClick={() => void revoke(link)}>
                     Revoke
                   </Button>
                 </li>

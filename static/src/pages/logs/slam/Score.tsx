@@ -65,7 +65,7 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
       .catch((error: unknown) => {
         if (!isCurrent) return;
         score.value = null;
-        failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+        failure.value = (error as Error).message;
       })
       .finally(() => {
         if (isCurrent) isBusy.value = false;

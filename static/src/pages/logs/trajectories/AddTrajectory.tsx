@@ -15,8 +15,7 @@ export function AddTrajectory({ session }: { readonly session: string }) {
       try {
         said.value = { text: `${await addTrajectory(session, file)} was added.`, isError: false };
       } catch (error) {
-        const text = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
-        said.value = { text, isError: true };
+        said.value = { text: (error as Error).message, isError: true };
       }
     }
     busy.value = false;

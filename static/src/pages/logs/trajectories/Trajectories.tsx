@@ -1,6 +1,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { showAnswer } from "../../../ui/browser/attempts";
 import { Choice } from "../../../ui/Choice";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
@@ -63,20 +64,16 @@ function Errors({
   const failure = useSignal<string | null>(null);
   const delta = useSignal(1);
   useEffect(() => {
-    const abort = new AbortController();
     errors.value = null;
     const query = { reference: reference.value, estimate: estimate.value, align: align.value, delta: delta.value };
-    const options = { query, ending: abort.signal };
-    ask("GET /api/sessions/{session_id}/trajectory-errors", { session_id: session }, options).then(
+    const what = "GET /api/sessions/{session_id}/trajectory-errors";
+    return showAnswer(
+      (ending) => ask(what, { session_id: session }, { query, ending }),
+      failure,
       (found) => {
-        failure.value = null;
         errors.value = found;
       },
-      (error: Error) => {
-        if (!abort.signal.aborted) failure.value = error.message;
-      },
     );
-    return () => abort.abort();
   }, [session, reference.value, estimate.value, align.value, delta.value]);
   useEffect(
     () => () => {
