@@ -20,9 +20,9 @@ from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.parts import Volumetric
-from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
+from server.sessions.view import Playback
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
 from server.stream.messages import FrameMessage, Hello, ScanFields

@@ -14,9 +14,8 @@ from mapper.sensors.scan import RangeScan, ScanLog
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
 from server.sessions.parts import Costing, LayerCosts, Recording
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.sessions.view import Pose
+from server.sessions.view import Playback, Pose
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
 

@@ -1,4 +1,4 @@
-"""Values that sessions and their users exchange: poses, views, requests for a comparison."""
+"""Values that sessions and their users exchange: poses, views, playback, requests for a comparison."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mapper.core.parameter import Values
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import RangeScan, ScanLog
+from server.stream.protocol import ProtocolError
 
 Pose = tuple[float, float, float]
 
@@ -87,3 +88,19 @@ def as_pose(row: NDArray[np.float64]) -> Pose:
     """Return a pose (3,) as a tuple of Python floats."""
     x, y, yaw = (float(v) for v in row)
     return (x, y, yaw)
+
+
+@dataclass(slots=True)
+class Playback:
+    """Whether a session plays; ``speed`` is seconds of its time per second, within ``speeds``."""
+
+    playing: bool = True
+    speed: float = 1.0
+    speeds: tuple[float, float] = (0.25, 8.0)  #: the least and the greatest speed
+
+    def set_speed(self, speed: float) -> None:
+        """Set the speed. Raises :class:`ProtocolError` for one outside ``speeds``."""
+        low, high = self.speeds
+        if not low <= speed <= high:
+            raise ProtocolError("command.value", f"The speed must be between {low:g} and {high:g}.")
+        self.speed = speed

@@ -13,9 +13,8 @@ from mapper.io.logs.summary import start_s
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.parts import Costed, Viewed
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.sessions.view import LogView
+from server.sessions.view import LogView, Playback
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo

@@ -29,10 +29,9 @@ from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers, Robot
 from server.sessions.parts import Graphed
-from server.sessions.playback import Playback
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import LogView
+from server.sessions.view import LogView, Playback
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import FollowedPoses, LogUpdates
 from server.sources.map_drawings import map_drawings

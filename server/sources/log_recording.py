@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.evaluation.same_path import stated_before
 from mapper.io.export import GrowingMap
@@ -21,18 +22,71 @@ from mapper.replay import Replay
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from mapper.sensors.planar.options import PlanarCut, applies
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions.hosting import ModelHost
 from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
-from server.sources.diagnosing import examination
-from server.sources.map_series import MapSeries
+from server.sources.diagnosing import examination, in_turn
 from server.stream.message_parts import Table, rows_of
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
     from mapper.io.contents.model import Series
+
+
+IDLE_S = 20.0  #: a computation that nobody asks for during this time ends
+
+SeriesKey: TypeAlias = tuple[Trajectory, MappingConfig]
+
+
+class MapSeries:
+    """The newest series of a session's map, and the share that is done while it is computed. For the event loop."""
+
+    def __init__(self, host: ModelHost) -> None:
+        self._host = host
+        self._of: SeriesKey | None = None
+        self._job: asyncio.Future[Series] | None = None
+        self._asked = 0.0
+        self._share = 0.0
+
+    def look_up(self, replay: Replay) -> Series | float:
+        """Return the series of the log of ``replay``, with its parameters, or the share that is done.
+
+        Raises as :func:`mapper.replay.map_series.map_series`.
+        """
+        self._asked = time.monotonic()
+        of = (replay.log.trajectory(replay.trajectory), replay.config)
+        job = self._job
+        if job is None or self._of is None or self._of[0] is not of[0] or self._of[1] != of[1]:
+            return self._begin(replay, of)
+        if not job.done():
+            return self._share
+        if isinstance(job.exception(), WorkCancelledError):
+            return self._begin(replay, of)
+        return job.result()
+
+    def _begin(self, replay: Replay, of: SeriesKey) -> float:
+        host, goes_on = self._host, self._host.in_background()
+        log, config, trajectory, limits = replay.log, replay.config, replay.trajectory, host.limits()
+        self._of, self._share = of, 0.0
+
+        def progress(share: float) -> None:
+            if self._of is of:
+                self._share = share
+
+        def wanted() -> bool:
+            return self._of is of and time.monotonic() - self._asked < IDLE_S and goes_on()
+
+        def computed() -> Series:
+            from mapper.replay.map_series import map_series  # noqa: PLC0415 - imports SciPy, which few sessions need
+
+            return map_series(log, config, trajectory, limits, progress, wanted)
+
+        self._job = asyncio.ensure_future(in_turn(host.scheduler, host.job_owner, computed))
+        self._job.add_done_callback(lambda done: done.cancelled() or done.exception())  # it is told when asked for
+        return 0.0
+
 
 COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
 

@@ -21,9 +21,8 @@ from server.sessions.commands import (
     UseSensor,
 )
 from server.sessions.part import Part
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.sessions.view import LogView
+from server.sessions.view import LogView, Playback
 from server.sources.log_recording import LogRecording
 from server.stream.messages import ErrorMessage
 

@@ -25,8 +25,8 @@ from server.sessions.hosting import ModelHost
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.parts import EditedFiles
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.sessions.view import Playback
 from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.messages import FrameMessage, MapEditsMessage, ScanFields

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.core.array_types import Float64Array
-from server.sessions.playback import Playback
+from server.sessions.view import Playback
 
 FILL_S = 20.0  #: in which a sequence plays at first
 

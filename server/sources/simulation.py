@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from typing import ClassVar
 
+import msgspec
 import numpy as np
 from msgspec import Struct
 
@@ -16,6 +17,8 @@ from mapper.core.se2 import compose, compose_one
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
+from mapper.simulation.edits import solid_ids
+from mapper.simulation.faults import polished_faces
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing
@@ -33,9 +36,7 @@ from server.sessions.view import RobotState
 from server.sessions.why import Source
 from server.sources.history import Action, History
 from server.sources.map_drawings import map_drawings
-from server.sources.simulation_commands import act
-from server.sources.simulation_messages import forgetting_message, world_message
-from server.sources.simulation_replay import SimulationReplay
+from server.sources.simulation_replay import SimulationReplay, act
 from server.stream.commands import (
     AutoCommand,
     CancelCommand,
@@ -52,8 +53,9 @@ from server.stream.commands import (
     WorldCommand,
 )
 from server.stream.layers import GridLayer, Layer
-from server.stream.message_parts import Compared, Table, rows_of
-from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
+from server.stream.message_parts import Block, Compared, Table, rows_of
+from server.stream.message_parts import Edits as EditsMessage
+from server.stream.messages import Forgetting, FrameMessage, Hello, ParametersMessage, ScanFields, WorldMessage
 from server.stream.protocol import ProtocolError, type_of
 
 MAX_STEP_SCANS = 100
@@ -384,3 +386,36 @@ class SimulationModel(SessionModel):
         self._mapper.begin(world, self.sensor, edits)
         result.new_grid = True
         result.slot(world_message(self._mapper))
+
+
+def world_message(mapper: LiveMap) -> WorldMessage:
+    """Return the message ``world``: what stands in the true world, and the edits of its floor plan; metres."""
+    world = mapper.simulation.world
+    added, erased = mapper.edits.as_lists()
+    return WorldMessage(
+        name=world.name,
+        title=world.title,
+        names=list(WORLDS),
+        bounds=world.bounds,
+        polygons=[np.round(solid, 4).tolist() for solid in world.solids],
+        ids=solid_ids(mapper.plan, mapper.edits),
+        edits=msgspec.convert({"added": added, "erased": erased}, EditsMessage),
+        polished=np.round(polished_faces(world), 4).tolist(),
+        blocks=[Block(np.round(one.outline, 4).tolist(), one.bottom, float(one.heights.max())) for one in world.blocks],
+    )
+
+
+def forgetting_message(vanishing: Vanishing | None) -> Forgetting:
+    """Return the message ``forgetting``; without cells where nothing is watched."""
+    if vanishing is None:
+        return Forgetting(0, 0, None, None, 0.0, 0.0)
+    pair = (vanishing.first, vanishing.second)
+    clamped, unclamped = pair if vanishing.clamped_first else pair[::-1]
+    return Forgetting(
+        cells=len(vanishing.first.places),
+        scans=len(vanishing.first.free),
+        with_clamp=clamped.after,
+        without_clamp=unclamped.after,
+        free_with_clamp=round(clamped.free[-1], 4) if clamped.free else 0.0,
+        free_without_clamp=round(unclamped.free[-1], 4) if unclamped.free else 0.0,
+    )

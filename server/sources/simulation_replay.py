@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict
 
-from msgspec import Struct
+from msgspec import UNSET, Struct, structs
 
 from mapper.core.errors import LimitError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
@@ -21,11 +21,35 @@ from mapper.simulation.robot import PoseTuple
 from mapper.simulation.sonar import rays_of_cone
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.sources.history import MAX_JOURNAL, History, Replayable, SimulationHistory, WorldEdits
-from server.sources.simulation_commands import act
-from server.stream.commands import AutoCommand, EditCommand, SensorCommand, TeleportCommand
+from server.sessions.view import Playback
+from server.sources.history import MAX_JOURNAL, Action, History, Replayable, SimulationHistory, WorldEdits
+from server.stream.commands import AutoCommand, DriveCommand, EditCommand, SensorCommand, TeleportCommand
+
+
+def act(mapper: LiveMap, command: Action, result: TickResult) -> None:
+    """Carry out an action. Raises as the mapper does, and nothing has changed then."""
+    simulation = mapper.simulation
+    steps = simulation.steps
+    match command:
+        case TeleportCommand(x=x, y=y, yaw=yaw):
+            change, message = mapper.teleport(x, y, yaw)
+            result.add(change)
+            if message is not None:
+                result.notice("teleport.moved", message)
+        case DriveCommand(linear=linear, angular=angular):
+            simulation.drive(linear, angular)
+        case AutoCommand(value=value):
+            simulation.auto = value
+        case SensorCommand(values=values):
+            result.new_grid |= mapper.set_sensor(simulation.sensor.with_values(values))
+        case EditCommand(added=added, erased=erased, watch=watch):
+            if mapper.edit(Edits.of(added, erased), watch=bool(watch)):
+                result.notice("edit.moved", "The robot stood where you drew, so it was moved aside.")
+    if isinstance(command, EditCommand):
+        command = structs.replace(command, watch=UNSET)
+    mapper.journal.append((steps, command))
+
 
 # Processor time in seconds, measured in the largest world on one core of a small server.
 STEP_S = 1.2e-4  #: one step of the simulation

@@ -28,8 +28,8 @@ from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Offers, OtherMap, Part
 from server.sessions.parts import Volumetric
-from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.sessions.view import Playback
 from server.stream.commands import RestartCommand, WorldCommand
 from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import rows_of

@@ -22,8 +22,7 @@ from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.sources import simulation_replay
 from server.sources.history import History, Replayable, SimulationHistory
-from server.sources.simulation_commands import act
-from server.sources.simulation_replay import check_cost, history_of, replay_seconds, replayed
+from server.sources.simulation_replay import act, check_cost, history_of, replay_seconds, replayed
 from server.stream.commands import AutoCommand, EditCommand, SensorCommand, TeleportCommand
 from server.stream.message_parts import DrawnSolid
 from tests.server.begin import new_simulation
