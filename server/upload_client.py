@@ -69,7 +69,7 @@ def _files_of(path: Path) -> list[tuple[str, Path]]:
             text = file.read(DEFAULT_LIMITS.max_yaml_bytes + 1)
         image, _ = image_path(path, parse_description(text, DEFAULT_LIMITS).image)
         return [(path.name, path), (image.name, image)]
-    return [(one.name, one) for one in log_files(path)]
+    return [(log_file.name, log_file) for log_file in log_files(path)]
 
 
 def measured(file: Path) -> tuple[int, str]:

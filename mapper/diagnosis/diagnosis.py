@@ -46,7 +46,7 @@ def diagnose(
     events = find_events(_remedied(log, findings), wanted, part(EXAMINED, 1.0))
     # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
     if any(finding.check in (DELAY, CHANGING) for finding in findings):
-        events = [one for one in events if one.kind == CLOCK]
+        events = [event for event in events if event.kind == CLOCK]
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
     if is_own:
@@ -75,7 +75,7 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
     """Return a finding of drift with the events that displaced the robot, its cause; others as they are."""
-    moved = [one for one in events if one.kind != CLOCK]
+    moved = [event for event in events if event.kind != CLOCK]
     if finding.check != DRIFT or not moved:
         return finding
     at = [clock_time(one.seconds, 1) for one in moved[:TOLD]]

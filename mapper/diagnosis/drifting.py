@@ -66,4 +66,4 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
 
 def _sure(findings: Iterable[Finding]) -> list[Finding]:
     """Return the findings that are more than possible: a map is reported with one as a fact."""
-    return [one for one in findings if not one.possible]
+    return [finding for finding in findings if not finding.possible]

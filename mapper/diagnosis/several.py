@@ -25,12 +25,12 @@ def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], found: Sequence[Se
     Each names its sensor, and its scans are those of ``log``. The parameters of a map are those of all its sensors, so
     a finding keeps its own only where every sensor has a finding of the same check with parameters.
     """
-    common = set.intersection(*({one.check for one in findings if one.parameters} for findings in found))
+    common = set.intersection(*({finding.check for finding in findings if finding.parameters} for findings in found))
     joint = []
     for (sensor, numbers), findings in zip(sensors, found, strict=True):
-        for one in findings:
-            scans = tuple(int(numbers[scan]) for scan in one.scans)
-            own = replace(one, sensor=sensor.topic, scans=scans)
+        for finding in findings:
+            scans = tuple(int(numbers[scan]) for scan in finding.scans)
+            own = replace(finding, sensor=sensor.topic, scans=scans)
             if own.parameters and own.check not in common:
                 own = replace(own, parameters=None, advice=f"{own.advice} {BY_ITSELF}")
             joint.append(own)

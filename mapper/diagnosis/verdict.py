@@ -101,7 +101,7 @@ def named_findings(names: Iterable[str]) -> frozenset[str]:
     """
     found: set[str] = set()
     for name in names:
-        meant = [one for one in FINDINGS if name in (ALL, one, one.partition(".")[0])]
+        meant = [finding for finding in FINDINGS if name in (ALL, finding, finding.partition(".")[0])]
         if not meant:
             raise ConfigError(
                 "check.finding", f"There is no finding {name!r:.40}; there are {ALL}, {', '.join(FINDINGS)}."
@@ -241,7 +241,7 @@ def _spoilers(name: str, findings: Iterable[Finding]) -> list[str]:
 
 def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reason]:
     least = 0.0 if limits.possible else POSSIBLE
-    counted = [one for one in findings if one.check in limits.no_findings and one.stated_sure >= least]
+    counted = [finding for finding in findings if finding.check in limits.no_findings and finding.stated_sure >= least]
     reasons = [
         Reason(
             one.check,
@@ -253,7 +253,7 @@ def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reas
     ]
     failed = {one.check for one in counted}
     for name in FINDINGS:
-        sure = [one for one in findings if one.stated_sure >= least]
+        sure = [finding for finding in findings if finding.stated_sure >= least]
         spoilers = _spoilers(name, sure) if name in limits.no_findings else []
         # What is a reason already needs no second one for what it hides.
         if spoilers and not failed.intersection(spoilers):

@@ -38,7 +38,7 @@ def edits_text(edited: EditedMap, source: str = "") -> str:
             "origin": list(geometry.origin),
         },
     }
-    lines = ",\n  ".join(json.dumps(operation_dict(one)) for one in edited.operations)
+    lines = ",\n  ".join(json.dumps(operation_dict(operation)) for operation in edited.operations)
     return f'{json.dumps(head)[:-1]}, "edits": [\n  {lines}\n]}}\n'
 
 

@@ -183,7 +183,7 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
         ranges[row : row + len(own), at : at + own.shape[1]] = own
         row += len(own)
     limits = [part.plan.reading_filter for part in parts]
-    least, greatest = min(one.range_min for one in limits), max(one.range_max for one in limits)
+    least, greatest = min(limit.range_min for limit in limits), max(limit.range_max for limit in limits)
     reading_filter = limits[0]._replace(range_min=least, range_max=greatest)
     batch = ScanBatch(
         ranges[order],

@@ -43,7 +43,7 @@ def map_overview(log: ScanLog) -> NDArray[np.uint8] | None:
     None for a log without a reading. The poses are those of the log's first trajectory, whose path is drawn as well.
     """
     n = log.n_scans
-    poses = next((one.poses for one in log.trajectories.values()), None)
+    poses = next((trajectory.poses for trajectory in log.trajectories.values()), None)
     if n == 0 or log.n_beams == 0 or poses is None:
         return None
     scans = np.unique(np.linspace(0, n - 1, min(n, MAX_SCANS)).round().astype(int))

@@ -46,7 +46,7 @@ class PointCloud:
         elif self.shape[0] * self.shape[1] != n:
             raise ConfigError("cloud.shape", f"A cloud of {self.shape[0]} × {self.shape[1]} points cannot have {n}.")
         others = [*self.fields.values(), *(() if self.times is None else (self.times,))]
-        if any(len(one) != n for one in others):
+        if any(len(other) != n for other in others):
             raise ConfigError("cloud.fields", f"Each field of a cloud of {n} points must have {n} rows.")
         if self.sensor_pose is not None:
             check_pose(self.sensor_pose, "The sensor's pose")

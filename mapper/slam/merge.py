@@ -185,7 +185,7 @@ class _Joint:
         self, logs: tuple[ScanLog, ScanLog], results: tuple[SlamResult, SlamResult], config: SlamConfig
     ) -> None:
         self._logs, self._results, self._config = logs, results, config
-        self._graphs = tuple(one.graph for one in results)
+        self._graphs = tuple(result.graph for result in results)
         self.split = len(self._graphs[0].nodes)
         sensors = [sensors_of(log) for log in logs]
         first, second = (sensor_numbers(parts).tolist() for parts in sensors)

@@ -39,9 +39,9 @@ class ScanStore:
         numbers = sensor_numbers(logs) if sensors is None else sensors
         self.sensor_numbers = [int(number) for number in numbers]  #: of the sensor that each log is of
         self._beams = [Beams.of(log, range_max=below, most=max_beams) for log in logs]
-        self.can_deskew = any(one.times.any() for one in self._beams)  #: whether the times of beams are known
+        self.can_deskew = any(beam.times.any() for beam in self._beams)  #: whether the times of beams are known
         self._n = 0
-        self.n_beams = max(len(one) for one in self._beams)  #: of the sensor with most
+        self.n_beams = max(len(beam) for beam in self._beams)  #: of the sensor with most
         self._rows = ScanArrays(
             np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
             np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
@@ -73,7 +73,7 @@ class ScanStore:
     @property
     def least_step(self) -> float:
         """The least angle between the beams of a sensor, radians."""
-        return min(one.step for one in self._beams)
+        return min(beam.step for beam in self._beams)
 
     def append(
         self,

@@ -120,7 +120,9 @@ class Classroom:
 
     def places_taken(self, most_of_address: int) -> int:
         """Return :attr:`present`, where an address counts as at most so many: those who came back are not refused."""
-        count = Counter(address for _, address in {(one.number, one.address) for one in self.members if one.number})
+        count = Counter(
+            address for _, address in {(member.number, member.address) for member in self.members if member.number}
+        )
         return self.present - sum(max(0, number - most_of_address) for number in count.values())
 
     def watching_from(self, address: str) -> int:

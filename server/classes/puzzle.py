@@ -20,14 +20,14 @@ class RoomPuzzle:
 
     def message(self, *, lecturer: bool) -> ClassPuzzle:
         """Return the puzzle as the lecturer or a follower sees it."""
-        solvers = sorted(self.solvers.values(), key=lambda one: one.number)
-        solved = sum(one.is_solved for one in solvers)
+        solvers = sorted(self.solvers.values(), key=lambda solver: solver.number)
+        solved = sum(solver.is_solved for solver in solvers)
         return ClassPuzzle(self.title, len(solvers), solved, solvers if lecturer else [])
 
     @property
     def counts(self) -> list[int]:
         """The number of followers in each of :data:`BINS` equal parts of the points, the last one with 100."""
         counts = [0] * BINS
-        for one in self.solvers.values():
-            counts[min(BINS - 1, one.points * BINS // 100)] += 1
+        for solver in self.solvers.values():
+            counts[min(BINS - 1, solver.points * BINS // 100)] += 1
         return counts

@@ -40,7 +40,7 @@ class Question:
     @classmethod
     def of(cls, number: int, asked: AskCommand, newest: int = 0, *, joined_only: bool = False) -> Question:
         """Return the question of a command."""
-        options = None if asked.options is None else [one.strip() for one in asked.options]
+        options = None if asked.options is None else [option.strip() for option in asked.options]
         if not asked.text.strip():
             raise ConfigError("class.question", "A question needs a text.")
         if (options is None) == (asked.axis is None):

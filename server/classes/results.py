@@ -20,23 +20,25 @@ def results_csv(questions: Iterable[Question], puzzles: Iterable[RoomPuzzle] = (
     out = io.StringIO()
     writer = csv.writer(out)
     writer.writerow(["question", "text", "option", "from", "to", "unit", "answers", "right"])
-    for one in questions:
-        for at, count in enumerate(one.counts):
-            if one.axis is None:
-                option, low, high, unit = (one.options or [])[at], "", "", ""
-                right = one.right == at
+    for question in questions:
+        for at, count in enumerate(question.counts):
+            if question.axis is None:
+                option, low, high, unit = (question.options or [])[at], "", "", ""
+                right = question.right == at
             else:
-                width = (one.axis.high - one.axis.low) / BINS
-                option, unit = "", one.axis.unit
-                low, high = f"{one.axis.low + at * width:.10g}", f"{one.axis.low + (at + 1) * width:.10g}"
-                known_right = one.right is not None and one.axis.low <= one.right <= one.axis.high
-                right = known_right and part_of(one.axis, one.right or 0.0) == at
-            known = "" if one.right is None else "yes" if right else "no"
-            writer.writerow([one.id, as_text(one.text), as_text(option), low, high, as_text(unit), count, known])
+                width = (question.axis.high - question.axis.low) / BINS
+                option, unit = "", question.axis.unit
+                low, high = f"{question.axis.low + at * width:.10g}", f"{question.axis.low + (at + 1) * width:.10g}"
+                known_right = question.right is not None and question.axis.low <= question.right <= question.axis.high
+                right = known_right and part_of(question.axis, question.right or 0.0) == at
+            known = "" if question.right is None else "yes" if right else "no"
+            writer.writerow(
+                [question.id, as_text(question.text), as_text(option), low, high, as_text(unit), count, known]
+            )
     for number, puzzle in enumerate(puzzles, 1):
         head, solvers = (f"puzzle {number}", as_text(puzzle.title)), puzzle.solvers.values()
-        steps = {"begun": len(solvers), "cause named": sum(one.is_named for one in solvers)}
-        steps["solved"] = sum(one.is_solved for one in solvers)
+        steps = {"begun": len(solvers), "cause named": sum(solver.is_named for solver in solvers)}
+        steps["solved"] = sum(solver.is_solved for solver in solvers)
         writer.writerows([*head, name, "", "", "", count, ""] for name, count in steps.items())
         width = 100 // PUZZLE_BINS
         for at, count in enumerate(puzzle.counts):

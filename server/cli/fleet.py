@@ -56,7 +56,7 @@ def fleet(
                 whole.run(crew, note, again=again)
             finally:
                 write_page(whole, running=False)
-    failed = [one for one in whole.results.values() if one.failed]
+    failed = [result for result in whole.results.values() if result.failed]
     if as_json:
         results = {key: one.public() for key, one in whole.results.items()}
         print_json({"logs": len(whole.logs), "failed": len(failed), "results": results})

@@ -183,7 +183,7 @@ def _joined(logs: Sequence[ScanLog]) -> ScanLog:
 
 def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
     """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
-    ways = [one.trajectory(trajectory) for one in logs]
+    ways = [log.trajectory(trajectory) for log in logs]
     frames = dict.fromkeys(way.frame_id for way in ways)
     if len(frames) < 2:
         return ways[0].frame_id, []
@@ -212,7 +212,7 @@ def _config_for(logs: Sequence[ScanLog], given: dict[str, object]) -> MappingCon
     """Return the parameters that suit all sensors; end the command where they need different ones."""
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
 
-    configs = {configured(recorded_defaults(one.beam_width, given)) for one in logs}
+    configs = {configured(recorded_defaults(log.beam_width, given)) for log in logs}
     if len(configs) > 1:
         fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
     return configs.pop()

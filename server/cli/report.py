@@ -81,7 +81,7 @@ def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | N
     scan = events[0].scan if events else log.n_scans // 2
     stamp_ns = int(log.stamps_ns[scan])
     try:
-        topics = [one for one in inspect(path).topics if one.type in CAMERAS]
+        topics = [topic for topic in inspect(path).topics if topic.type in CAMERAS]
         if not topics:
             return None
         found = message_at(path, topics[0].name, stamp_ns)

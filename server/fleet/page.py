@@ -36,8 +36,10 @@ def write_page(fleet: Fleet, *, running: bool) -> None:
 
 def page(results: Sequence[Result], total: int, *, running: bool) -> str:
     """Return the page, which loads itself again while the fleet is ``running``."""
-    made = sorted(((one, one.facts) for one in results if one.facts is not None), key=lambda entry: entry[0].log)
-    failed = sorted((one for one in results if one.failed), key=lambda one: one.log)
+    made = sorted(
+        ((result, result.facts) for result in results if result.facts is not None), key=lambda entry: entry[0].log
+    )
+    failed = sorted((result for result in results if result.failed), key=lambda one: one.log)
     refresh = f'<meta http-equiv="refresh" content="{REFRESH_S}">' if running else ""
     state = "running" if running else "ended"
     rows = "".join(
@@ -58,11 +60,11 @@ def _name(result: Result) -> str:
 
 
 def _card(result: Result, facts: MapFacts) -> str:
-    first, *others = [escape(one.sentence) for one in facts.findings] or ["No findings"]
+    first, *others = [escape(finding.sentence) for finding in facts.findings] or ["No findings"]
     file = f"maps/{result.key}.png"
     image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
     picture = image if facts.picture else ""
-    said = "".join(f"<li>{one}</li>" for one in others)
+    said = "".join(f"<li>{other}</li>" for other in others)
     title = f"{len(others)} more finding{'' if len(others) == 1 else 's'}"
     more = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if others else ""
     drifted = "Drift not measured" if facts.drift_m is None else f"Drift {facts.drift_m:.2f} m"

@@ -255,7 +255,10 @@ def _messages(session: SessionHost, client: Client) -> list[str | bytes]:
 def _frames(session: SessionHost, messages: list[str | bytes]) -> bytes:
     """Return messages as the frames of a WebSocket."""
     return b"".join(
-        [binary_frame((one,)) if isinstance(one, bytes) else session.hub.text_frame(one) for one in messages]
+        [
+            binary_frame((message,)) if isinstance(message, bytes) else session.hub.text_frame(message)
+            for message in messages
+        ]
     )
 
 

@@ -57,7 +57,7 @@ def report_page(report: Report) -> str:
         f"<h2>Notes</h2>{_notes(report)}" if report.notes else "",
         (
             "<h2>Parameters of the map</h2><p class=quiet>Those in bold differ from the default values.</p>"
-            f"<div class=parameters>{''.join(_parameter(report, *one) for one in report.parameters)}</div>"
+            f"<div class=parameters>{''.join(_parameter(report, *parameter) for parameter in report.parameters)}</div>"
         ),
         f"<h2>Versions</h2><dl>{''.join(_term(name, value) for name, value in report.versions)}</dl>",
     ]
@@ -104,10 +104,10 @@ def _findings(report: Report) -> str:
         return "<p>None.</p>"
     return "<ul>{}</ul>".format(
         "".join(
-            f"<li><b>{'Possibly: ' if one.possible else ''}{escape(one.sentence)}</b> "
-            f"<span class=quiet>({100 * one.stated_sure:.0f} % sure"
-            f"{', ' + escape(one.sensor) if one.sensor else ''})</span><p>{escape(one.advice)}</p></li>"
-            for one in report.findings
+            f"<li><b>{'Possibly: ' if finding.possible else ''}{escape(finding.sentence)}</b> "
+            f"<span class=quiet>({100 * finding.stated_sure:.0f} % sure"
+            f"{', ' + escape(finding.sensor) if finding.sensor else ''})</span><p>{escape(finding.advice)}</p></li>"
+            for finding in report.findings
         )
     )
 

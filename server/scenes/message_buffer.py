@@ -25,7 +25,7 @@ def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
     if isinstance(value, dict):
         return sum(size_of(one) for one in value.values())
     if isinstance(value, Message) or is_dataclass(value):
-        return sum(size_of(one) for one in vars(value).values())
+        return sum(size_of(held) for held in vars(value).values())
     return 0
 
 

@@ -260,7 +260,7 @@ class Scene:
     def _selected(self) -> dict[int, Place]:
         """Return the places that the pages of viser's clients have selected, by the number of the client."""
         clients = self._session.hub.clients
-        pages = {one.page: one.selected for one in clients if one.page and one.selected is not None}
+        pages = {client.page: client.selected for client in clients if client.page and client.selected is not None}
         return {number: pages[one.page] for number, one in [*self._viewers.items()] if one.page in pages}
 
     def _draw(self, state: SceneState, selected: dict[int, Place]) -> None:

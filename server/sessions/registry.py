@@ -252,7 +252,7 @@ class SessionRegistry:
         if self._elsewhere is None:
             return
         live, guests = self.all(), self._guests()
-        logs = {id(one.ranges): one.ranges.nbytes for session in live for one in session.model.footprint.logs}
+        logs = {id(log.ranges): log.ranges.nbytes for session in live for log in session.model.footprint.logs}
         cells, guests_cells = sum(s.cells for s in live), sum(s.cells for s in guests)
         self._elsewhere.state(Use(len(live), len(guests), cells, guests_cells, sum(logs.values())))
 

@@ -109,7 +109,7 @@ class MapModel(SessionModel, EditedFiles):
             MapEditsMessage(
                 n=len(edited.operations),
                 undone=edited.n_undone,
-                last=[one.phrase for one in edited.operations[-MOST_LISTED:]],
+                last=[operation.phrase for operation in edited.operations[-MOST_LISTED:]],
                 keepout_cells=int(np.count_nonzero(edited.keepout)),
                 speed_cells=int(np.count_nonzero(edited.speed)),
                 notes=list(self._given.notes),

@@ -401,7 +401,10 @@ def world_message(mapper: LiveMap) -> WorldMessage:
         ids=solid_ids(mapper.plan, mapper.edits),
         edits=msgspec.convert({"added": added, "erased": erased}, EditsMessage),
         polished=np.round(polished_faces(world), 4).tolist(),
-        blocks=[Block(np.round(one.outline, 4).tolist(), one.bottom, float(one.heights.max())) for one in world.blocks],
+        blocks=[
+            Block(np.round(block.outline, 4).tolist(), block.bottom, float(block.heights.max()))
+            for block in world.blocks
+        ],
     )
 
 

@@ -86,4 +86,4 @@ def is_out_of_memory(error: BaseException) -> bool:
         return said == "can't start new thread"
     # Of the dynamic loader: an import that maps a shared library.
     shortages = ("Cannot allocate memory", "cannot allocate memory", "failed to map segment")
-    return isinstance(error, ImportError | OSError) and any(one in said for one in shortages)
+    return isinstance(error, ImportError | OSError) and any(shortage in said for shortage in shortages)

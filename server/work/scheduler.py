@@ -262,8 +262,8 @@ class Scheduler:
             now, address = self._clock(), turn.owner.address
             own = self._recent.of(address, now) + now - turn.began
             return any(
-                one.owner.address == address or self._recent.of(one.owner.address, now) + now - one.began <= own
-                for one in others
+                other.owner.address == address or self._recent.of(other.owner.address, now) + now - other.began <= own
+                for other in others
             )
 
     def yield_turn(self, turn: Turn) -> None:

@@ -109,7 +109,7 @@ def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
             break
         excess = _excess(rest, motions, length)
         candidates += [(float(excess[i]), int(i), int(i) + length) for i in np.flatnonzero(excess > 1.0)]
-    candidates.sort(key=lambda one: (-one[0], one[1], one[2]))
+    candidates.sort(key=lambda candidate: (-candidate[0], candidate[1], candidate[2]))
     taken = np.zeros(len(rest), dtype=np.bool_)
     found: list[Displacement] = []
     for _, first, stop in candidates:

@@ -66,25 +66,41 @@ def find_events(
     if lidars and wheels is not None and sensor.n_scans >= LEAST_SCANS:
         motions = aligned_motions(sensor, wheels, wanted, progress)
         untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
-        for one in displacements(motions, untold):
-            kind = _kind(one)
-            if kind is None or (one.moved is None and kind != LIFTED):
+        for displacement in displacements(motions, untold):
+            kind = _kind(displacement)
+            if kind is None or (displacement.moved is None and kind != LIFTED):
                 continue
-            ahead, left, turned = (None,) * 3 if one.moved is None else (float(value) for value in one.moved)
-            before, after = int(motions.scans[one.before]), int(motions.scans[one.after])
-            stamp = int(sensor.stamps_ns[before]) + round(1e9 * (one.begin_s - motions.seconds[one.before]))
-            events.append(Event(kind, float(one.begin_s), float(one.end_s), stamp, before, after, ahead, left, turned))
-    return sorted((_of_whole(log, sensor, numbers, one) for one in events), key=lambda one: (one.seconds, one.scan))
+            ahead, left, turned = (
+                (None,) * 3 if displacement.moved is None else (float(value) for value in displacement.moved)
+            )
+            before, after = int(motions.scans[displacement.before]), int(motions.scans[displacement.after])
+            stamp = int(sensor.stamps_ns[before]) + round(
+                1e9 * (displacement.begin_s - motions.seconds[displacement.before])
+            )
+            events.append(
+                Event(
+                    kind,
+                    float(displacement.begin_s),
+                    float(displacement.end_s),
+                    stamp,
+                    before,
+                    after,
+                    ahead,
+                    left,
+                    turned,
+                )
+            )
+    return sorted((_of_whole(log, sensor, numbers, event) for event in events), key=lambda one: (one.seconds, one.scan))
 
 
 def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
     seconds, usual = recorded_seconds(log), usual_interval(log)
     return [
         Event(
-            CLOCK, float(seconds[one.scan]) + usual, float(seconds[one.scan]) + usual,
-            int(log.stamps_ns[one.scan]) + round(1e9 * usual), one.scan, one.scan + 1, step_s=one.step_s,
+            CLOCK, float(seconds[step.scan]) + usual, float(seconds[step.scan]) + usual,
+            int(log.stamps_ns[step.scan]) + round(1e9 * usual), step.scan, step.scan + 1, step_s=step.step_s,
         )
-        for one in steps
+        for step in steps
     ]  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
             entries = archive.infolist()
             if len(entries) > limits.max_depth_frames:
                 raise LimitError("depth.too_many", f"The archive has more than {limits.max_depth_frames} files.")
-            files = [_of_entry(one) for one in entries if not one.is_dir()]
+            files = [_of_entry(entry) for entry in entries if not entry.is_dir()]
             _write(files, archive, into, limits, path.stat().st_size, progress)
     except _DAMAGE as error:
         # Of the disk; but bz2 raises one without a number for damaged data, and a false offset is an invalid argument.
@@ -94,7 +94,7 @@ def _of_member(member: Member) -> _File:
 
 def _depth_root(files: list[_File]) -> str | None:
     """Return the folder in the archive that is a depth folder, None without one."""
-    roots = [one.folder for one in files if one.name.endswith(DEPTH_END) or one.name == TUM_LISTS[0]]
+    roots = [file.folder for file in files if file.name.endswith(DEPTH_END) or file.name == TUM_LISTS[0]]
     return min(roots, key=lambda folder: (len(folder), folder)) if roots else None
 
 
@@ -110,7 +110,7 @@ def _write(
             "archives are not read: unpack them and drop the folder.",
         )
     (into / "depth").mkdir()
-    wanted = [(one, place) for one in files if (place := _place(one, root)) is not None]
+    wanted = [(file, place) for file in files if (place := _place(file, root)) is not None]
     room = limits.unpacked_bytes(size)
     for k, (one, place) in enumerate(wanted):
         with _opened(one, archive) as source, (into / place).open("wb") as out:

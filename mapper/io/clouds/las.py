@@ -211,9 +211,9 @@ def _parts(
 
 def _units(reader: Any) -> Units | None:  # noqa: ANN401
     records = {}
-    for one in (*(reader.header.evlrs or ()), *reader.header.vlrs):
-        if str(one.user_id).strip("\0 ") == USER:
-            records[int(one.record_id)] = bytes(one.record_data_bytes())
+    for vlr in (*(reader.header.evlrs or ()), *reader.header.vlrs):
+        if str(vlr.user_id).strip("\0 ") == USER:
+            records[int(vlr.record_id)] = bytes(vlr.record_data_bytes())
     return units_of(records)
 
 

@@ -80,7 +80,7 @@ class PlyFile:
 
     def element(self, name: str) -> Element | None:
         """Return the first element of a name."""
-        return next((one for one in self.elements if one.name == name), None)
+        return next((element for element in self.elements if element.name == name), None)
 
     def rows(self, name: str, limits: Limits) -> Rows:
         """Return the rows of the first element of a name; those before it are passed over.
@@ -88,14 +88,16 @@ class PlyFile:
         Raises :class:`ReadError` where the file ends before them, or a number is none, and :class:`LimitError`.
         """
         at = self.begin
-        for one in self.elements:
-            check_count(one.count, limits)
-            found = (_text_rows if self.order == "" else _binary_rows)(self, one, at, limits, keep=one.name == name)
-            if one.name == name:
+        for element in self.elements:
+            check_count(element.count, limits)
+            found = (_text_rows if self.order == "" else _binary_rows)(
+                self, element, at, limits, keep=element.name == name
+            )
+            if element.name == name:
                 return found
-            if found.n < one.count:
+            if found.n < element.count:
                 raise ReadError(
-                    "cloud.truncated", f"The file ends early, within its element {printable(one.name[:40])!r}."
+                    "cloud.truncated", f"The file ends early, within its element {printable(element.name[:40])!r}."
                 )
             at = found.end
         raise ReadError("cloud.header", f"The PLY file has no element {name}.")

@@ -144,15 +144,15 @@ def _of_wkt(text: str) -> Units | None:
     if root is None:
         return None
     nodes = list(root.every())
-    upright = next((one for one in nodes if one.name in _VERTICAL_NAMES), None)
+    upright = next((node for node in nodes if node.name in _VERTICAL_NAMES), None)
     vertical = None if upright is None else _unit(upright, _LENGTHS)
-    projected = next((one for one in nodes if one.name in _PROJECTED_NAMES), None)
+    projected = next((node for node in nodes if node.name in _PROJECTED_NAMES), None)
     if projected is not None:
         found = _unit(projected, _LENGTHS)
         return None if found is None else Units("projected", found, vertical)
-    if any(one.name == "GEOCCS" or (one.name == "CS" and "Cartesian" in one.values) for one in nodes):
+    if any(node.name == "GEOCCS" or (node.name == "CS" and "Cartesian" in node.values) for node in nodes):
         return Units("geocentric", LINEAR[9001], vertical)
-    geographic = next((one for one in nodes if one.name in _GEOGRAPHIC_NAMES), None)
+    geographic = next((node for node in nodes if node.name in _GEOGRAPHIC_NAMES), None)
     if geographic is None:
         return None
     angle = _unit(geographic, ("UNIT", "ANGLEUNIT")) or ("degree", math.pi / 180.0)

@@ -73,7 +73,7 @@ def columns_of(names: Sequence[str]) -> Columns | None:
             found = (first, second, height)
             break
     if found is None:
-        found = next((one for one in _TRIPLES if set(one) <= set(plain)), None)
+        found = next((triple for triple in _TRIPLES if set(triple) <= set(plain)), None)
     if found is None:
         return None
     axes = (plain.index(found[0]), plain.index(found[1]), plain.index(found[2]))

@@ -112,7 +112,7 @@ def _is_cut_by_commas(rows: Sequence[Sequence[bytes]]) -> bool:
     decimals = [row[k].strip() for row in rows for k in (1, 3, 5)]
     if not all(map(_INTEGER.fullmatch, whole)) or not all(map(_DIGITS.fullmatch, decimals)):
         return False
-    if any(len(one) > 1 and one.startswith(b"0") for one in decimals) or b"-0" in whole:
+    if any(len(decimal) > 1 and decimal.startswith(b"0") for decimal in decimals) or b"-0" in whole:
         return True
     return len(rows) > 2 and min(map(len, decimals)) == max(map(len, decimals)) >= 3
 

@@ -189,7 +189,7 @@ class _Rows(MessageSink):
     def series(self) -> Series:
         """Return the rows so far, in the order of their times."""
         stamps = np.array(self.stamps, dtype=np.int64)
-        values = np.stack([np.array(one) for one in self.columns.values()], axis=-1)
+        values = np.stack([np.array(column) for column in self.columns.values()], axis=-1)
         order = np.argsort(stamps, kind="stable")
         columns = tuple(Column(name, unit_of(name), "") for name in self.columns)
         return Series(self._topic, self._kind, columns, stamps[order], values[order], recorded=self.recorded)

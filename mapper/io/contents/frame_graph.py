@@ -33,7 +33,7 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
 def tree_for(trees: Mapping[str, Sequence[FrameEdge]], sensor: str, frame: str) -> str:
     """Return the topic of the tree that has the ``frame`` of a ``sensor``: the nearest to its topic, "" for none."""
     near = [topic for space in namespaces(sensor) for topic in trees if topic == f"{space}/tf"]
-    ranked = [*near, *sorted((one for one in trees if one not in near), key=lambda one: -_count(trees[one]))]
+    ranked = [*near, *sorted((tree for tree in trees if tree not in near), key=lambda one: -_count(trees[one]))]
     knows = [one for one in ranked if any(frame in (edge.parent, edge.child) for edge in trees[one])]
     return next(iter([*knows, *ranked]), "")
 

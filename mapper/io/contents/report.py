@@ -136,7 +136,7 @@ class _Excerpt(MessageSink):
         first.append(one)
 
     def topics(self) -> list[Facts]:
-        return sorted(self._streams.values(), key=lambda one: str(one["topic"]))
+        return sorted(self._streams.values(), key=lambda stream: str(stream["topic"]))
 
 
 def _scan(kind: str, data: bytes, cdr: bool) -> Facts:

@@ -35,14 +35,14 @@ def write_costmaps(file: IO[bytes], costmaps: Iterable[RecordedCostmap], topic: 
     writer.start("ros2", "gridbloom")
     topics = Topics(writer, frozenset({topic, f"{topic}_raw"}))
     n = 0
-    for one in costmaps:
-        stamp, geometry = one.stamp_ns, one.geometry
+    for costmap in costmaps:
+        stamp, geometry = costmap.stamp_ns, costmap.geometry
         if not 0 <= stamp <= ros2.LAST_STAMP_NS:
             raise ConfigError("costmap.stamp", f"A costmap's time must be 0 … 2^31 s, not {stamp} ns.")
-        message = ros2.costmap(stamp, one.frame, one.layer, geometry.resolution, geometry.origin, one.costs)
+        message = ros2.costmap(stamp, costmap.frame, costmap.layer, geometry.resolution, geometry.origin, costmap.costs)
         topics.send(f"{topic}_raw", "nav2_msgs/msg/Costmap", stamp, message)
-        values = occupancy_of_costs(one.costs)
-        message = ros2.occupancy_grid(stamp, one.frame, geometry.resolution, geometry.origin, values)
+        values = occupancy_of_costs(costmap.costs)
+        message = ros2.occupancy_grid(stamp, costmap.frame, geometry.resolution, geometry.origin, values)
         topics.send(topic, "nav_msgs/msg/OccupancyGrid", stamp, message)
         n += 1
     writer.finish()  # type: ignore[no-untyped-call]

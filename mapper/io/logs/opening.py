@@ -217,7 +217,7 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
     logs = list(kinds)
     why = _apart(logs, set(kinds.values()), by_place) if len(logs) > 1 else None
     if why is not None:
-        names = ", ".join(repr(name)[:80] for name in sorted(one.name for one in logs)[:6])
+        names = ", ".join(repr(name)[:80] for name in sorted(log.name for log in logs)[:6])
         raise ReadError("log.folder", f"The {where} holds {len(logs)} recordings, {why}; open one of them: {names}.")
     return logs, kinds[logs[0]]
 

@@ -109,7 +109,7 @@ def summarise(log: ScanLog) -> LogSummary:
         scans=log.n_scans,
         beams=log.n_beams,
         duration_s=float(seconds[-1]) if len(seconds) else 0.0,
-        field_of_view_deg=max(math.degrees(float(np.ptp(one.angles))) if one.n_beams else 0.0 for one in parts),
+        field_of_view_deg=max(math.degrees(float(np.ptp(part.angles))) if part.n_beams else 0.0 for part in parts),
         angle_min=log.angle_min,
         angle_increment=log.angle_increment,
         range_max=log.range_max,

@@ -33,7 +33,7 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
     at_scans = poses.at(log.stamps_ns)
     if not outside:
         return at_scans, []
-    own = next((one.poses for one in log.trajectories.values() if not one.is_placeholder), None)
+    own = next((trajectory.poses for trajectory in log.trajectories.values() if not trajectory.is_placeholder), None)
     if own is None:
         raise ConfigError(
             "trajectory.outside",
@@ -75,7 +75,7 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
         at_scans = poses.at(log.stamps_ns)
     added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
     known = {own: one for own, one in log.trajectories.items() if not one.is_placeholder}
-    outdated = {one.placeholder_note for one in log.trajectories.values()}
+    outdated = {trajectory.placeholder_note for trajectory in log.trajectories.values()}
     kept = [note for note in log.notes if note not in outdated]
     return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))
 

@@ -62,14 +62,14 @@ def polygons(case: int) -> list[list[int]]:
 
 def triangles(case: int) -> list[tuple[int, int, int]]:
     """Return the triangles of a case as edges: each polygon as a fan."""
-    return [(one[0], one[k], one[k + 1]) for one in polygons(case) for k in range(1, len(one) - 1)]
+    return [(polygon[0], polygon[k], polygon[k + 1]) for polygon in polygons(case) for k in range(1, len(polygon) - 1)]
 
 
 @cache
 def cube_tables() -> CubeTables:
     """Return the cases as arrays for kernels."""
     all_cases = [triangles(case) for case in range(256)]
-    counts = np.array([len(one) for one in all_cases], dtype=np.uint8)
+    counts = np.array([len(found) for found in all_cases], dtype=np.uint8)
     edges = np.zeros((256, 3 * int(counts.max())), dtype=np.uint8)
     for case, found in enumerate(all_cases):
         edges[case, : 3 * len(found)] = [edge for triangle in found for edge in triangle]

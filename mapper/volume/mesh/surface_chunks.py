@@ -35,7 +35,7 @@ class SurfaceChunks:
     @property
     def n_triangles(self) -> int:
         """Triangles of all chunks."""
-        return sum(len(one.triangles) for one in self.chunks.values())
+        return sum(len(chunk.triangles) for chunk in self.chunks.values())
 
     def note_change(self, volume: TsdfVolume, slots: Int32Array | None) -> None:
         """Note that blocks (n,) have changed, None for all of them."""

@@ -137,7 +137,7 @@ class _Gathered:
         self.count += len(points)
         while self.count > self.most and self.side < 10.0:
             self.side = max(2.0 * self.side, FINEST_M)
-            self.scans = [one[first_in_cubes(one, self.side)] for one in self.scans]
+            self.scans = [scan[first_in_cubes(scan, self.side)] for scan in self.scans]
             self.count = sum(map(len, self.scans))
 
     def notes(self) -> list[str]:
@@ -256,7 +256,7 @@ def _sequence(
     fields: Mapping[str, NDArray[Any]], notes: list[str],
 ) -> ScanSequence:  # fmt: skip
     notes = [*notes, *gathered.notes(), *offset_notes(offset)]
-    starts = np.concatenate([[0], np.cumsum([len(one) for one in gathered.scans])]).astype(np.int64)
+    starts = np.concatenate([[0], np.cumsum([len(scan) for scan in gathered.scans])]).astype(np.int64)
     return ScanSequence(
         kind, np.concatenate(gathered.scans), starts, origins.reshape(-1, 3).astype(np.float64),
         stamps.astype(np.int64), offset, fields, tuple(notes),

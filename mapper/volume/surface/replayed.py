@@ -98,7 +98,7 @@ class ReplayedSurface:
     @property
     def n_cells(self) -> int:
         """Voxels for which the map and its snapshots have memory; a voxel has a distance and a weight."""
-        snapshots = sum(one.nbytes for one in self._snapshots.values())
+        snapshots = sum(snapshot.nbytes for snapshot in self._snapshots.values())
         return 2 * self.volume.blocks.count * BLOCK**3 + snapshots // 4
 
     def take_touched(self) -> Int32Array | None:
@@ -140,7 +140,7 @@ class ReplayedSurface:
         volume = self.volume
         kept = Snapshot(volume.blocks.codes.copy(), volume.distances.copy(), volume.weights.copy())
         self._snapshots[self.index] = kept
-        while self._snapshots and sum(one.nbytes for one in self._snapshots.values()) > self._most_bytes:
+        while self._snapshots and sum(snapshot.nbytes for snapshot in self._snapshots.values()) > self._most_bytes:
             self._every *= 2
             self._snapshots = {at: one for at, one in self._snapshots.items() if at % self._every == 0}
 

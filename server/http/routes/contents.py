@@ -50,7 +50,7 @@ class HeldContents:
         """Time from the stamp of the log's first scan to its recording, ns; it includes a difference of clocks."""
         log = self.recording.log
         name = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
-        firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
+        firsts = [topic.first_ns for topic in self.contents.topics if topic.name == name and topic.first_ns]
         return firsts[0] - self.origin_ns if firsts else 0
 
     def origin_of(self, series: Series) -> int:

@@ -132,7 +132,9 @@ class Catalogue:
     def bytes(self) -> int:
         """Bytes of all uploads, each counted once, and of what was read of them."""
         uploads = self.uploaded()
-        return sum({one.sha256: one.bytes for one in uploads}.values()) + sum(one.packed_bytes for one in uploads)
+        return sum({upload.sha256: upload.bytes for upload in uploads}.values()) + sum(
+            upload.packed_bytes for upload in uploads
+        )
 
     def pack(self, log_id: str) -> Path:
         """Return the path of the pack of a log."""

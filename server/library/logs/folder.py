@@ -115,10 +115,10 @@ def _files_of(target: Path, root: Path) -> list[os.stat_result]:
         files = [one.stat() for one in inside if _within(one, root) is not None]
     except OSError:  # deleted meanwhile, or not readable
         return []
-    return files if len(files) == len(inside) and all(stat.S_ISREG(one.st_mode) for one in files) else []
+    return files if len(files) == len(inside) and all(stat.S_ISREG(file.st_mode) for file in files) else []
 
 
 def _described(name: str, path: Path, files: list[os.stat_result]) -> FolderLog:
-    size, modified_ns = sum(one.st_size for one in files), max(one.st_mtime_ns for one in files)
+    size, modified_ns = sum(file.st_size for file in files), max(file.st_mtime_ns for file in files)
     digest = hashlib.sha256(f"{name}\0{size}\0{modified_ns}".encode("utf-8", "surrogateescape"))
     return FolderLog(f"folder-{digest.hexdigest()[:20]}", name, path, size, modified_ns / 1e9)

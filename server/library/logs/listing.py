@@ -47,12 +47,12 @@ _KEYS: dict[Order, Callable[[Record], Any]] = {
 def listed(records: Sequence[Record], wanted: Wanted) -> Listing:
     """Return the page of ``records``, which are in the order "newest". Tags are counted over all records."""
     words = wanted.words.casefold().split()
-    found = [one for one in records if set(wanted.tags) <= set(one.tags) and _has(one, words)]
+    found = [record for record in records if set(wanted.tags) <= set(record.tags) and _has(record, words)]
     key = _KEYS.get(wanted.order)
     if key is not None:
         found.sort(key=key)
     end = None if wanted.limit is None else wanted.offset + wanted.limit
-    tags = Counter(tag for one in records for tag in one.tags)
+    tags = Counter(tag for record in records for tag in record.tags)
     return Listing(found[wanted.offset : end], len(found), dict(sorted(tags.items())))
 
 

@@ -181,7 +181,7 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
         sensors = about.sensors
         name = topic if topic is not None or not sensors else sensors[0]["topic"]
         # A sensor whose scans have different beams has several parts.
-        found = [_log_of(one, about.topics, load) for one in sensors if one["topic"] == name]
+        found = [_log_of(sensor, about.topics, load) for sensor in sensors if sensor["topic"] == name]
         if not found:
             raise NotPackedError(topic)
         return _joined(found)
@@ -190,7 +190,7 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
 def read_whole_pack(path: Path) -> ScanLog:
     """Return all sensors of a packed log, in the pack's order, as one log. Raises :class:`StalePackError`."""
     with _opened(path) as (about, load):
-        logs = [_log_of(one, about.topics, load) for one in about.sensors]
+        logs = [_log_of(sensor, about.topics, load) for sensor in about.sensors]
     return _joined(logs)
 
 
@@ -233,7 +233,7 @@ def _log_of(about: dict[str, Any], topics: Sequence[Topic], load: Load) -> ScanL
     values["mount"], values["notes"] = tuple(values["mount"]), tuple(values["notes"])
     values["topics"] = tuple(replace(topic, chosen=topic.name in chosen) for topic in topics)
     trajectories = msgspec.convert(values["trajectories"], list[_Trajectory])
-    values["trajectories"] = {one.name: one.read(load) for one in trajectories}
+    values["trajectories"] = {trajectory.name: trajectory.read(load) for trajectory in trajectories}
     if "odometry" in values:
         values["odometry"] = msgspec.convert(values["odometry"], _Odometry).read(load)
     return ScanLog(**values)
@@ -241,9 +241,9 @@ def _log_of(about: dict[str, Any], topics: Sequence[Topic], load: Load) -> ScanL
 
 def nbytes(log: ScanLog) -> int:
     """Return how much memory the log's arrays take."""
-    timed = [one.timed for one in log.trajectories.values() if one.timed is not None]
+    timed = [trajectory.timed for trajectory in log.trajectories.values() if trajectory.timed is not None]
     arrays: list[Array | None] = [log.ranges, log.stamps_ns, log.mounts]
-    arrays += [one.poses for one in log.trajectories.values()]
+    arrays += [trajectory.poses for trajectory in log.trajectories.values()]
     if log.odometry is not None:
         timed.append(log.odometry.messages)
         arrays += [log.odometry.before_scan, log.odometry.at_scans]

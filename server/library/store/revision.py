@@ -33,7 +33,7 @@ def known_revisions() -> Collection[str]:
     config = alembic_config()
     from alembic.script import ScriptDirectory  # noqa: PLC0415 - start-up: as above
 
-    return {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
+    return {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
 
 
 def refuse_unknown(version: str | None) -> None:

@@ -69,11 +69,11 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
     longest, reach = float((high - low).max()), float(np.abs(np.stack([low, high])).max())
     some = source.points[:: max(1, -(-len(source.points) // 100_000))]
     some = some[((some >= low) & (some <= high)).all(axis=1)]
-    for one in RESOLUTIONS:
-        if longest > VOXELS_ACROSS * one or reach > 30_000.0 * one:
+    for resolution in RESOLUTIONS:
+        if longest > VOXELS_ACROSS * resolution or reach > 30_000.0 * resolution:
             continue
-        if len(some) >= POINTS_A_VOXEL * len(first_in_cubes(some, one)):
-            return one
+        if len(some) >= POINTS_A_VOXEL * len(first_in_cubes(some, resolution)):
+            return resolution
     return RESOLUTIONS[-1] if longest > 10.0 * RESOLUTIONS[-1] else RESOLUTIONS[2]
 
 

@@ -46,7 +46,7 @@ function beamNear(frame: Frame, bearings: readonly number[], bearing: number): B
 /** The beam nearest to straight ahead; null if there is no beam. */
 export function beamAhead(frame: Frame): Beam | null {
   if (frame.bearings) {
-    const off = frame.bearings.map((one) => 1 - Math.cos(one));
+    const off = frame.bearings.map((bearing) => 1 - Math.cos(bearing));
     return beamAt(frame, off.indexOf(Math.min(...off)));
   }
   const ahead = Math.round(-frame.angle_min / frame.angle_increment);

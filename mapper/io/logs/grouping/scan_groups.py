@@ -128,7 +128,7 @@ class _Grouping:
         self.sensor, self.limits = sensor, limits
         self.beamings, self.of_scan = sensor.beamings, sensor.beaming_of_scan
         counts = np.bincount(self.of_scan, minlength=len(self.beamings)).tolist()
-        self.usable = [usable_limits(one.range_min, one.range_max)[:2] for one in self.beamings]
+        self.usable = [usable_limits(beaming.range_min, beaming.range_max)[:2] for beaming in self.beamings]
         self.angles = _same_angles(self.beamings)
         self.notes: list[str] = []
         stated: Counter[tuple[float, float]] = Counter()
@@ -172,7 +172,7 @@ class _Grouping:
     def _padded(self) -> NDArray[np.float32]:
         """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""
         flat = self.sensor.readings
-        counts = np.array([one.beams for one in self.beamings], dtype=np.int64)
+        counts = np.array([beaming.beams for beaming in self.beamings], dtype=np.int64)
         n, most = self.sensor.n_scans, int(counts.max())
         if (counts == most).all():
             return flat.reshape(n, most)

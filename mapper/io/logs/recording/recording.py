@@ -245,10 +245,10 @@ class Recording:
         for stream, stamp_ns, data in self._paths.values():
             try:
                 poses = POSES[PATH](data, cdr=stream.cdr)
-                stamps = [one.stamp_ns for one in poses]
+                stamps = [pose.stamp_ns for pose in poses]
                 if len(poses) > 1 and stamps[0] > 0 and all(a < b for a, b in pairwise(stamps)):
-                    for one in poses:
-                        self._add_pose(stream, stamp_ns, one)
+                    for pose in poses:
+                        self._add_pose(stream, stamp_ns, pose)
             except BadMessageError as error:
                 stream.refuse(str(error))
 
@@ -300,11 +300,11 @@ class Recording:
         tf2 keeps one transform of a stamp, and refuses a look-up at any other time.
         """
         taken = self._taken
-        counted = [(f"{one.n_scans} scans on {one.topic}", one.take_recorded_times()) for one in sensors]
-        for one in taken.poses.values():
-            counted.append((f"{len(one.timeline)} poses on {one.topic}", one.timeline.take_recorded_times()))
+        counted = [(f"{sensor.n_scans} scans on {sensor.topic}", sensor.take_recorded_times()) for sensor in sensors]
+        for pose in taken.poses.values():
+            counted.append((f"{len(pose.timeline)} poses on {pose.topic}", pose.timeline.take_recorded_times()))
             if counted[-1][1]:
-                one.clock.reset()
+                pose.clock.reset()
         of_tf = [
             (f"{len(line)} transforms between two frames on {topic}", line.take_recorded_times())
             for topic, line in taken.tf.timelines

@@ -43,7 +43,7 @@ class Reasons:
         reasons = sorted(self.by_kind.values(), key=lambda one: -one.count)
         if len(reasons) == 1:
             return _with_first(reasons[0])
-        return "; ".join(f"{one.count} of them: {_with_first(one)}" for one in reasons)
+        return "; ".join(f"{reason.count} of them: {_with_first(reason)}" for reason in reasons)
 
 
 @dataclass(slots=True)

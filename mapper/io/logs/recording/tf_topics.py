@@ -113,7 +113,7 @@ class TfTopics:
         around, own_space = namespaces(sensor), namespaces(moving)[0]
         if own_space and own_space in around:  # transforms beside that namespace are other robots'
             spaces = {topic: namespaces(topic)[0] for topic in others}
-            others = [one for one in others if spaces[one] in around or spaces[one].startswith(f"{own_space}/")]
+            others = [other for other in others if spaces[other] in around or spaces[other].startswith(f"{own_space}/")]
         return Choice(moving, static, tuple(others))
 
     def _frames(self, topic: str) -> list[str]:

@@ -81,7 +81,9 @@ class _Statics:
     @property
     def changes(self) -> bool:
         """Whether one was replaced by another that differs."""
-        return any(one != self.values[0] for one in self.values) or any(one != self.parents[0] for one in self.parents)
+        return any(value != self.values[0] for value in self.values) or any(
+            parent != self.parents[0] for parent in self.parents
+        )
 
 
 @dataclass(slots=True)
@@ -424,8 +426,8 @@ class FrameTree:
         if not lines:
             return Moments(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)), np.zeros(0, dtype=np.int64)
         moments = [line.in_order[0] for line in lines]
-        positions = np.concatenate([one.positions for one in moments if one.positions is not None])
-        stamps, index = np.unique(np.concatenate([one.stamps_ns for one in moments]), return_index=True)
+        positions = np.concatenate([moment.positions for moment in moments if moment.positions is not None])
+        stamps, index = np.unique(np.concatenate([moment.stamps_ns for moment in moments]), return_index=True)
         return Moments(stamps, positions[index]), np.concatenate([line.as_stated for line in lines])[index]
 
     def is_fixed(self, source: str, target: str) -> bool:

@@ -64,7 +64,7 @@ def compressed_depth_image(data: bytes, *, cdr: bool) -> DepthImage:
 
 def image_topic(topic: str) -> str:
     """Return the topic of the image whose compressed ones are on ``topic``; beside it is its CameraInfo."""
-    return next((topic.removesuffix(one) for one in TRANSPORTS if topic.endswith(one)), topic)
+    return next((topic.removesuffix(transport) for transport in TRANSPORTS if topic.endswith(transport)), topic)
 
 
 def _check_size(width: int, height: int) -> None:

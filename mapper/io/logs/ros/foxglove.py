@@ -186,10 +186,10 @@ def _transforms(items: list[Values]) -> bytes:
     if len(items) > MOST_TRANSFORMS:
         raise BadMessageError
     out = CdrWriter().pack("I", 4, len(items))
-    for one in items:
-        position, turn = _pose_of({"position": one.get("translation"), "orientation": one.get("rotation")})
-        out.header(_stamp(one.get("timestamp")), str(one.get("parent_frame_id", "")))
-        out.string(str(one.get("child_frame_id", ""))).pack("d", 8, *position, *turn)
+    for item in items:
+        position, turn = _pose_of({"position": item.get("translation"), "orientation": item.get("rotation")})
+        out.header(_stamp(item.get("timestamp")), str(item.get("parent_frame_id", "")))
+        out.string(str(item.get("child_frame_id", ""))).pack("d", 8, *position, *turn)
     return out.message
 
 

@@ -227,7 +227,7 @@ class CarmenReader:
             if other != word:
                 notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
         of_kinds = [self._beams(word, kind) for kind in range(len(sensor.kinds))]
-        greatest = [NO_RETURN if one.range_max is None else one.range_max for one in of_kinds]
+        greatest = [NO_RETURN if beams.range_max is None else beams.range_max for beams in of_kinds]
         counts = np.array([n for n, _ in sensor.kinds])[sensor.kind_of_scan]
         readings, notes_on_ranges = sensor.clean_readings(np.repeat(np.array(greatest)[sensor.kind_of_scan], counts))
         notes += notes_on_ranges
@@ -250,7 +250,7 @@ class CarmenReader:
             notes += notes_on_groups
         mount = self._mount(sensor, notes)
         trajectories = self._trajectories(sensor, mount)
-        notes += [one.placeholder_note for one in trajectories.values() if one.is_placeholder]
+        notes += [trajectory.placeholder_note for trajectory in trajectories.values() if trajectory.is_placeholder]
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
         whole = ScanLog(
@@ -269,7 +269,7 @@ class CarmenReader:
             topics=self._topics(word, mount),
             notes=tuple(notes),
             odometry=self._odometry(sensor, trajectories),
-            angles_assumed=any(one.is_assumed for one in of_kinds),
+            angles_assumed=any(beams.is_assumed for beams in of_kinds),
             limits=self.limits,
         )
         if is_even:

@@ -61,7 +61,7 @@ class _GfsReader:
         if len(values) < 4:
             raise ReadError("log.truncated_line", f"Line {line}: this SM_UPDATE line has no particle.")
         particles = [values[at : at + 4] for at in range(0, len(values) - 3, 4)]
-        best = max(particles, key=lambda one: one[3])
+        best = max(particles, key=lambda particle: particle[3])
         self.best[-3:] = array(
             "d", fields.pose([str(value) for value in best[:3]], line, tokens[0], "a particle's", self.limits)
         )

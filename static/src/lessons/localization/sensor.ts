@@ -26,7 +26,9 @@ export function withShare(mix: BeamMixture, name: Share, value: number): BeamMix
   const share = Math.min(0.97, Math.max(0, value));
   const others = SHARES.filter((one) => one !== name);
   const rest = others.reduce((sum, one) => sum + mix[one], 0);
-  const scaled = others.map((one) => [one, rest > 0 ? (mix[one] * (1 - share)) / rest : (1 - share) / 3] as const);
+  const scaled = others.map(
+    (other) => [other, rest > 0 ? (mix[other] * (1 - share)) / rest : (1 - share) / 3] as const,
+  );
   return { ...mix, ...Object.fromEntries(scaled), [name]: share };
 }
 

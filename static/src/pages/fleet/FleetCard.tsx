@@ -51,8 +51,8 @@ function About({ facts }: { facts: Facts }) {
             {others.length > 0 && <span class="quiet">and {others.length} more</span>}
           </summary>
           <ul>
-            {others.map((one) => (
-              <li key={one.check + one.sentence}>{sentenceOf(one)}</li>
+            {others.map((other) => (
+              <li key={other.check + other.sentence}>{sentenceOf(other)}</li>
             ))}
           </ul>
         </details>

@@ -199,7 +199,7 @@ export function chosen(logs: Iterable<FleetLog>, wanted: Wanted, order: Order): 
   const words = wanted.words.toLowerCase().split(/\s+/).filter(Boolean);
   const rank = (log: FleetLog): number => ["done", "failed", "running", "queued", "none"].indexOf(log.state);
   const found = [...logs].filter((log) => {
-    const text = [log.name, log.error?.message, ...(log.facts?.findings ?? []).map((one) => one.sentence)]
+    const text = [log.name, log.error?.message, ...(log.facts?.findings ?? []).map((finding) => finding.sentence)]
       .join(" ")
       .toLowerCase();
     return IS_SHOWN[wanted.shown](log) && isWanted(log, wanted) && words.every((word) => text.includes(word));

@@ -60,7 +60,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
   useEffect(() => void load(), []);
   const points = solvedPoints();
   const puzzles = all.value?.puzzles ?? [];
-  const solved = puzzles.filter((one) => one.name in points).length;
+  const solved = puzzles.filter((puzzle) => puzzle.name in points).length;
   return (
     <div class="puzzles">
       <div class="page-head">
@@ -85,9 +85,9 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
           <h2>{title}</h2>
           <ul class="cards">
             {puzzles
-              .filter((one) => one.level === Number(level))
-              .map((one) => (
-                <Card key={one.name} puzzle={one} points={points[one.name]} onOpen={onOpen} />
+              .filter((puzzle) => puzzle.level === Number(level))
+              .map((puzzle) => (
+                <Card key={puzzle.name} puzzle={puzzle} points={points[puzzle.name]} onOpen={onOpen} />
               ))}
           </ul>
         </section>

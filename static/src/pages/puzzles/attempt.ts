@@ -35,7 +35,7 @@ export function nextPuzzle(
   name: string,
   points: Readonly<Record<string, number>>,
 ): OfferedPuzzle | null {
-  const at = puzzles.findIndex((one) => one.name === name);
+  const at = puzzles.findIndex((puzzle) => puzzle.name === name);
   const inTurn = [...puzzles.slice(at + 1), ...puzzles.slice(0, at + 1)];
   return inTurn.find((one) => one.name !== name && !(one.name in points)) ?? null;
 }

@@ -13,7 +13,7 @@ const numberIn = (text: string): number | null => (text.trim() === "" ? null : N
 /** The index that the right option has among those that are not empty; null for none. */
 function rightAmong(options: readonly string[], right: number): number | null {
   if (!options[right]?.trim()) return null;
-  return options.slice(0, right).filter((one) => one.trim()).length;
+  return options.slice(0, right).filter((option) => option.trim()).length;
 }
 
 /** A form for a question that is made on the spot: options to choose from, or a number to guess. */

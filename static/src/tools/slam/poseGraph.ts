@@ -102,7 +102,7 @@ function nearest(
 export function whyNone({ visits, candidates }: Pick<TriedNear, "visits" | "candidates">): string {
   if (visits.length === 0) return "The robot was never within 3 m of this place.";
   const times = ["never", "once", "twice"][visits.length] ?? `${visits.length} times`;
-  const accepted = candidates.filter((one) => one.accepted).length;
+  const accepted = candidates.filter((candidate) => candidate.accepted).length;
   if (accepted > 0)
     return `The robot was here ${times}, and ${accepted} ${accepted === 1 ? "loop" : "loops"} closed near this place.`;
   if (candidates.length > 0)

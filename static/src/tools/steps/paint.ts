@@ -31,7 +31,7 @@ export function paintSteps(store: Store, brush: Brush, onMap: boolean): void {
   const beam = now && beamAt(frame, now.beam);
   if (!now || !beam) return;
   const cells = steps
-    .filter((one) => one.beam === now.beam)
+    .filter((step) => step.beam === now.beam)
     .map(({ cell, isHit }) => ({ cell, evidence: isHit ? ("hit" as const) : ("miss" as const) }));
   paintBeam(brush, pose, beam, frame.range_max);
   paintBeamCells(brush, geometry, cells);

@@ -94,7 +94,7 @@ export function LookGroup({ store }: { readonly store: Store }) {
 /** The colourings for what is shown. */
 export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: string): readonly string[] {
   if (show === "surface") return OF_SURFACES;
-  const ofPoints = show === "voxels" ? colours.filter((one) => one === "class") : colours;
+  const ofPoints = show === "voxels" ? colours.filter((colour) => colour === "class") : colours;
   return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...ofPoints];
 }
 

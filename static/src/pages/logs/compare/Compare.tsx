@@ -146,14 +146,14 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
     <>
       <p class="quiet">A is the same log with other poses; both use the same settings.</p>
       <div class="actions">
-        {others.map((one) => (
+        {others.map((other) => (
           <Button
-            key={one.name}
-            pressed={one.name === now}
+            key={other.name}
+            pressed={other.name === now}
             disabled={disabled}
-            onClick={() => onChoose({ trajectory: one.name })}
+            onClick={() => onChoose({ trajectory: other.name })}
           >
-            {trajectoryLabel(one.name)}
+            {trajectoryLabel(other.name)}
           </Button>
         ))}
       </div>

@@ -69,8 +69,8 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
         </p>
         <Formats />
       </Dropzone>
-      {uploads.value.map((one) => (
-        <UploadCard key={one.key} upload={one} />
+      {uploads.value.map((upload) => (
+        <UploadCard key={upload.key} upload={upload} />
       ))}
       {listError.value && (
         <p class="notice" role="alert">

@@ -102,8 +102,11 @@ function Facts({ log, onOpen }: LogCardProps) {
       <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || pending}</p>
       <p class="quiet number">{file(log).join(" · ")}</p>
       {log.trajectories.length > 1 && (
-        <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
-          Trajectories: {log.trajectories.map((one) => trajectoryLabel(one.name)).join(", ")}
+        <p
+          class="quiet"
+          title={log.trajectories.map((trajectory) => `${trajectory.name}: ${trajectory.description}`).join("\n")}
+        >
+          Trajectories: {log.trajectories.map((trajectory) => trajectoryLabel(trajectory.name)).join(", ")}
         </p>
       )}
       {known.length > 0 && <Inside log={log} onOpen={onOpen} />}

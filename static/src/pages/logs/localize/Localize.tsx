@@ -70,7 +70,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const isUnderWay = localizing.isUnderWay.value;
   const doing = localizing.doing.value;
   const map = localizing.map.value;
-  const names = (store.hello.value?.log?.trajectories ?? []).map((one) => one.name);
+  const names = (store.hello.value?.log?.trajectories ?? []).map((trajectory) => trajectory.name);
   const found = job?.result?.trajectory;
   const odometry = useSignal("");
   const sources = names.filter((name) => name !== found);
@@ -211,7 +211,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const input = useRef<HTMLInputElement>(null);
   const log = store.hello.value?.log;
   const chosen = useSignal<ChosenLog | null>(null);
-  const names = (log?.trajectories ?? []).map((one) => one.name);
+  const names = (log?.trajectories ?? []).map((trajectory) => trajectory.name);
   const along = useSignal("");
   // The poses that the page shows, but not those of an earlier localization.
   const shown = store.trajectory.value?.name;
@@ -315,7 +315,9 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const result = job?.state === "done" ? job.result : null;
   if (!result) return null;
   const count = store.frame.value?.count ?? 0;
-  const isThere = (store.hello.value?.log?.trajectories ?? []).some((one) => one.name === result.trajectory);
+  const isThere = (store.hello.value?.log?.trajectories ?? []).some(
+    (trajectory) => trajectory.name === result.trajectory,
+  );
   return (
     <>
       <p role="status">

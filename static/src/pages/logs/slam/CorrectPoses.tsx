@@ -187,7 +187,7 @@ interface ResultsProps extends Omit<CorrectPosesProps, "isGuest"> {
 function Results({ store, session, job, comparison, correction }: ResultsProps) {
   const failure = useSignal<string | null>(null);
   const corrected = job?.state === "done" ? (job.result?.trajectory ?? null) : null;
-  const names = (store.hello.value?.log?.trajectories ?? []).map((one) => one.name);
+  const names = (store.hello.value?.log?.trajectories ?? []).map((trajectory) => trajectory.name);
   if (corrected === null || !names.includes(corrected)) return null;
   const now = store.trajectory.value?.name;
   const before = correction.before.value ?? job?.result?.odometry ?? names.find((name) => name !== corrected);

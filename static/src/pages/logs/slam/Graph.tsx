@@ -195,18 +195,19 @@ function Why({ store, correction, isGuest }: Omit<GraphProps, "graph">) {
             : {whyNone(place.found)}
           </p>
           <ul class="loop-list" aria-label="Loops that were tried">
-            {place.found.candidates.map((one) => (
-              <li key={one.candidate}>
+            {place.found.candidates.map((candidate) => (
+              <li key={candidate.candidate}>
                 <Button
                   kind="quiet"
-                  pressed={correction.candidate.value?.candidate === one.candidate}
-                  onClick={() => void correction.selectCandidate(one.candidate)}
+                  pressed={correction.candidate.value?.candidate === candidate.candidate}
+                  onClick={() => void correction.selectCandidate(candidate.candidate)}
                 >
                   <span>
-                    scans {one.scans[0] + 1} and {one.scans[1] + 1}
+                    scans {candidate.scans[0] + 1} and {candidate.scans[1] + 1}
                   </span>
                   <span>
-                    {one.accepted ? "accepted" : `refused: ${one.reason}`} (score {one.score.toFixed(2)})
+                    {candidate.accepted ? "accepted" : `refused: ${candidate.reason}`} (score{" "}
+                    {candidate.score.toFixed(2)})
                   </span>
                 </Button>
               </li>

@@ -59,7 +59,7 @@ function Errors({
   const first = firstPair(trajectories);
   const reference = useSignal(first[0]);
   const estimate = useSignal(first[1]);
-  const pathOf = (name: string): string => trajectories.find((one) => one.name === name)?.same_as ?? name;
+  const pathOf = (name: string): string => trajectories.find((trajectory) => trajectory.name === name)?.same_as ?? name;
   const align = useSignal("rigid");
   const failure = useSignal<string | null>(null);
   const delta = useSignal(1);

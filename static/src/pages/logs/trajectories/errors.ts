@@ -13,10 +13,10 @@ export const STATISTICS = ["rmse", "mean", "median", "std", "min", "max"] as con
 export function firstPair(trajectories: readonly TrajectoryInfo[]): readonly [reference: string, estimate: string] {
   const paths = trajectories.filter(({ same_as }) => same_as === null);
   const found = paths.filter(({ from_scans }) => from_scans).at(-1);
-  const others = paths.filter((one) => one !== found);
+  const others = paths.filter((path) => path !== found);
   const wheels = others.find(({ name, from_scans }) => !from_scans && /odom|wheel/i.test(name));
   const reference = found ?? paths[0];
-  const estimate = (found && wheels) ?? others.find((one) => one !== reference) ?? trajectories[1];
+  const estimate = (found && wheels) ?? others.find((other) => other !== reference) ?? trajectories[1];
   return [reference?.name ?? "", estimate?.name ?? ""];
 }
 

@@ -7,7 +7,7 @@ import { type Slide, WHOLE_LECTURE } from "./deck";
 const isAbout = ({ lessons }: Part, slide: Slide): boolean =>
   "section" in slide && lessons.some(({ id }) => id === slide.section);
 
-export const hasPart = (slides: readonly Slide[], part: Part): boolean => slides.some((one) => isAbout(part, one));
+export const hasPart = (slides: readonly Slide[], part: Part): boolean => slides.some((slide) => isAbout(part, slide));
 
 const [LECTURE_TITLE] = WHOLE_LECTURE.slides.filter(({ kind }) => kind === "title");
 
