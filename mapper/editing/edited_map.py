@@ -259,7 +259,7 @@ def _crop(state: _State, edit: Crop, _: Check) -> _State:
     col0, row0 = (int(v) for v in np.maximum(np.floor(lattice.min(axis=0) + _EDGE), 0))
     col1, row1 = (int(v) for v in np.minimum(np.ceil(lattice.max(axis=0) - _EDGE), (old.cols, old.rows)))
     if row0 >= row1 or col0 >= col1:
-        raise ConfigError("edit.empty", "The rectangle holds no cell of the map.")
+        raise ConfigError("edit.empty", "The rectangle contains no cell of the map.")
     x, y = (float(value) for value in _from_lattice(old, [(col0, row0)])[0])
     new = GridGeometry(old.resolution, row1 - row0, col1 - col0, (x, y, old.origin[2]), old.limits)
     part = np.s_[row0:row1, col0:col1]

@@ -60,11 +60,11 @@ def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
     number, and :class:`LimitError` for more than 16 MiB or 2,000 edits.
     """
     if len(data) > MAX_BYTES:
-        raise LimitError("edits.too_large", f"A file of edits may have {MAX_BYTES >> 20} MiB.")
+        raise LimitError("edits.too_large", f"A file of edits may have at most {MAX_BYTES >> 20} MiB.")
     try:
         found = json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise ReadError("edits.json", f"The edits are no JSON: {error}.") from error
+        raise ReadError("edits.json", f"The edits are not JSON: {error}.") from error
     if not isinstance(found, dict) or found.get("format") != FORMAT or not isinstance(found.get("edits"), list):
         raise ReadError("edits.format", f"The file holds no edits: its 'format' is not {FORMAT!r}.")
     if found.get("version") != VERSION:

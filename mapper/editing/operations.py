@@ -39,7 +39,7 @@ def _points(value: object, what: str, least: int) -> Points:
 
 def _state(value: object) -> str:
     if value not in VALUES:
-        raise ConfigError("edit.state", f"What is painted must be one of {', '.join(VALUES)}, not {value!r:.40}.")
+        raise ConfigError("edit.state", f"The painted state must be one of {', '.join(VALUES)}, not {value!r:.40}.")
     return str(value)
 
 
@@ -170,7 +170,7 @@ class Crop:
     def __post_init__(self) -> None:
         object.__setattr__(self, "corners", _points(self.corners, "A crop", 2))
         if len(self.corners) != 2:
-            raise ConfigError("edit.points", f"A crop has two corners, not {len(self.corners)}.")
+            raise ConfigError("edit.points", f"A crop needs two corners, not {len(self.corners)}.")
 
 
 @dataclass(frozen=True, slots=True)

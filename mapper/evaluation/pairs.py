@@ -62,7 +62,7 @@ def _steps_s(stamps_ns: Int64Array) -> Float64Array:
     if (steps < 0).any():
         raise ConfigError(
             "evaluation.backwards",
-            "Pairs by seconds need stamps that do not run backwards, and these do: take metres or frames.",
+            "Poses cannot be paired by seconds, since their stamps run backwards: use metres or frames.",
         )
     return steps / 1e9
 

@@ -29,7 +29,7 @@ def merged(a: OccupancyGrid, b: OccupancyGrid) -> OccupancyGrid:
     if a.log_odds_prior != b.log_odds_prior:
         raise ConfigError("merge.prior", f"The priors differ: {a.log_odds_prior:g} and {b.log_odds_prior:g}.")
     if a.cell_statistics is not None or b.cell_statistics is not None:
-        raise ConfigError("merge.model", "Only maps that are sums of log-odds can be added; one of these counts.")
+        raise ConfigError("merge.model", "Only maps of log-odds can be merged; one of these has another model.")
     whole, places = on_one_lattice(a, b)
     parts = list(zip((a, b), places, strict=True))
     out = OccupancyGrid(whole, a.log_odds_prior, _prior_map(whole.shape, parts))

@@ -63,7 +63,7 @@ def _observed_part(grid: OccupancyGrid, cells: NDArray[np.int8]) -> NDArray[np.i
 def _blocks(cells: NDArray[np.int8], width: int) -> NDArray[np.int8]:
     """Return the greatest value of each block of cells, in as many columns as fit ``width``."""
     if width < 1:
-        raise ConfigError("render.width", f"A picture is at least one character wide, not {width}.")
+        raise ConfigError("render.width", f"A picture must be at least one character wide, not {width}.")
     rows, cols = cells.shape
     if 2 * cols <= width:
         return np.repeat(cells, 2, axis=1)

@@ -38,7 +38,9 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     :class:`LimitError` for more than 1 MiB or 10 000 values.
     """
     if len(data) > MAX_BYTES:
-        raise LimitError("parameters.too_large", f"A parameter file may have {MAX_BYTES} bytes, not {len(data)}.")
+        raise LimitError(
+            "parameters.too_large", f"A parameter file may have at most {MAX_BYTES} bytes, not {len(data)}."
+        )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -51,7 +53,7 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     except DepthError as error:
         raise ReadError("parameters.depth", f"The parameter file is nested deeper than {MAX_DEPTH} levels.") from error
     except CountError as error:
-        message = f"A parameter file may have {MAX_VALUES} keys, values and lists; this one has more."
+        message = f"A parameter file may have at most {MAX_VALUES} keys, values and lists."
         raise LimitError("parameters.too_many", message) from error
     except yaml.MarkedYAMLError as error:
         line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""

@@ -49,7 +49,7 @@ def map_model(grid: OccupancyGrid, config: LocalizationConfig, range_max: float)
     """
     free = np.flatnonzero(grid.classify().ravel() == FREE)
     if not len(free):
-        raise ConfigError("localization.no_free_cells", "The map has no free cells: the robot can be nowhere in it.")
+        raise ConfigError("localization.no_free_cells", "The map has no free cells, so it has no place for the robot.")
     field = likelihood_field(grid, config, range_max)
     cells = OccupiedCells(occupied_cells(grid), grid.geometry.frame)
     return MapModel(grid.geometry, field, cells, free.astype(np.int64))

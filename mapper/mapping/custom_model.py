@@ -46,7 +46,7 @@ def add_with_model(
     if grid.cell_statistics is not None:
         raise ConfigError(
             "model.cell_statistics",
-            "The grid keeps the counts of another model; start a new one for a model of your own.",
+            "The grid holds counts for another model; start a new grid for a model of your own.",
         )
     behind = _checked_reach(model)
     check_beam_length(batch.range_max + behind, grid.geometry.resolution)

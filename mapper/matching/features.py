@@ -103,7 +103,7 @@ def support(walls: Walls, others: Walls, poses: Float64Array) -> Float64Array:
 def walls_of_target(target: Target) -> Walls:
     """Return the walls of all scans of a target in its frame. Raises :class:`ConfigError` for a map."""
     if target.is_map:
-        raise ConfigError("matching.method", "The method features looks for walls in scans, and the target is a map.")
+        raise ConfigError("matching.method", "The method 'features' matches a scan with scans, not with a map.")
     placed = [transform_points(target.poses[j], walls_of(target.scans, int(j)).ends) for j in target.indices]
     return Walls(np.concatenate(placed))
 

@@ -41,7 +41,7 @@ class Target:
             or not len(self.indices)
             or not ((self.indices >= 0) & (self.indices < n_scans)).all()
         ):
-            raise ConfigError("matching.target", f"A target is one or several of its {n_scans} scans.")
+            raise ConfigError("matching.target", f"The target must be one or more of the {n_scans} scans.")
         check_points(self.scans, self.indices, "the map" if self.is_map else "the target")
 
     @property
@@ -66,7 +66,7 @@ def check_points(scans: ScanArrays, indices: Int64Array, what: str) -> None:
 def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
     if not 0 <= index < len(scans.kind):
-        raise ConfigError("matching.scan", f"There is no scan {index} among {len(scans.kind)}.")
+        raise ConfigError("matching.scan", f"There is no scan {index}; the last is {len(scans.kind) - 1}.")
     one = scan_rows(scans, index, index + 1)
     return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 

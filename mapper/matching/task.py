@@ -50,14 +50,16 @@ class Task:
             )
         check_poses(self.guess[np.newaxis], (1, 3))
         if not 0 <= self.index < len(self.source.kind):
-            raise ConfigError("matching.scan", f"There is no scan {self.index} among {len(self.source.kind)}.")
+            raise ConfigError(
+                "matching.scan", f"There is no scan {self.index}; the last is {len(self.source.kind) - 1}."
+            )
         check_points(self.source, np.array([self.index]), "the scan")
         parts = self.config.parts
         if self.target.is_map and parts.refinement.startswith("point"):
             raise ConfigError(
                 "matching.method",
-                f"The method {self.config.method} pairs points by the view of a scan, and the target is a map: "
-                "take global_field, likelihood_field or correlative.",
+                f"The method {self.config.method!r} matches a scan with scans, not with a map: "
+                "choose global_field, likelihood_field or correlative.",
             )
         window = self.window
         blocks = (2 * window.turns + 1) * (2 * window.cells / (1 << TOP_LEVEL) + 1) ** 2
@@ -67,7 +69,7 @@ class Task:
             raise LimitError(
                 "matching.window",
                 f"A window of ±{self.config.window_m:g} m and ±{self.config.window_rad:g} rad has too many poses with "
-                f"cells of {self.config.field_resolution:g} m: take a smaller window or larger cells.",
+                f"cells of {self.config.field_resolution:g} m: choose a smaller window or larger cells.",
             )
 
     @property

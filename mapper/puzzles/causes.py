@@ -54,7 +54,7 @@ _ROWS = (
             "Ask Why about a cell well in front of a wall: it got hits of beams that ended farther away.",
             "Look at the parameter Hit window.",
         ),
-        "The window around a reading absorbs noise of the range and the size of a cell. A window wider than that makes "
+        "The window around a reading allows for the noise of the range and the size of a cell. A wider window makes "
         "walls thick and closes narrow passages.",
         lesson="With no window the wall is broken; with a wide one it is thick and narrows the doors.",
         amount=(0.6, 1.0),

@@ -90,7 +90,9 @@ def spoil(log: ScanLog, cause: str, seed: int, trajectory: str | None = None) ->
     Raises :class:`ConfigError` for another cause, and for a log without poses along which a drift or an offset shows.
     """
     if cause not in _SPOILERS:
-        raise ConfigError("puzzle.cause", f"A log cannot be spoiled by {cause!r:.80}; {', '.join(_SPOILERS)} can.")
+        raise ConfigError(
+            "puzzle.cause", f"There is no fault {cause!r:.80} of a log; there are {', '.join(_SPOILERS)}."
+        )
     if log.n_scans < 2:
         raise ConfigError("puzzle.short", "A puzzle needs a log of at least two scans.")
     name = trajectory or log.default_trajectory
@@ -114,7 +116,7 @@ def _resolution(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
 
 def _window(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
     if log.beam_width > 0.0:
-        raise ConfigError("puzzle.cause", "A wide window is not a fault where the sensor is a sonar.")
+        raise ConfigError("puzzle.cause", "A wide hit window is not a fault of a sonar's map.")
     return _with_values(log, name, {"window": _size(CAUSES["window"], rng, signed=False)})
 
 

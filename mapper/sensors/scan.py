@@ -144,7 +144,7 @@ def checked_bearings(bearings: NDArray[np.float64], shape: tuple[int, ...]) -> N
 
 def _check_width(width: float) -> None:
     if not 0.0 <= width <= np.pi / 2.0:
-        raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
+        raise ConfigError("scan.beam_width", f"A beam's width must be 0 to π/2 radians, not {width!r}.")
 
 
 @dataclass(frozen=True, slots=True)

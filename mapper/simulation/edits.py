@@ -36,10 +36,10 @@ class Drawn:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind):
-            raise ConfigError("edit.kind", f"What is drawn is a wall or a box, not {self.kind!r:.80}.")
+            raise ConfigError("edit.kind", f"Only a wall or a box can be drawn, not {self.kind!r:.80}.")
         for value in (self.x0, self.y0, self.x1, self.y1):
             if type(value) is not int or abs(value) > 1_000_000:
-                raise ConfigError("edit.place", f"Corners are whole centimetres within 10 km, not {value!r:.80}.")
+                raise ConfigError("edit.place", f"Corners must be whole centimetres within 10 km, not {value!r:.80}.")
         dx, dy = abs(self.x1 - self.x0) / 100.0, abs(self.y1 - self.y0) / 100.0
         if (math.hypot(dx, dy) if self.kind == "wall" else min(dx, dy)) < LEAST_SIDE:
             raise ConfigError("edit.small", f"A {self.kind} needs sides of at least {100 * LEAST_SIDE:g} cm.")
@@ -66,9 +66,9 @@ class Edits:
         Raises :class:`ConfigError` for anything else.
         """
         if not isinstance(added, list) or not all(isinstance(row, list | tuple) and len(row) == 5 for row in added):
-            raise ConfigError("edit.added", "What was added is a list of [kind, x0, y0, x1, y1].")
+            raise ConfigError("edit.added", "The added solids must be a list of [kind, x0, y0, x1, y1].")
         if not isinstance(erased, list) or not all(isinstance(i, int) and not isinstance(i, bool) for i in erased):
-            raise ConfigError("edit.erased", "What was erased is a list of whole numbers.")
+            raise ConfigError("edit.erased", "The erased solids must be a list of whole numbers.")
         return cls(tuple(Drawn(cast("Kind", kind), *corners) for kind, *corners in added), frozenset(erased))
 
     def as_lists(self) -> tuple[list[list[str | int]], list[int]]:
@@ -94,7 +94,7 @@ def edited(world: World, edits: Edits, limits: Limits = DEFAULT_LIMITS) -> World
     x0, y0, x1, y1 = world.bounds
     for polygon in added:
         if np.any(polygon < (x0, y0)) or np.any(polygon > (x1, y1)):
-            raise ConfigError("edit.outside", "What is drawn must be within the world.")
+            raise ConfigError("edit.outside", "Walls and boxes must lie within the world.")
     if not added and not edits.erased:
         return world
     kept = [solid for i, solid in enumerate(world.solids) if i not in edits.erased]

@@ -38,7 +38,7 @@ class Recording:
         self, sensor: SensorConfig, capacity: int = CAPACITY, mount: Sequence[float] = (0.0, 0.0, 0.0)
     ) -> None:
         if capacity < 2:
-            raise ConfigError("recording.capacity", f"A recording holds at least 2 scans, not {capacity!r}.")
+            raise ConfigError("recording.capacity", f"A recording must hold at least 2 scans, not {capacity!r}.")
         self.sensor = sensor
         self.capacity = capacity
         self.mount = (float(mount[0]), float(mount[1]), float(mount[2]))

@@ -110,7 +110,9 @@ class Simulation:
         Raises :class:`ConfigError` for a time that is negative or not finite.
         """
         if not (math.isfinite(dt) and dt >= 0.0):
-            raise ConfigError("simulation.time", f"Time advances by a finite number of seconds ≥ 0, not {dt!r}.")
+            raise ConfigError(
+                "simulation.time", f"Time must advance by a finite number of seconds, at least 0, not {dt!r}."
+            )
         self._rest += dt
         count = 0
         while self._rest >= STEP - 1e-9:
@@ -215,7 +217,7 @@ class Simulation:
         a world in which the robot fits nowhere; nothing has changed then.
         """
         if world.bounds != self.world.bounds:
-            raise ConfigError("simulation.bounds", "An altered world keeps its bounds.")
+            raise ConfigError("simulation.bounds", "A changed world must keep its bounds.")
         x, y, yaw = self.robot.pose
         needed = self.radius + 1e-3
         place = world.nearest_free((x, y), needed)

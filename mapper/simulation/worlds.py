@@ -107,7 +107,7 @@ class World:
         lattice = clearance_lattice(self)
         free = np.argwhere(lattice.clearance >= max(radius, TOUCH))
         if not len(free):
-            raise ConfigError("world.full", f"Nothing of radius {radius:g} m fits into the world {self.name!r}.")
+            raise ConfigError("world.full", f"A robot of radius {radius:g} m fits nowhere in the world {self.name!r}.")
         points = lattice.geometry.cell_to_world(free)
         found = self._improved(points, target, radius)
         gap = float(np.hypot(*(found - target)))

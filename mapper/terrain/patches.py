@@ -83,7 +83,9 @@ class Patches:
         :meth:`summed_areas`, for several windows of one cloud. Raises :class:`ConfigError` for a negative reach.
         """
         if reach < 0 or min_points < 3:
-            raise ConfigError("terrain.window", "A window reaches 0 patches or more, and a plane takes 3 points.")
+            raise ConfigError(
+                "terrain.window", "A window must reach at least 0 patches, and a plane needs at least 3 points."
+            )
         out = np.empty((*self.moments.shape[:2], 6))
         areas = self.summed_areas() if table is None else table
         kernels.fit_windows(areas, self.size, min(reach, max(out.shape[:2])), min_points, out)

@@ -145,9 +145,9 @@ def test_a_link_that_leaves_the_folder_is_refused_and_one_within_it_is_followed(
 @pytest.mark.parametrize(
     ("image", "words"),
     [
-        (b"", "no PGM, PNG or BMP"),
-        (b"hello", "no PGM, PNG or BMP"),
-        (b"GIF89a\x01\0\x01\0\x80\0\0\0\0\0\xff\xff\xff;", "no PGM, PNG or BMP"),
+        (b"", "not a PGM, PNG or BMP"),
+        (b"hello", "not a PGM, PNG or BMP"),
+        (b"GIF89a\x01\0\x01\0\x80\0\0\0\0\0\xff\xff\xff;", "not a PGM, PNG or BMP"),
         (PGM[:-3], "damaged"),
         (b"P5\n4 x\n255\n" + bytes(12), "damaged"),
         (b"P5\n0 0\n255\n", "damaged"),

@@ -75,5 +75,5 @@ def test_maps_that_went_on_from_different_maps_or_count_are_refused() -> None:
     counted = OccupancyGrid(geometry)
     counted.cell_statistics = np.zeros((2, 2, 3), dtype=np.float32)
     for pair in ((counted, OccupancyGrid(geometry)), (OccupancyGrid(geometry), counted)):
-        with pytest.raises(ConfigError, match="sums of log-odds"):
+        with pytest.raises(ConfigError, match="maps of log-odds"):
             merged(*pair)

@@ -118,7 +118,7 @@ def test_points_that_the_first_line_does_not_count_are_named(tmp_path: Path) -> 
 def test_a_las_version_that_is_not_known_is_named(tmp_path: Path) -> None:
     data = bytearray(las(tmp_path / "a.las", POINTS, {}).read_bytes())
     data[25] = 9
-    with pytest.raises(ReadError, match=r"The file is LAS 1\.9; read are versions up to 1\.4"):
+    with pytest.raises(ReadError, match=r"The file is LAS 1\.9; versions up to 1\.4 are read"):
         read(tmp_path, bytes(data), "b.las")
 
 

@@ -140,7 +140,7 @@ def ended_early(claimed: int, there: int) -> tuple[str, ...]:
     if there >= claimed:
         return ()
     if there == 0:
-        raise ReadError("cloud.truncated", f"The file ends early: {claimed} points claimed, none there.")
+        raise ReadError("cloud.truncated", f"The file ends early: its header says {claimed} points, and it has none.")
     return (f"The file ends early: {claimed} points claimed, {there} there; these are read.",)
 
 

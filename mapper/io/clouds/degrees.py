@@ -29,7 +29,7 @@ def metres_of_degrees(lon_lat: NDArray[np.float64], why: str) -> tuple[NDArray[n
         box = f"{low[0]:g} to {high[0]:g} and {low[1]:g} to {high[1]:g}"
         raise ReadError(
             "cloud.degrees",
-            f"{why}, and they are {box}: no cloud of at most {WIDEST:g}° that a plane could hold. Project it, for "
+            f"{why}, and they are {box}: a plane can hold at most {WIDEST:g}°. Project the cloud, for "
             "example to UTM, in metres.",
         )
     place = np.round(0.5 * (low + high), 6)

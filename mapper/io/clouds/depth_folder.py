@@ -34,7 +34,7 @@ def image_size(path: Path) -> tuple[int, int]:
         with Image.open(path, formats=("PNG",)) as image:
             return image.size
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise ReadError("depth.image", f"{path.name} is no PNG image.") from error
+        raise ReadError("depth.image", f"{path.name} is not a PNG image.") from error
 
 
 def read_depth(path: Path, camera: Intrinsics, unit: float, limits: Limits) -> NDArray[np.float32]:

@@ -61,7 +61,9 @@ def _binary_nodes(data: bytes, limits: Limits) -> Iterator[PosedCloud]:
         table = np.frombuffer(data, POINT, n, at)
         three, x, y, z, four, *rotation = POSE.unpack_from(data, end)
         if (table["size"] != 3).any() or (three, four) != (3, 4):
-            raise ReadError("cloud.damaged", f"Node {node} of the scan graph is damaged: its vectors state no sizes.")
+            raise ReadError(
+                "cloud.damaged", f"Node {node} of the scan graph is damaged: the sizes of its vectors are missing."
+            )
         at = end + POSE.size + 4
         yield _posed(table["xyz"], _from_quaternion(rotation, (x, y, z), node), node, limits)
 

@@ -134,7 +134,7 @@ def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     if len(data) < HEADER_BYTES:
         raise ReadError("cloud.truncated", "The file ends within its LAS header.")
     if (data[24], data[25]) > NEWEST:
-        raise ReadError("cloud.version", f"The file is LAS {data[24]}.{data[25]}; read are versions up to 1.4.")
+        raise ReadError("cloud.version", f"The file is LAS {data[24]}.{data[25]}; versions up to 1.4 are read.")
     said = _sizes(data)
     if said.points_at > len(data) or said.header > said.points_at:
         raise ReadError(

@@ -100,17 +100,17 @@ def pcd_header(data: bytes) -> PcdHeader:
     wrong = next((word for word in types if word not in _SIZES), None)
     if wrong is not None:
         said = printable(wrong[:20])
-        raise ReadError("cloud.header", f"The PCD header's TYPE is missing or wrong: {said!r} is none of F, I and U.")
+        raise ReadError("cloud.header", f"The PCD header's TYPE is missing or wrong: {said!r} is not F, I or U.")
     fields = []
     for name, size, kind, count in zip(names, sizes, types, counts, strict=True):
         if not size.isdigit() or int(size[:4]) not in _SIZES[kind]:
             said = printable(f"{kind} {size}"[:20])
-            raise ReadError("cloud.header", f"The header's types are none of a PCD file: TYPE and SIZE {said!r}.")
+            raise ReadError("cloud.header", f"The header's TYPE and SIZE {said!r} are not types of a PCD file.")
         n = _whole(count, "COUNT")
         if n:  # a field of no numbers has no bytes
             fields.append(Field(printable(name[:100]), f"{kind.lower()}{size}", n))
     if sum(one.count for one in fields) > MOST_NUMBERS:
-        raise ReadError("cloud.header", f"A point of more than {MOST_NUMBERS} numbers is none of a sensor.")
+        raise ReadError("cloud.header", f"A point has more than {MOST_NUMBERS} numbers, which no sensor's has.")
     kind = " ".join(lines["DATA"]).lower()
     kind = "binary_compressed" if kind == "binaryscompressed" else kind
     if kind not in KINDS:

@@ -133,7 +133,9 @@ def ply_file(data: bytes) -> PlyFile:
             order = ORDERS.get(words[1]) if len(words) > 1 else None
         elif words[:1] == ["element"]:
             if len(words) != 3 or not re.fullmatch(r"-?\d{1,18}", words[2], re.ASCII):
-                raise ReadError("cloud.header", f"The line {printable(line.strip()[:60])!r} names no element of PLY.")
+                raise ReadError(
+                    "cloud.header", f"The line {printable(line.strip()[:60])!r} does not name an element of PLY."
+                )
             elements.append(Element(words[1], int(words[2]), ()))
         elif words[:1] == ["property"] and elements:
             last = elements[-1]
@@ -156,7 +158,9 @@ def _property(line: str, element: Element) -> Property:
         )  # fmt: skip
     label = printable(name[0].strip()[:100])
     if any(one.name == label for one in element.properties):
-        raise ReadError("cloud.header", f"Two properties of the element {printable(element.name[:40])} have one name.")
+        raise ReadError(
+            "cloud.header", f"Two properties of the element {printable(element.name[:40])} have the same name."
+        )
     if is_list:
         return Property(label, TYPES[kinds[1]], TYPES[kinds[0]])
     return Property(label, TYPES[kinds[0]])

@@ -65,7 +65,9 @@ def _triangles(file: PlyFile, limits: Limits) -> NDArray[np.int64]:
         raise ReadError(NOT_TRIANGLES, "The faces of the PLY file have other properties than a list of vertices.")
     rows = file.rows("face", limits)
     if rows.n < element.count:
-        raise ReadError("cloud.truncated", f"The file ends early: {element.count} faces claimed, {rows.n} there.")
+        raise ReadError(
+            "cloud.truncated", f"The file ends early: its header says {element.count} faces, and it has {rows.n}."
+        )
     vertices = rows.lists.get(element.properties[0].name)
     if vertices is None or vertices.shape[1:] != (3,):
         raise ReadError(NOT_TRIANGLES, "The faces of the PLY file are not all triangles.")

@@ -63,7 +63,7 @@ class _Reader:
         self._line()  # the title
         kind = self._line().strip().upper()
         if kind not in ("ASCII", "BINARY"):
-            raise ReadError("cloud.header", f"A VTK file is ASCII or BINARY, not {printable(kind[:40])!r}.")
+            raise ReadError("cloud.header", f"A VTK file must be ASCII or BINARY, not {printable(kind[:40])!r}.")
         self._is_ascii = kind == "ASCII"
         has_points = of_points = False
         while self._at < len(self._data):
@@ -153,7 +153,7 @@ class _Reader:
             count = -1
         if not 0 <= count <= MOST_COUNT:
             said = printable(" ".join(words)[:60])
-            raise ReadError("cloud.header", f"At byte {self._at}: the line {said!r} states no count that can be.")
+            raise ReadError("cloud.header", f"At byte {self._at}: the line {said!r} states no possible count.")
         return count
 
     def _numbers(self, n: int, kind: list[str], what: str) -> NDArray[Any]:
@@ -161,7 +161,7 @@ class _Reader:
         code = TYPES.get(kind[0]) if kind else None
         if code is None:
             said = printable(kind[0][:40]) if kind else ""
-            raise ReadError("cloud.header", f"{printable(what[:40])} is of the type {said!r}, which VTK lacks.")
+            raise ReadError("cloud.header", f"{printable(what[:40])} is of the type {said!r}, which VTK does not have.")
         if not self._is_ascii:
             found = np.dtype(">" + code)
             if self._at + n * found.itemsize > len(self._data):
@@ -189,7 +189,7 @@ def _as_type(values: NDArray[np.float64], code: str, what: str) -> NDArray[Any]:
             return values.astype(code)
     limits = np.iinfo(code)
     if not ((values >= limits.min) & (values < limits.max + 1)).all():  # NaN is neither
-        raise ReadError("cloud.damaged", f"{printable(what[:40])} has a number that is none of its type.")
+        raise ReadError("cloud.damaged", f"{printable(what[:40])} has a number that does not fit its type.")
     return values.astype(code)
 
 

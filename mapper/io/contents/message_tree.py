@@ -129,7 +129,7 @@ def _check(values: int, depth: int) -> None:
     if values > MAX_VALUES:
         raise LimitError("message.too_large", f"The message has more than {MAX_VALUES} values.")
     if depth > MAX_DEPTH:
-        raise LimitError("message.too_deep", f"The message has more than {MAX_DEPTH} types within each other.")
+        raise LimitError("message.too_deep", f"The message's types are nested more than {MAX_DEPTH} deep.")
 
 
 def _shown(kept: list[object], n: int) -> list[object]:

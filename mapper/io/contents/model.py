@@ -55,7 +55,7 @@ class FrameEdge:
 
     def __post_init__(self) -> None:
         if self.stamps_ns.ndim != 1 or len(self.stamps_ns) == 0 or (np.diff(self.stamps_ns) < 0).any():
-            raise ConfigError("contents.stamps", "The times of an edge must be an ascending row of at least one.")
+            raise ConfigError("contents.stamps", "An edge needs at least one time, and its times must ascend.")
 
     @property
     def rate_hz(self) -> float | None:

@@ -53,6 +53,6 @@ def text_of(topic: str, stated: Stated | None) -> str:
     if stated.definition_encoding not in TEXT_DEFINITIONS:
         raise ReadError(
             "message.encoding",
-            f"Definitions as {stated.definition_encoding!r:.40} are not read, only ROS's own (.msg).",
+            f"Message definitions of the kind {stated.definition_encoding!r:.40} are not read, only ROS .msg.",
         )
     return stated.definition

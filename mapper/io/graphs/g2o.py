@@ -53,7 +53,7 @@ def read_g2o(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> P
         if kind == VERTEX:
             vertex = _id(tokens[1], number)
             if vertex in vertices:
-                raise ReadError("graph.twice", f"Line {number}: vertex {vertex} is there already.")
+                raise ReadError("graph.twice", f"Line {number}: vertex {vertex} is defined twice.")
             vertices[vertex] = tuple(fields.pose(tokens[2:], number, "g2o", "the", limits))
         else:
             motion = fields.pose(tokens[3:6], number, "g2o", "the relative", limits)
@@ -93,7 +93,9 @@ def _graph(vertices: dict[int, tuple[float, ...]], edges: list[tuple[int, int, i
     for k, (line, i, j, values) in enumerate(edges):
         for end in (i, j):
             if end not in rows:
-                raise ReadError("graph.ends", f"Line {line}: the edge ends at vertex {end}, which the file lacks.")
+                raise ReadError(
+                    "graph.ends", f"Line {line}: the edge ends at vertex {end}, which the file does not define."
+                )
         if i == j:
             raise ReadError("graph.ends", f"Line {line}: the edge joins vertex {i} to itself.")
         information[k][np.triu_indices(3)] = values[3:]

@@ -287,7 +287,7 @@ def _kind_of(file: Source) -> Container | Reader:
             if begins(head):
                 return reader
     if broken:
-        raise ReadError("log.truncated", f"The packed data {broken}, before it tells what kind of log it is.")
+        raise ReadError("log.truncated", f"The packed data {broken}, before the kind of log is known.")
     raise not_a_log(head)
 
 

@@ -73,7 +73,7 @@ def read_bee_map(
     except ValueError as error:
         raise ReadError("map.bee_value", f"{place.name}: a cell of the map is not a number.") from error
     if len(free) != rows * cols:
-        raise ReadError("map.bee_cells", f"{place.name}: the map has {len(free)} of its {rows * cols} cells.")
+        raise ReadError("map.bee_cells", f"{place.name}: the map has {len(free)} values for its {rows * cols} cells.")
     known = free >= 0.0
     if not ((free == -1.0) | (known & (free <= 1.0))).all():
         raise ReadError("map.bee_value", f"{place.name}: a cell of the map is neither -1 nor between 0 and 1.")

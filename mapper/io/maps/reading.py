@@ -252,7 +252,7 @@ def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:
             return reader(file)
     if head.startswith(b"P"):
         return open_plain_image(file, named)
-    raise ReadError("map.image", f"{named} is no PGM, PNG or BMP image.")
+    raise ReadError("map.image", f"{named} is not a PGM, PNG or BMP image.")
 
 
 def _channel_sums(

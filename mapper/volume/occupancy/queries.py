@@ -58,7 +58,7 @@ def cast(
     if not ((squared > 0.0) & (squared < np.inf)).all():
         raise ConfigError("volume.rays", "A ray needs a direction whose length is not 0, from 1e-18 to 1e18.")
     if not (math.isfinite(range_max) and range_max >= 0.0):
-        raise ConfigError("volume.rays", f"The longest range must be a number of metres from 0, not {range_max}.")
+        raise ConfigError("volume.rays", f"The longest range must be at least 0 m, not {range_max}.")
     config, n = volume.config, len(away)
     rule = CastRule(config.resolution, float(config.log_odds_occupied), through_unknown, float(range_max))
     keys, points, ends = np.empty((n, 3), dtype=np.int64), np.empty_like(away), np.empty(n, dtype=np.uint8)
@@ -80,7 +80,7 @@ def distance_to_obstacle(volume: OccupancyVolume, points: ArrayLike, distance_ma
     """
     places = np.atleast_2d(np.asarray(points, dtype=np.float64))
     if places.shape[1:] != (3,) or not np.isfinite(places).all() or not 0.0 <= distance_max < np.inf:
-        raise ConfigError("volume.points", "Points must be three finite numbers, and the distance a number from 0.")
+        raise ConfigError("volume.points", "Points must be three finite numbers, and the distance must be at least 0.")
     resolution = volume.config.resolution
     scaled = np.clip(places / resolution + CENTRE, -1e9, 1e9)
     out = np.empty(len(places))
@@ -95,7 +95,7 @@ def voxels_in_box(volume: OccupancyVolume, low: ArrayLike, high: ArrayLike) -> t
     first = np.ceil(np.asarray(low, dtype=np.float64) / resolution - 0.5) + CENTRE
     last = np.floor(np.asarray(high, dtype=np.float64) / resolution - 0.5) + CENTRE
     if first.shape != (3,) or last.shape != (3,) or np.isnan(first).any() or np.isnan(last).any():
-        raise ConfigError("volume.box", f"A box has two corners of three numbers, not {low!r} and {high!r}.")
+        raise ConfigError("volume.box", f"A box needs two corners of three numbers each, not {low!r} and {high!r}.")
     corners = volume.blocks.corners
     near = np.flatnonzero(((corners + BLOCK > first) & (corners <= last)).all(axis=1))
     values = volume.values_of(near)
@@ -113,7 +113,7 @@ def project(volume: OccupancyVolume, low: float = -np.inf, high: float = np.inf)
     without any known voxel and :class:`LimitError` for a map that is too wide.
     """
     if not low <= high:
-        raise ConfigError("volume.band", f"The band of heights must go up, not from {low:g} to {high:g} m.")
+        raise ConfigError("volume.band", f"The bottom of the band must lie below its top, not {low:g} and {high:g} m.")
     resolution = volume.config.resolution
     a, b = np.clip((1.0 / resolution) * np.array([low, high]), -KEYS, KEYS)
     # The slice at one height is of the voxels that hold it; a band has those whose centres it holds.
@@ -126,7 +126,7 @@ def project(volume: OccupancyVolume, low: float = -np.inf, high: float = np.inf)
     levels = corners[:, 2, None] + np.arange(BLOCK)
     some = (layers & (levels >= first) & (levels <= last)).any(axis=1)
     if not some.any():
-        raise ConfigError("volume.band", f"Nothing is known between {low:g} and {high:g} m of height.")
+        raise ConfigError("volume.band", f"The map has no known voxels between {low:g} and {high:g} m of height.")
     corners = corners[some]
     x0, y0, _ = corners.min(axis=0)
     cols, rows, _ = corners.max(axis=0) - corners.min(axis=0) + BLOCK

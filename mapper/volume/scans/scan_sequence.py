@@ -96,7 +96,9 @@ class ScanSequence:
         Raises :class:`ConfigError` for another one.
         """
         if axis not in UPS:
-            raise ConfigError("volume.up", f"An axis that points up is one of {', '.join(UPS)}, not {axis!r:.80}.")
+            raise ConfigError(
+                "volume.up", f"The axis that points up must be one of {', '.join(UPS)}, not {axis!r:.80}."
+            )
         turn = np.array(UPS[axis], dtype=np.float64)
         depth = self.depth
         if depth is not None:

@@ -104,7 +104,9 @@ def _opened_source(
 def refuse_poses(poses: GivenPoses | None, path: Path) -> None:
     """Raise :class:`ConfigError` where ``poses`` are given for the file at ``path``, which states its own."""
     if poses is not None:
-        raise ConfigError("poses.own", f"{path.name} states the poses of its scans; other poses have no meaning there.")
+        raise ConfigError(
+            "poses.own", f"{path.name} contains the poses of its scans; other poses cannot be used with it."
+        )
 
 
 def file_head(path: Path, limits: Limits) -> bytes:

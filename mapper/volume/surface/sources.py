@@ -84,4 +84,6 @@ def fuse_all(
             step(source.count)
         into.notes += source.notes
     if into.used == before:
-        raise ConfigError("tsdf.nothing", "No depth or point of it is finite, in range and within the map's lattice.")
+        raise ConfigError(
+            "tsdf.nothing", "The image or cloud has no point that is finite, in range and within the map's lattice."
+        )

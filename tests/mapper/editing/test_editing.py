@@ -200,7 +200,7 @@ def test_a_map_of_three_states_is_saved_as_map_saver_does(tmp_path: Path) -> Non
         ({"op": "fill", "state": "free"}, "lacks polygon"),
         ({"op": "crop", "corners": [[0, 0], [1, 1], [2, 2]]}, "two corners, not 3"),
         (STROKE | {"points": [[90.0, 90.0]]}, "The stroke is outside the map"),
-        ({"op": "crop", "corners": [[50, 50], [51, 51]]}, "holds no cell of the map"),
+        ({"op": "crop", "corners": [[50, 50], [51, 51]]}, "contains no cell of the map"),
     ],
 )
 def test_an_impossible_edit_is_refused_and_nothing_changes(given: Mapping[str, object], said: str) -> None:
@@ -213,10 +213,10 @@ def test_an_impossible_edit_is_refused_and_nothing_changes(given: Mapping[str, o
 def test_files_that_are_no_edits_of_this_map() -> None:
     text = edits_text(after(made(), STROKE))
     for data, error, said in (
-        (b"[1", ReadError, "no JSON"),
+        (b"[1", ReadError, "not JSON"),
         (b"{}", ReadError, "its 'format' is not"),
         (text.replace('"version": 1', '"version": 9').encode(), ReadError, "version 9, not 1"),
-        (text.replace('"occupied"', '"wall"').encode(), ConfigError, "Edit 1: What is painted"),
+        (text.replace('"occupied"', '"wall"').encode(), ConfigError, "Edit 1: The painted state"),
         (b" " * (17 << 20), LimitError, "16 MiB"),
     ):
         with pytest.raises(error, match=said):

@@ -56,7 +56,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         (SQUARE + "EDGE_SE2 0 2 1 0 inf 1 0 0 1 0 1\n", "log.pose", "Line 11: the relative pose"),
         (SQUARE + "EDGE_SE2 0 2 1 0 0 nan 0 0 1 0 1\n", "graph.information", "Line 11: the information matrix"),
         ("VERTEX_SE2 a 0 0 0\n", "graph.id", "Line 1: 'a' is not the number of a vertex"),
-        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 1 0 0\n", "graph.twice", "Line 2: vertex 0 is there already"),
+        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 1 0 0\n", "graph.twice", "Line 2: vertex 0 is defined twice"),
         (SQUARE + "EDGE_SE2 0 9 1 0 0 1 0 0 1 0 1\n", "graph.ends", "Line 11: the edge ends at vertex 9"),
         (SQUARE + "EDGE_SE2 1 1 1 0 0 1 0 0 1 0 1\n", "graph.ends", "Line 11: the edge joins vertex 1 to itself"),
         (SQUARE + "EDGE_SE2 0 2 1 0 0 1 0 0 -1 0 1\n", "graph.information", "Line 11: the information matrix"),

@@ -26,7 +26,7 @@ HOSTILE = {
     "a float to the base of 60": (":".join(["59"] * 200) + ".5", "is no float"),
     "a list within itself": ("[&a [1, *a]]", "'a' is within itself"),
     "deep lists": ("[" * 9000, "nested"),
-    "a list of very many values": ("[" + "1," * 30_000 + "1]", "may have 10000 keys, values and lists"),
+    "a list of very many values": ("[" + "1," * 30_000 + "1]", "may have at most 10000 keys, values and lists"),
 }
 
 

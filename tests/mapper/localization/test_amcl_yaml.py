@@ -156,7 +156,7 @@ def test_a_remark_is_checked_as_a_value():
         (b"a: &x [*x]\n", "'x' is within itself"),
         (b"\xff\xfe\x00", "not UTF-8"),
         (b"[" * 5000, "nested deeper"),
-        (b"z_hit: " + b"0" * 1_100_000, "may have 1048576 bytes"),
+        (b"z_hit: " + b"0" * 1_100_000, "may have at most 1048576 bytes"),
     ],
 )
 def test_yaml_that_cannot_be_used(text: bytes, said: str):

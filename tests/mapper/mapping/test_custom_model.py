@@ -160,5 +160,5 @@ def test_a_model_needs_a_grid_and_a_way_of_updating_that_fit() -> None:
     with pytest.raises(LimitError, match="coarser"):
         integrate_scan(grid, fan(1), (9e5, 0, 0), MappingConfig(resolution=0.5), model)
     integrate_scan(grid, fan(1), (0, 0, 0), MappingConfig(model="hit_counting", resolution=0.5))
-    with pytest.raises(ConfigError, match="counts of another model"):
+    with pytest.raises(ConfigError, match="counts for another model"):
         integrate_scan(grid, fan(1), (0, 0, 0), MappingConfig(resolution=0.5), model)

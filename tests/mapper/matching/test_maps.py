@@ -48,7 +48,7 @@ def test_a_scan_in_a_map() -> None:
     assert np.hypot(off[0], off[1]) < 0.04
     assert abs(off[2]) < 0.01
     for method in ("global", "point_to_line", "features"):
-        with pytest.raises(ConfigError, match="the target is a map"):
+        with pytest.raises(ConfigError, match="not with a map"):
             match_scan(prepare_scans(log), 0, target, guess, MatchConfig(method=method))
 
 

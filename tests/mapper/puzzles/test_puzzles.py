@@ -136,7 +136,7 @@ def test_a_sweep_is_measured_from_the_poses_of_its_beams(log: ScanLog) -> None:
 def test_what_cannot_be_spoiled_is_refused(log: ScanLog) -> None:
     still = replace(log, trajectories={"none": Trajectory(np.zeros((log.n_scans, 3)))})
     for bad, cause, said in (
-        (log, "sweep", "cannot be spoiled"),
+        (log, "sweep", "There is no fault"),
         (log.take(slice(0, 1)), "drift", "at least two scans"),
         (still, "truncation", "does not move"),
         (replace(log, stamps_ns=np.zeros_like(log.stamps_ns)), "time_offset", "stamps of this log are equal"),

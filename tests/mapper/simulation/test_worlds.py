@@ -92,7 +92,7 @@ def test_an_invalid_world_is_refused():
     with pytest.raises(ConfigError, match="bounds"):
         World("w", "W", (0.0, 0.0, 0.0, 2.0), (), (1, 1, 0))
     full = World("full", "Full", box, (rect(0, 0, 2, 2),), (1, 1, 0))
-    with pytest.raises(ConfigError, match="Nothing of radius"):
+    with pytest.raises(ConfigError, match="fits nowhere"):
         full.nearest_free((1.0, 1.0), 0.2)
     with pytest.raises(ConfigError, match="finite"):
         WORLDS["room"].nearest_free((np.nan, 1.0), 0.2)

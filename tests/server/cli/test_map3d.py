@@ -62,7 +62,7 @@ def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
         ((tree, "--out", tree, "--resolution", "0.2"), "The voxels of a.bt are of 0.1 m, not 0.2 m"),
         ((cut, "--out", tree), "before its tree does"),
         ((tmp_path / "none.pcd", "--out", tree), "There is no file 'none.pcd'"),
-        ((graph, "--out", tree, "--map", tmp_path / "m", "--band", "7,8"), "Nothing is known between 7 and 8 m"),
+        ((graph, "--out", tree, "--map", tmp_path / "m", "--band", "7,8"), "no known voxels between 7 and 8 m"),
     ):
         status, _, err = run("map3d", *arguments)
         assert status == 2
@@ -104,8 +104,8 @@ def test_clouds_with_poses_beside_them_make_the_map_of_the_graph(run: Run, tmp_p
         ((*files, "--poses", poses, "--sensor", "0,0,0"), "--sensor is the place of one cloud's sensor"),
         ((*files, "--poses", tmp_path / "none.tum"), "There is no file 'none.tum'"),
         ((*files, "--poses", files[0]), "Line 1"),
-        ((graph, files[0], "--poses", poses), "states the poses of its scans"),
-        ((graph, "--poses", poses), "states the poses of its scans"),
+        ((graph, files[0], "--poses", poses), "contains the poses of its scans"),
+        ((graph, "--poses", poses), "contains the poses of its scans"),
     ):
         status, _, err = run("map3d", *arguments, "--out", ours)
         assert status == 2, arguments

@@ -82,8 +82,8 @@ def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
         (("map3d", graph, "--tsdf", "--truncation", "0.03", "--out", ply), "less than two voxels"),
         (("map3d", frames, "--tsdf", "--resolution", "1e-9", "--out", ply), "Resolution (resolution) must be between"),
         (("map3d", cloud, "--tsdf", "--out", ply), "does not say where the sensor was"),
-        (("map3d", frames, "--tsdf", "--range-max", "0.5", "--out", ply), "No depth or point of it is finite"),
-        (("info", cut), "faces claimed"),
+        (("map3d", frames, "--tsdf", "--range-max", "0.5", "--out", ply), "no point that is finite"),
+        (("info", cut), "its header says 24 faces"),
         (("info", wrong), "names a vertex that is not among"),
     ):
         status, _, err = run(*arguments)

@@ -67,7 +67,9 @@ class _Bag:
     def read(self) -> None:
         """Hand everything to the recording that can be read; note what cannot."""
         if self.stream.read(len(VERSION)) != VERSION:
-            raise ReadError("log.version", "The file is a ROS bag of another version than 2.0, the only one read here.")
+            raise ReadError(
+                "log.version", "The file is a ROS bag of a version other than 2.0, the only one that is read."
+            )
         try:
             while self._record():
                 pass

@@ -270,10 +270,12 @@ def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = 
         found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
         # A view, a virtual table or a computed column would run what the file says.
         if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
-            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: it has no table {table!r}.")
+            raise ReadError("log.unknown_format", f"The SQLite file is not a ROS 2 bag: it has no table {table!r}.")
         columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
         if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
-            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
+            raise ReadError(
+                "log.unknown_format", f"The SQLite file is not a ROS 2 bag: its table {table!r} has other columns."
+            )
 
 
 def _database_bytes(connection: sqlite3.Connection) -> int:

@@ -113,7 +113,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     for name in "xyz":
         offset, code, _ = layout.pop(name, (0, "", 0))  # how many numbers it is, some drivers leave 0
         if not code:
-            raise BadMessageError(f"its points have no number {name}")
+            raise BadMessageError(f"its points have no field {name}")
         kind = np.dtype(order + code)
         if offset + kind.itemsize > point_step:
             raise BadMessageError(f"the field {name} reaches beyond a point's {point_step} bytes")

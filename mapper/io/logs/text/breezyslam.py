@@ -107,7 +107,7 @@ def read_breezyslam(
     if np.abs(poses[:, :2]).max() > limits.max_pose:
         raise ReadError(
             "log.extent",
-            f"By its wheels the robot goes farther than {limits.max_pose:g} m, which cannot be a position.",
+            f"The wheels' ticks put the robot more than {limits.max_pose:g} m from its start, the limit of a position.",
         )
     return ScanLog(
         ranges=ranges,

@@ -125,7 +125,7 @@ class CarmenReader:
             self.ignored[tokens[0] if tokens[0] in self.ignored or len(self.ignored) < 20 else "other words"] += 1
         else:
             raise ReadError(
-                "log.garbage", f"Line {line} is no CARMEN message: it starts with {text[:30].decode('latin-1')!r}."
+                "log.garbage", f"Line {line} is not a CARMEN message: it starts with {text[:30].decode('latin-1')!r}."
             )
 
     def _stack(self, word: str) -> ScanStack:

@@ -57,7 +57,7 @@ class _Reader:
         word = tokens[0]
         if word not in FIELDS:
             raise ReadError(
-                "log.garbage", f"Line {line} is no CMU message: it starts with {text[:30].decode('latin-1')!r}."
+                "log.garbage", f"Line {line} is not a CMU message: it starts with {text[:30].decode('latin-1')!r}."
             )
         if len(tokens) < FIELDS[word]:
             raise ReadError(

@@ -165,8 +165,8 @@ class _Reader:
         if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
             raise ReadError(
                 "log.pose",
-                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is no place: "
-                f"it is more than {self.limits.max_pose:g} m from the first.",
+                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is "
+                f"impossible: it is more than {self.limits.max_pose:g} m from the first.",
             )
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
         self.stack.add(line, readings, (pose, pose), stamp)

@@ -50,7 +50,7 @@ class _DpslamReader:
             self._pose = None
         else:
             raise ReadError(
-                "log.garbage", f"Line {line} is no DP-SLAM message: it starts with {text[:30].decode('latin-1')!r}."
+                "log.garbage", f"Line {line} is not a DP-SLAM message: it starts with {text[:30].decode('latin-1')!r}."
             )
 
 

@@ -99,7 +99,7 @@ def count(token: str, line: int, word: str, what: str, largest: int, *, least: i
     if not (token.isascii() and token.isdigit()) or len(token) > 9 or int(token) < least:
         raise ReadError(
             "log.beam_count",
-            f"Line {line}: this {word} line states {token!r:.40} {what}, which is not a number of them.",
+            f"Line {line}: this {word} line states {token!r:.40} as the number of {what}, which is impossible.",
         )
     if int(token) > largest:
         raise LimitError(

@@ -26,7 +26,7 @@ def take_one_sensor(reader: LineReader, lines: TextLines, topic: str | None, log
     and :class:`LimitError`.
     """
     if topic is not None:
-        raise ReadError("log.topic", f"{log} has one sensor, and no topic {topic!r:.80}.")
+        raise ReadError("log.topic", f"{log} has one sensor and no topic {topic!r:.80}.")
     notes: list[str] = []
     take_lines(lines, reader.take, lambda: reader.stack.n_scans, notes)
     if not reader.stack.n_scans:

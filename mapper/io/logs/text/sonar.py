@@ -100,14 +100,14 @@ def read_sonar(
     Raises :class:`ReadError`, naming the file and the line, also where the poses are missing, and :class:`LimitError`.
     """
     if topic is not None:
-        raise ReadError("log.topic", f"A sonar log has one ring of sonars, and no topic {topic!r:.80}.")
+        raise ReadError("log.topic", f"A sonar log has one ring of sonars and no topic {topic!r:.80}.")
     if poses is None and isinstance(readings, Path) and readings.with_name(POSES).is_file():
         poses = readings.with_name(POSES)
     if poses is None:
         raise ReadError(
             "log.poses",
-            f"The poses are missing: next to {readings.name} there is no {POSES}; a ring of sonars is both files "
-            "together, or the folder or tar archive that they are in.",
+            f"The poses are missing: next to {readings.name} there is no {POSES}; a sonar log consists of both files"
+            ", or of the folder or tar archive that holds them.",
         )
     measured, notes = _rows(readings, None, limits, progress)
     stated, more = _rows(poses, 4, limits, None)
@@ -123,7 +123,7 @@ def read_sonar(
     metres[metres <= 0.0] = np.nan
     pose = np.column_stack([where[:, 1:3] / 1000.0, np.unwrap(np.radians(where[:, 3] / 10.0))])
     if np.abs(pose[:, :2]).max() > limits.max_pose or np.abs(stamps).max() > 1e15:
-        raise ReadError("log.extent", f"A pose or a time in {POSES} is absurdly far away.")
+        raise ReadError("log.extent", f"A pose or a time in {POSES} is out of range.")
     n_sonars = ranges.shape[1]
     known = n_sonars == len(EIGHT)
     bearings = EIGHT if known else np.linspace(-math.pi / 2.0, math.pi / 2.0, n_sonars)

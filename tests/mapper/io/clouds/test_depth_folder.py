@@ -102,7 +102,7 @@ def test_pixels_become_points_through_both_focal_lengths(tmp_path: Path) -> None
         ("camera-intrinsics.txt", "0 0 1\n0 4 0\n0 0 1\n", "focal lengths must be positive"),
         ("camera-intrinsics.txt", "500 0 320\n0 500 240\n0 0 1\n", "is of images of another size"),
         ("camera-intrinsics.txt", "1 2\n", "neither a matrix of 3 × 3"),
-        ("frame-000000.depth.png", "no image", "frame-000000.depth.png is no PNG image"),
+        ("frame-000000.depth.png", "no image", "frame-000000.depth.png is not a PNG image"),
     ],
 )
 def test_a_folder_of_wrong_files_is_told(name: str, text: str, sentence: str, tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def test_octomap_s_own_scan(data_file: Callable[[str], Path]) -> None:
             graph(node((0, 0, float("nan")), (1, 0, 0, 0), 0)),
             "Node 0 of the scan graph: The cloud's pose is not finite",
         ),
-        (graph(STILL[:32] + b"\7" + STILL[33:]), "its vectors state no sizes"),
+        (graph(STILL[:32] + b"\7" + STILL[33:]), "the sizes of its vectors are missing"),
         (b"NODE 0 0 0 0 0\n1 2 3\n", "must have six numbers"),
         (b"NODE 0 0 0 0 0 inf\n1 2 3\n", "angles of node 0 are not finite"),
         (b"NODE 0 0 0 0 0 0\n1 2 3\n1 2\n", "number of values changes near line"),

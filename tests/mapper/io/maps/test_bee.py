@@ -37,8 +37,8 @@ def test_a_row_of_the_text_is_a_column_of_the_map_and_1_is_free(tmp_path: Path, 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (HEAD + "1 0 1", "has 3 of its 6 cells"),
-        (HEAD + CELLS + "1 1", "has 8 of its 6 cells"),
+        (HEAD + "1 0 1", "has 3 values for its 6 cells"),
+        (HEAD + CELLS + "1 1", "has 8 values for its 6 cells"),
         (HEAD + CELLS.replace("0.25", "2"), "neither -1 nor between 0 and 1"),
         (HEAD + CELLS.replace("0.25", "nan"), "neither -1 nor between 0 and 1"),
         (HEAD + CELLS.replace("0.25", "wall"), "is not a number"),

@@ -96,7 +96,7 @@ def test_a_low_table_is_under_the_plane_of_the_lidar() -> None:
     row, col = band.geometry.world_to_cell(on_table)[0]
     assert band.log_odds[row, col] > 0.0
     assert not (plane.log_odds[plane.observed] > 0.0).any()
-    with pytest.raises(ConfigError, match="Nothing is known between 7 and 8 m"):
+    with pytest.raises(ConfigError, match="no known voxels between 7 and 8 m"):
         project(volume, 7.0, 8.0)
 
 

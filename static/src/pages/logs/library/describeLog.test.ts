@@ -117,7 +117,7 @@ test("a log that failed comes with something to do about it", () => {
   expect(remedy(failed("log.truncated", "The gzip data ends early."))).toContain("Copy");
   expect(remedy(failed("log.truncated_line", "Line 3: this line ends early."))).toContain("that line");
   expect(remedy(failed("log.beams_vary", "Line 3 of measurement.txt has 7 numbers, not 9."))).toContain("that line");
-  expect(remedy(failed("log.extent", "By its wheels the robot goes too far."))).toBe("");
+  expect(remedy(failed("log.extent", "The wheels' ticks put the robot too far away."))).toBe("");
   expect(remedy(failed("log.header", "Before line 5: angle_min cannot be nan."))).toContain("before the scans");
   expect(remedy(failed("log.something_new", "Something else."))).toBe("");
   expect(remedy(failed("log.no_scans", "The log holds no scans."))).toContain("gridbloom info LOG --report");

@@ -161,7 +161,7 @@ def test_a_ring_of_sonars_and_a_single_log_in_an_archive(tmp_path):
     (folder / "poses.txt").write_text("1000 0 0 0\n1200 1000 -500 900\n")
     np.testing.assert_array_equal(open_log(packed(folder)).ranges, open_log(folder).ranges)
     (folder / "poses.txt").rename(folder / "other.txt")
-    with pytest.raises(ReadError, match=r"there is no poses\.txt; a ring of sonars is both files together"):
+    with pytest.raises(ReadError, match=r"there is no poses\.txt; a sonar log consists of both files"):
         open_log(packed(folder))
     (folder / "measurement.txt").write_text("FLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\n")
     assert open_log(packed(folder)).name == "measurement.txt"

@@ -62,7 +62,7 @@ def test_clouds_of_whole_numbers_and_of_none():
         ({"point_step": 0}, "reaches beyond"),
         ({"point_step": 8}, "reaches beyond"),
         ({"row_step": 2**32 - 1, "height": 2}, "do not fit"),
-        ({"fields": []}, "no number x"),
+        ({"fields": []}, "no field x"),
     ],
 )
 def test_clouds_that_lie(change, why):

@@ -58,7 +58,7 @@ def test_another_place_of_the_laser_in_one_line_is_noted(tmp_path):
         (laser(sensor=(1e9, 0, 0)), "log.pose", "Line 2: the laser's pose"),
         ("O 1 2 3 1e12", "log.stamp", "Line 2: the time '1e12' of this O line is impossible"),
         ("O 1 2 3 1.6e18", "log.stamp", "impossible. It would be one in nanoseconds: divide the log's times by"),
-        ("X 1 2 3 4", "log.garbage", "Line 2 is no CMU message"),
+        ("X 1 2 3 4", "log.garbage", "Line 2 is not a CMU message"),
     ],
 )
 def test_a_damaged_line_is_named(tmp_path, bad, code, words):
