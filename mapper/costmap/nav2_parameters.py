@@ -33,7 +33,7 @@ from mapper.costmap.parameters import (
     StaticConfig,
 )
 from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, checked, undeclared
-from mapper.io.ros_parameters import find_node, node_names, parse_ros_parameters
+from mapper.io.ros_parameters import find_node, names_of, node_names, parse_ros_parameters
 from mapper.io.untrusted_yaml import load_untrusted
 
 NODES = ("global_costmap", "local_costmap")
@@ -269,10 +269,9 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
 
 
 def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
-    names = given.get(key, [])
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ConfigError("nav2.plugins", f"{where}.{key} must be a list of names, not {names!r:.80}.")
-    names = [name for name in names if name]  # [""] is how ROS 2 writes an empty list of names
+    names = [
+        name for name in names_of(given.get(key, []), f"{where}.{key}") if name
+    ]  # [""] is how ROS 2 writes an empty list of names
     if len(names) > MAX_LAYERS or len(set(names)) < len(names):
         raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} different names.")
     return tuple(names)

@@ -12,8 +12,8 @@ from typing import Any
 
 import yaml
 
-from mapper.core.errors import LimitError, ReadError
-from mapper.io.untrusted_yaml import AliasError, CountError, DepthError, UntrustedLoader, load_untrusted
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.io.untrusted_yaml import AliasError, CountError, DepthError, UntrustedLoader, load_untrusted, where_and_why
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
@@ -56,8 +56,8 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
         message = f"A parameter file may have at most {MAX_VALUES} keys, values and lists."
         raise LimitError("parameters.too_many", message) from error
     except yaml.MarkedYAMLError as error:
-        line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise ReadError("parameters.yaml", f"The parameter file is malformed{line}: {error.problem}.") from error
+        message = f"The parameter file is malformed{where_and_why(error, text)}."
+        raise ReadError("parameters.yaml", message) from error
     except yaml.YAMLError as error:
         raise ReadError("parameters.yaml", "The parameter file is malformed.") from error
     if not isinstance(root, dict):
@@ -149,3 +149,11 @@ def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what 
             if found is not None:
                 return found
     return None
+
+
+def names_of(value: object, where: str) -> list[str]:
+    """Return a list of names, which stands at ``where`` in a file. Raises :class:`ConfigError` for anything else."""
+    if isinstance(value, list) and all(isinstance(name, str) for name in value):
+        return value
+    quoted = "; ROS 2 takes what is in quotes for a text" if isinstance(value, str) and "[" in value else ""
+    raise ConfigError("nav2.plugins", f"{where} must be a list of names, not {value!r:.80}{quoted}.")

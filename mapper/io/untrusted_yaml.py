@@ -106,3 +106,17 @@ def load_untrusted(text: str) -> Any:  # noqa: ANN401 - what yaml holds
         return loader.get_single_data()
     finally:
         loader.dispose()
+
+
+def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
+    """Return the line of an error in a text and what is wrong there, in words of people and not of the parser."""
+    if error.problem_mark is None:
+        return f": {error.problem}"
+    number = error.problem_mark.line
+    line = next(iter(text.splitlines()[number : number + 1]), "")
+    why = error.problem
+    if "\t" in line[: len(line) - len(line.lstrip())]:
+        why = "it is indented with a tab, which YAML forbids: use blanks"
+    elif "{{" in line:
+        why = "it has a template's {{ … }} in it: put the value into the file"
+    return f" in line {number + 1}: {why}"

@@ -11,11 +11,10 @@ from typing import Any
 
 import yaml
 
-from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter
 from mapper.io.nav2_declared import CONTROLLER_SERVER, NAVFN, PLANNER_SERVER, PURSUIT, checked, not_built, undeclared
 from mapper.io.nav2_declared import NODE as OF_EVERY_NODE
-from mapper.io.ros_parameters import find_node, parse_ros_parameters
+from mapper.io.ros_parameters import find_node, names_of, parse_ros_parameters
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 NODE = "planner_server"
@@ -134,9 +133,7 @@ def _plugin(
     found = find_node(root, (node,), (key,))
     given = {**found[1]} if found else {}
     default, default_kind = _DEFAULTS[node]
-    names = given.get(key, [default])
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ConfigError("nav2.plugins", f"{node}.{key} must be a list of names, not {names!r:.80}.")
+    names = names_of(given.get(key, [default]), f"{node}.{key}")
     rows = {row.name: row for row in table}
     usual = default_kind if names == [default] else ""
     own = next((name for name in names if _is(given.get(name), kind, usual)), None)

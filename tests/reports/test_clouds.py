@@ -131,7 +131,9 @@ def test_a_las_version_that_is_not_known_is_named(tmp_path: Path) -> None:
             "decimal commas",
         ),
         (b"1.5 2,5 3.5\n4.5 5,5 6.5\n", "some numbers have decimal commas, others decimal points"),
-        (b"1,234.5 2,345.5 678.5\n" * 3, "commas between their thousands"),
+        (b"1,234.5 2,345.5 678.5\n" * 3, "between their thousands"),
+        (b"x;y;z\n1,234.5;2,345.5;678.5\n", "between their thousands"),
+        (b"1.234,5;2.345,5;678,5\n" * 3, "between their thousands"),
         (b"x,y\n1,2\n3,4\n", "columns are named x, y; a cloud needs x, y, z"),
         (b"id,distance,angle\n1,2.5,3\n1,2.5,3\n", "columns are named id, distance, angle; a cloud needs x, y, z"),
     ],
@@ -556,3 +558,14 @@ def test_arrays_of_numpy_are_named_with_what_converts_them(
         save(file, POINTS)
     with pytest.raises(ReadError, match=r"arrays? of NumPy \(save its points as text"):
         read_it(tmp_path / "a")
+
+
+def test_a_file_of_no_known_kind_is_refused_by_its_first_bytes(tmp_path: Path) -> None:
+    """Of a large one the rest is not read; an empty one is named as such."""
+    path = tmp_path / "disk.img"
+    with path.open("wb") as file:
+        file.truncate(DEFAULT_LIMITS.max_cloud_bytes + 1)
+    with pytest.raises(ReadError, match="is none of the known formats"):
+        read_cloud(path)
+    with pytest.raises(ReadError, match="is empty"):
+        read(tmp_path, b"")

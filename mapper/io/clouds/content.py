@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -87,11 +87,17 @@ def _bytes_of(colours: NDArray[Any]) -> NDArray[np.uint8]:
 COARSE_STEP_M = 0.001  #: a cloud whose coordinates are rounded to more than this has a note about it
 
 
-def content(path: Path, limits: Limits, progress: Progress | None = None) -> bytes:
+HEAD_BYTES = 1 << 12  #: that tell a format
+
+
+def content(
+    path: Path, limits: Limits, progress: Progress | None = None, check: Callable[[bytes], object] | None = None
+) -> bytes:
     """Return the bytes of the file at ``path``, out of gzip or Zstandard where it is packed.
 
-    Raises :class:`ReadError` for a file that cannot be read, is empty or holds damaged packed data, and
-    :class:`LimitError` for one of more bytes than ``limits`` allow.
+    ``check`` gets the first :data:`HEAD_BYTES` before the rest is read, and may raise. Raises :class:`ReadError` for a
+    file that cannot be read, is empty or holds damaged packed data, and :class:`LimitError` for one of more bytes than
+    ``limits`` allow.
     """
     parts: list[bytes] = []
     size = 0
@@ -105,6 +111,8 @@ def content(path: Path, limits: Limits, progress: Progress | None = None) -> byt
                     f"{path.name!r} has more than {limits.max_cloud_bytes} bytes, the limit of one cloud.",
                 )
             parts.append(piece)
+            if check is not None and size >= HEAD_BYTES > size - len(piece):
+                check(b"".join(parts)[:HEAD_BYTES])
         if unpacked.broken is not None:
             raise ReadError("cloud.truncated", f"The {unpacked.packing} data {unpacked.broken}, after byte {size}.")
     return b"".join(parts)

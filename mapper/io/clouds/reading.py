@@ -10,7 +10,7 @@ import numpy as np
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.clouds.content import content, plain_text
+from mapper.io.clouds.content import HEAD_BYTES, content, plain_text
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
 from mapper.io.clouds.kitti import looks_like_kitti, read_kitti
 from mapper.io.clouds.las import read_las
@@ -37,7 +37,6 @@ FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
 }
 HEADERLESS = "KITTI or nuScenes"  #: points without a header
 TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
-HEAD_BYTES = 1 << 12
 
 
 def cloud_format(head: bytes) -> str | None:
@@ -67,17 +66,24 @@ def read_cloud(
     whose scans are joined in the map's frame. Points that are not finite stay where they are, so that rows agree with
     the file's. Raises :class:`ReadError`, saying what is wrong and where, and :class:`LimitError`.
     """
-    data = content(Path(path), limits, progress)
-    kind = cloud_format(data[:HEAD_BYTES])
+
+    def known(head: bytes) -> str:
+        if not head:
+            raise ReadError("cloud.empty", f"The file {Path(path).name!r} is empty.")
+        kind = cloud_format(head)
+        if kind is None:
+            what = what_else(head)
+            is_none = f"is {what}, and none" if what else "is none"
+            raise ReadError("cloud.format", f"The file {Path(path).name!r} {is_none} of the known formats: {_known()}.")
+        return kind
+
+    data = content(Path(path), limits, progress, known)
+    kind = known(data[:HEAD_BYTES])
     if kind == HEADERLESS:
         return read_kitti(data, limits)
     data = plain_text(data)
     if kind == "scan graph":
         return _joined(graph_nodes(data, limits), limits)
-    if kind is None:
-        what = what_else(data[:HEAD_BYTES])
-        is_none = f"is {what}, and none" if what else "is none"
-        raise ReadError("cloud.format", f"The file {Path(path).name!r} {is_none} of the known formats: {_known()}.")
     return (read_text if kind == TEXT else FORMATS[kind][1])(data, limits)
 
 

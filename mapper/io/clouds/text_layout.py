@@ -10,6 +10,7 @@ from mapper.core.errors import ReadError
 
 SAMPLE_LINES = 500  #: from which the layout is told
 _DECIMAL = re.compile(rb"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)", re.IGNORECASE)
+_WITH_BOTH = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+\.\d+|[-+]?\d{1,3}(?:\.\d{3})+,\d+")
 _THOUSANDS = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 _QUOTED = re.compile(rb'"([^"\n]*)"')
 _DIGITS = re.compile(rb"\d+")
@@ -66,6 +67,8 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
         return Layout(separator, is_decimal and separator != ",", quoted=True)
     has_comma = any(b"," in line for line in sample)
     if any(b";" in line for line in sample):
+        if any(_WITH_BOTH.fullmatch(word.strip()) for line in sample for word in line.split(b";")):
+            raise _thousands()
         return Layout(";", has_comma)
     words = [line.split() for line in sample]
     if not has_comma:
@@ -84,12 +87,16 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
         if any(_THOUSANDS.fullmatch(word) for one in words for word in one) and not any(
             b"," in word and not _THOUSANDS.fullmatch(word) for one in words for word in one
         ):
-            raise ReadError(
-                "cloud.thousands", "The numbers have commas between their thousands: save the file without them."
-            )
+            raise _thousands()
     if _is_cut_by_commas([line.split(b",") for line in sample]):
         raise _decimal_commas("the numbers have decimal commas, and commas stand between them too")
     return Layout(",")
+
+
+def _thousands() -> ReadError:
+    return ReadError(
+        "cloud.thousands", "The numbers have commas or points between their thousands: save the file without them."
+    )
 
 
 def _decimal_commas(what: str) -> ReadError:

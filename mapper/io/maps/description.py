@@ -17,7 +17,7 @@ import yaml
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.maps.writing import FRAME_KEY, Mode
-from mapper.io.untrusted_yaml import UntrustedLoader
+from mapper.io.untrusted_yaml import UntrustedLoader, where_and_why
 from mapper.sensors.georeference import FARTHEST_M
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
@@ -84,8 +84,7 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
         finally:
             loader.dispose()
     except yaml.MarkedYAMLError as error:
-        place = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise ReadError("map.yaml", f"The map's yaml is malformed{place}: {error.problem}.") from error
+        raise ReadError("map.yaml", f"The map's yaml is malformed{where_and_why(error, text)}.") from error
     except yaml.YAMLError as error:
         raise ReadError("map.yaml", "The map's yaml is malformed: it holds a character that YAML forbids.") from error
     if not isinstance(root, yaml.MappingNode):

@@ -13,9 +13,10 @@ from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds import PosedClouds, open_posed_clouds, read_cloud, read_depth_folder, read_scan_graph
+from mapper.io.clouds.content import HEAD_BYTES
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.given_poses import GivenPoses
-from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
+from mapper.io.clouds.reading import cloud_format
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PosedCloud
 from mapper.volume.occupancy.volume import Inserted, OccupancyVolume
