@@ -3,10 +3,16 @@ import type { Store } from "../../store/store";
 import { readable } from "../../tools/parameters/parameters";
 import { Button } from "../../ui/Button";
 import { Icon } from "../../ui/Icon";
+import { decimals, written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import { toast } from "../../ui/Toast";
 import type { Attempt, OfferedPuzzle } from "../../wire/http";
 import { resultText } from "./attempt";
+
+function textOf(value: boolean | number | string): string {
+  if (typeof value === "boolean") return value ? "on" : "off";
+  return typeof value === "number" ? written(value, decimals(Math.abs(value))) : readable(value);
+}
 
 interface AnswerProps {
   readonly store: Store;
@@ -26,8 +32,7 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
   const rows = store.hello.value?.parameters.table ?? [];
   const said = Object.entries(answer.repair).map(([name, value]) => {
     const row = rows.find((one) => one.name === name);
-    const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
-    return `${row?.label ?? name} ${text}${row?.unit ? ` ${row.unit}` : ""}`;
+    return `${row?.label ?? name} ${textOf(value)}${row?.unit ? ` ${row.unit}` : ""}`;
   });
   if (answer.trajectory) said.push(`poses from ${answer.trajectory}`);
   const repair = (): void => {
@@ -44,7 +49,7 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
         <p class="case-lesson">
           The lecture says: <q>{answer.lesson}</q>
         </p>
-        {said.length > 0 && <p class="quiet">Repaired with: {said.join(", ")}.</p>}
+        {said.length > 0 && <p class="quiet">A repair: {said.join(", ")}.</p>}
         <div class="actions">
           {!attempt.is_solved && said.length > 0 && (
             <Button kind="primary" onClick={repair}>

@@ -21,7 +21,7 @@ const given = (is_solved: boolean): Attempt =>
       explanation: "Wheels slip.",
       lesson: "Errors add up.",
       section: "odometry",
-      repair: { resolution: 0.05 },
+      repair: { resolution: 0.05, mount_yaw: -0.19 },
       trajectory: "cameras",
     },
   }) as unknown as Attempt;
@@ -37,8 +37,9 @@ function shown(attempt: Attempt, next: OfferedPuzzle | null) {
 test("who asked for the answer can have the map repaired", () => {
   const { store, buttons, names } = shown(given(false), null);
   expect(names).toEqual(["Repair the map"]);
+  expect(document.body.textContent).toContain("A repair: resolution 0.05, mount_yaw −0.19, poses from cameras.");
   buttons[0]?.click();
-  expect(store.setTogether).toHaveBeenCalledWith("repair", { resolution: 0.05 });
+  expect(store.setTogether).toHaveBeenCalledWith("repair", { resolution: 0.05, mount_yaw: -0.19 });
   expect(store.send).toHaveBeenCalledWith({ type: "trajectory", name: "cameras" });
 });
 
