@@ -1,10 +1,6 @@
 import { useId } from "preact/hooks";
+import { type Option, Select } from "./Select";
 import { Tooltip } from "./Tooltip";
-
-interface Option {
-  readonly value: string;
-  readonly label: string;
-}
 
 interface ChoiceProps {
   readonly label: string;
@@ -45,20 +41,14 @@ export function Choice({ label, options, value, sentence, disabled = false, bare
           ))}
         </span>
       ) : (
-        <select
+        <Select
           id={id}
-          class="select"
-          {...described}
+          describedBy={described["aria-describedby"]}
           value={value}
+          options={options}
           disabled={disabled}
-          onChange={(event) => onChange(event.currentTarget.value)}
-        >
-          {options.map((option) => (
-            <option value={option.value} key={option.value} selected={option.value === value}>
-              {option.label}
-            </option>
-          ))}
-        </select>
+          onChange={onChange}
+        />
       )}
     </div>
   );

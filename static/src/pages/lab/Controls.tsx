@@ -4,6 +4,7 @@ import type { Store } from "../../store/store";
 import type { Status } from "../../store/stream";
 import { StepButtons } from "../../tools/steps/Steps";
 import { Button } from "../../ui/Button";
+import { Select } from "../../ui/Select";
 
 const isTyping = (target: EventTarget | null): boolean =>
   target instanceof Element &&
@@ -58,18 +59,15 @@ export function Controls({ store }: { readonly store: Store | null }) {
       </Button>
       <label class="lab-choice">
         <span>World</span>
-        <select
-          class="select"
+        <Select
           disabled={!world}
           value={world?.name ?? ""}
-          onChange={(event) => store?.chooseWorld(event.currentTarget.value)}
-        >
-          {(world?.names ?? [""]).map((name) => (
-            <option key={name} value={name} selected={name === world?.name}>
-              {name === world?.name ? (world.title ?? name) : titled(name)}
-            </option>
-          ))}
-        </select>
+          options={(world?.names ?? [""]).map((name) => ({
+            value: name,
+            label: name === world?.name ? (world.title ?? name) : titled(name),
+          }))}
+          onChange={(name) => store?.chooseWorld(name)}
+        />
       </label>
     </div>
   );

@@ -1,6 +1,7 @@
 /** A choice of one of the visitor's other logs, and of its sensor where it has several. */
 
 import { useEffect } from "preact/hooks";
+import { Select } from "../../ui/Select";
 import { type LogRecord, logs, watchAll } from "./library/library";
 
 export interface ChosenLog {
@@ -40,33 +41,25 @@ export function LogChoice({ own, chosen, disabled, withMaps = false, onlyTerrain
       ? sensors.map((topic) => ({ id: log.id, topic: topic.name, label: `${log.name}, ${topic.name}` }))
       : [{ id: log.id, topic: "", label: log.map ? `${log.name} (map)` : log.name }];
   });
+  const [some, no] = onlyTerrains
+    ? ["Choose a map or cloud …", "No map and no cloud"]
+    : ["Choose a log …", "No other log"];
+  const none = choices.length > 0 ? some : no;
   return (
     <label class="field">
       <span class="visually-hidden">{onlyTerrains ? "The map or cloud" : "The other log"}</span>
-      <select
-        class="select"
+      <Select
         disabled={disabled || choices.length === 0}
         value={chosen ? chosen.log + SEPARATOR + (chosen.topic ?? "") : ""}
-        onChange={(event) => {
-          const [log = "", topic = ""] = event.currentTarget.value.split(SEPARATOR);
+        options={[
+          { value: "", label: none },
+          ...choices.map(({ id, topic, label }) => ({ value: id + SEPARATOR + topic, label })),
+        ]}
+        onChange={(value) => {
+          const [log = "", topic = ""] = value.split(SEPARATOR);
           if (log) onChoose({ log, topic: topic || null });
         }}
-      >
-        <option value="">
-          {onlyTerrains
-            ? choices.length > 0
-              ? "Choose a map or cloud …"
-              : "No map and no cloud"
-            : choices.length > 0
-              ? "Choose a log …"
-              : "No other log"}
-        </option>
-        {choices.map(({ id, topic, label }) => (
-          <option key={id + topic} value={id + SEPARATOR + topic}>
-            {label}
-          </option>
-        ))}
-      </select>
+      />
     </label>
   );
 }

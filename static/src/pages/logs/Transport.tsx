@@ -1,6 +1,7 @@
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { Select } from "../../ui/Select";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
 import type { LogEvent } from "../../wire/http";
 import type { Trajectory } from "../../wire/protocol";
@@ -135,18 +136,15 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], li
       </div>
       <label class="speed">
         <span class="visually-hidden">Speed</span>
-        <select
-          class="select"
+        <Select
           disabled={!frame}
           value={String(speed)}
-          onChange={(event) => store.send({ type: "speed", value: Number(event.currentTarget.value) })}
-        >
-          {speeds(speed, hello?.speeds ?? [0.1, 100]).map((one) => (
-            <option key={one} value={String(one)} selected={one === speed}>
-              {one}×
-            </option>
-          ))}
-        </select>
+          options={speeds(speed, hello?.speeds ?? [0.1, 100]).map((value) => ({
+            value: String(value),
+            label: `${value}×`,
+          }))}
+          onChange={(value) => store.send({ type: "speed", value: Number(value) })}
+        />
       </label>
       {plots && (
         <Button

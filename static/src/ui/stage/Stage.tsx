@@ -3,6 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { useMedia } from "../browser/useMedia";
+import { Select } from "../Select";
 import { Splitter } from "../split/Splitter";
 import { type Layout, LIMITS, withView } from "./layout";
 import "./stage.css";
@@ -71,18 +72,12 @@ export function Stage({ views, layout, onLayout }: StageProps) {
         >
           {shown.length > 1 && (
             <header class="view-head">
-              <select
-                class="select"
-                aria-label={`View ${place + 1}`}
+              <Select
+                label={`View ${place + 1}`}
                 value={view.kind}
-                onChange={(event) => onLayout(withView(layout, place, event.currentTarget.value))}
-              >
-                {views.map(({ kind, title }) => (
-                  <option key={kind} value={kind} selected={kind === view.kind}>
-                    {title}
-                  </option>
-                ))}
-              </select>
+                options={views.map(({ kind, title }) => ({ value: kind, label: title }))}
+                onChange={(kind) => onLayout(withView(layout, place, kind))}
+              />
               {isPhone && <Pages count={shown.length} place={place} stage={stage} />}
             </header>
           )}

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";
+import { SelectField } from "../../../ui/Select";
 import { addressOf, answerAt } from "../../../wire/ask";
 import type { FrameEdgeAnswer, FramesAnswer } from "../../../wire/http";
 import { ageLabel, rateLabel } from "./contents";
@@ -101,40 +102,24 @@ function Tree({ store, session }: FrameTreeProps) {
   return (
     <div class="frames">
       {frames.trees.length > 1 && (
-        <label class="field">
-          <span class="field-label">Transforms on</span>
-          <select
-            class="select"
-            value={frames.tf}
-            onChange={(event) => {
-              chosen.value = null;
-              topic.value = event.currentTarget.value;
-            }}
-          >
-            {frames.trees.map((name) => (
-              <option key={name} value={name} selected={name === frames.tf}>
-                {name}
-              </option>
-            ))}
-          </select>
-        </label>
-      )}
-      <label class="field">
-        <span class="field-label">Fixed frame</span>
-        <select
-          class="select"
-          value={frames.fixed}
-          onChange={(event) => {
-            chosen.value = event.currentTarget.value;
+        <SelectField
+          title="Transforms on"
+          value={frames.tf}
+          options={frames.trees}
+          onChange={(tf) => {
+            chosen.value = null;
+            topic.value = tf;
           }}
-        >
-          {frames.frames.map((name) => (
-            <option key={name} value={name} selected={name === frames.fixed}>
-              {name}
-            </option>
-          ))}
-        </select>
-      </label>
+        />
+      )}
+      <SelectField
+        title="Fixed frame"
+        value={frames.fixed}
+        options={frames.frames}
+        onChange={(frame) => {
+          chosen.value = frame;
+        }}
+      />
       {frames.faults.length > 0 ? (
         <ul class="frames-faults" aria-label="What is missing">
           {frames.faults.map((fault) => (

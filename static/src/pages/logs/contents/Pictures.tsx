@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { signed } from "../../../ui/numbers";
+import { SelectField } from "../../../ui/Select";
 import { addressOf, fetched } from "../../../wire/ask";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
@@ -54,22 +55,14 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
   const at = store.frame.value?.stamp ?? 0;
   return (
     <div class="pictures stack">
-      <label class="field">
-        <span class="field-label">Topic</span>
-        <select
-          class="select"
-          value={topic.value}
-          onChange={(event) => {
-            topic.value = event.currentTarget.value;
-          }}
-        >
-          {topics.map((name) => (
-            <option key={name} value={name} selected={name === topic.value}>
-              {name}
-            </option>
-          ))}
-        </select>
-      </label>
+      <SelectField
+        title="Topic"
+        value={topic.value}
+        options={topics}
+        onChange={(name) => {
+          topic.value = name;
+        }}
+      />
       {answer.kind === "failed" && <p role="alert">{answer.why}</p>}
       {answer.kind === "none" && (
         <div class="progress waiting wide" role="status" aria-label="The picture is being decoded">

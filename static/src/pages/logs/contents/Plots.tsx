@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { showAnswer } from "../../../ui/browser/attempts";
+import { SelectField } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
 import type { PlottedTopic, SeriesAnswer } from "../../../wire/http";
 import { FieldPlot } from "../fields/FieldPlot";
@@ -60,22 +61,14 @@ function Topic({
   const now = answer.value;
   return (
     <>
-      <label class="field">
-        <span class="field-label">Topic</span>
-        <select
-          class="select"
-          value={topic}
-          onChange={(event) => {
-            chosen.value = event.currentTarget.value;
-          }}
-        >
-          {series.map((one) => (
-            <option key={one.topic} value={one.topic} selected={one.topic === topic}>
-              {one.topic} ({one.type})
-            </option>
-          ))}
-        </select>
-      </label>
+      <SelectField
+        title="Topic"
+        value={topic}
+        options={series.map(({ topic, type }) => ({ value: topic, label: `${topic} (${type})` }))}
+        onChange={(name) => {
+          chosen.value = name;
+        }}
+      />
       {failure.value && <p role="alert">{failure.value}</p>}
       {now === null && !failure.value && <p class="quiet">…</p>}
       {now !== null &&

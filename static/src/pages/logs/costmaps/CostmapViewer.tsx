@@ -9,6 +9,7 @@ import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
+import { Select } from "../../../ui/Select";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { GuestNote } from "../Head";
@@ -174,17 +175,11 @@ function Facts({ store }: { readonly store: Store }) {
       {log && log.trajectories.length > 1 && (
         <label class="stack-tight">
           <span>Topic</span>
-          <select
-            class="select"
+          <Select
             value={log.trajectory}
-            onChange={(event) => store.send({ type: "trajectory", name: event.currentTarget.value })}
-          >
-            {log.trajectories.map(({ name }) => (
-              <option key={name} value={name}>
-                {name}
-              </option>
-            ))}
-          </select>
+            options={log.trajectories.map(({ name }) => name)}
+            onChange={(name) => store.send({ type: "trajectory", name })}
+          />
         </label>
       )}
       {log && (

@@ -7,6 +7,7 @@ import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { saveAs } from "../../../ui/files/saveAs";
 import { ProgressBar } from "../../../ui/ProgressBar";
+import { Select } from "../../../ui/Select";
 import { Plot } from "../contents/LazyPlot";
 import type { Span } from "../contents/series";
 import {
@@ -66,21 +67,13 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
         <div class="actions">
           <label>
             Horizontal{" "}
-            <select
-              class="select"
+            <Select
               value={across ?? ""}
-              onChange={(event) => {
-                fields.across.value = event.currentTarget.value || null;
+              options={[{ value: "", label: "time" }, ...(chosen.length > 1 ? chosen.map(keyOf) : [])]}
+              onChange={(key) => {
+                fields.across.value = key || null;
               }}
-            >
-              <option value="">time</option>
-              {chosen.length > 1 &&
-                chosen.map((one) => (
-                  <option key={keyOf(one)} value={keyOf(one)} selected={keyOf(one) === across}>
-                    {keyOf(one)}
-                  </option>
-                ))}
-            </select>
+            />
           </label>
           <Button
             kind="quiet"
@@ -198,23 +191,19 @@ function Legend({ fields, series }: { readonly fields: FieldsState; readonly ser
             <span class="field-name">
               <span class="quiet">{one.topic}</span> {one.field}
             </span>
-            <select
-              class="select"
-              aria-label={`What is shown of ${key}`}
+            <Select
+              label={`What is shown of ${key}`}
               value={one.made === "average" ? `average ${one.window}` : one.made}
-              onChange={(event) => {
-                const [made, window] = event.currentTarget.value.split(" ");
+              options={[
+                "value",
+                "derivative",
+                ...WINDOWS.map((window) => ({ value: `average ${window}`, label: `mean of ${window} s` })),
+              ]}
+              onChange={(value) => {
+                const [made, window] = value.split(" ");
                 change(key, { made: made as Made, ...(window === undefined ? {} : { window: Number(window) }) });
               }}
-            >
-              <option value="value">value</option>
-              <option value="derivative">derivative</option>
-              {WINDOWS.map((window) => (
-                <option key={window} value={`average ${window}`}>
-                  mean of {window} s
-                </option>
-              ))}
-            </select>
+            />
             <Button kind="quiet" icon="close" label={`Remove ${labelOf(one)}`} onClick={() => remove(fields, key)} />
             {(now === undefined || now.kind === "reading") && (
               <ProgressBar fraction={now?.kind === "reading" && now.progress > 0 ? now.progress : null} />

@@ -1,4 +1,5 @@
 import { useRef } from "preact/hooks";
+import { Select } from "../../../ui/Select";
 import { allTags, EVERYTHING, logs, ORDERS, PAGE, total, type Wanted, wanted } from "./library";
 
 /** Number of logs from which on they are searched and sorted. */
@@ -33,18 +34,13 @@ export function Finder() {
           timer.current = setTimeout(() => choose({ words }), SETTLE_MS);
         }}
       />
-      <select
-        class="select finder-order"
-        aria-label="Order"
+      <Select
+        class="finder-order"
+        label="Order"
         value={now.order}
-        onChange={(event) => choose({ order: event.currentTarget.value as Wanted["order"] })}
-      >
-        {ORDERS.map(({ value, label }) => (
-          <option key={value} value={value} selected={value === now.order}>
-            {label}
-          </option>
-        ))}
-      </select>
+        options={ORDERS}
+        onChange={(order) => choose({ order: order as Wanted["order"] })}
+      />
       {tags.map(([tag, count]) => {
         const isOn = now.tags.includes(tag);
         return (

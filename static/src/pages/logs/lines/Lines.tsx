@@ -6,6 +6,7 @@ import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { plural } from "../../../ui/numbers";
+import { Select } from "../../../ui/Select";
 import { WhenKnown } from "../contents/useContents";
 import { scansAt } from "../time/scanTimes";
 import { clockTime, shownTime } from "../time/shownTime";
@@ -86,38 +87,31 @@ function Search({ state, all, onStep, children }: SearchProps) {
   const count = useMemo(() => all.filter(({ level }) => level >= WARNING).length, [all]);
   return (
     <search class="lines-search">
-      <select
-        class="select"
-        aria-label="Level"
+      <Select
+        label="Level"
         value={String(state.least.value)}
-        onChange={(event) => {
-          state.least.value = Number(event.currentTarget.value);
+        options={[
+          { value: "0", label: "All levels" },
+          ...LEVELS.filter(([level]) => level > 10).map(([level, name]) => ({
+            value: String(level),
+            label:
+              (level === 50 ? "fatal only" : `${name} and above`) +
+              (level === WARNING ? ` (${count.toLocaleString("en")})` : ""),
+          })),
+        ]}
+        onChange={(level) => {
+          state.least.value = Number(level);
         }}
-      >
-        <option value="0">All levels</option>
-        {LEVELS.filter(([level]) => level > 10).map(([level, name]) => (
-          <option key={level} value={String(level)} selected={level === state.least.value}>
-            {level === 50 ? "fatal only" : `${name} and above`}
-            {level === WARNING && ` (${count.toLocaleString("en")})`}
-          </option>
-        ))}
-      </select>
+      />
       {nodes.length > 1 && (
-        <select
-          class="select"
-          aria-label="Node"
+        <Select
+          label="Node"
           value={state.node.value}
-          onChange={(event) => {
-            state.node.value = event.currentTarget.value;
+          options={[{ value: "", label: "All nodes" }, ...nodes]}
+          onChange={(name) => {
+            state.node.value = name;
           }}
-        >
-          <option value="">All nodes</option>
-          {nodes.map((name) => (
-            <option key={name} value={name} selected={name === state.node.value}>
-              {name}
-            </option>
-          ))}
-        </select>
+        />
       )}
       <input
         class="field-text"

@@ -11,6 +11,7 @@ import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
+import { SelectField } from "../../../ui/Select";
 import { Toggle } from "../../../ui/Toggle";
 import type { Values } from "../../../wire/protocol";
 import { JobProgress } from "../jobs/JobProgress";
@@ -232,23 +233,15 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
       />
       {source === "own" && log && (
         <div class="localize-own">
-          <label class="field">
-            <span class="field-label">Mapped along</span>
-            <select
-              class="select"
-              value={mappedAlong}
-              disabled={isBusy}
-              onChange={(event) => {
-                along.value = event.currentTarget.value;
-              }}
-            >
-              {names.map((name) => (
-                <option key={name} value={name}>
-                  {trajectoryLabel(name)}
-                </option>
-              ))}
-            </select>
-          </label>
+          <SelectField
+            title="Mapped along"
+            value={mappedAlong}
+            disabled={isBusy}
+            options={names.map((name) => ({ value: name, label: trajectoryLabel(name) }))}
+            onChange={(name) => {
+              along.value = name;
+            }}
+          />
           <Button
             disabled={isBusy}
             onClick={() => void localizing.chooseLog(log.id, log.topic ?? null, mappedAlong || null)}

@@ -4,6 +4,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { bytes, signed } from "../../../ui/numbers";
+import { SelectField } from "../../../ui/Select";
 import { toast } from "../../../ui/Toast";
 import { addressOf, answerAt } from "../../../wire/ask";
 import type { MessageAnswer } from "../../../wire/http";
@@ -68,22 +69,17 @@ export function Messages({ store, session, topic }: MessagesProps) {
         if (chosen === "") return <p class="quiet">This kind of log has no ROS messages.</p>;
         return (
           <div class="messages">
-            <label class="field">
-              <span class="field-label">Topic</span>
-              <select
-                class="select"
-                value={chosen}
-                onChange={(event) => {
-                  topic.value = event.currentTarget.value;
-                }}
-              >
-                {topics.map(({ name, type }) => (
-                  <option key={name} value={name} selected={name === chosen}>
-                    {name} ({type.replace(/^.*\//, "")})
-                  </option>
-                ))}
-              </select>
-            </label>
+            <SelectField
+              title="Topic"
+              value={chosen}
+              options={topics.map(({ name, type }) => ({
+                value: name,
+                label: `${name} (${type.replace(/^.*\//, "")})`,
+              }))}
+              onChange={(name) => {
+                topic.value = name;
+              }}
+            />
             <OfTopic key={chosen} store={store} session={session} topic={chosen} />
           </div>
         );

@@ -5,6 +5,7 @@ import { showAnswer } from "../../../ui/browser/attempts";
 import { Choice } from "../../../ui/Choice";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
+import { SelectField } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
 import type { TrajectoryErrors } from "../../../wire/http";
 import type { TrajectoryInfo } from "../../../wire/messages";
@@ -56,6 +57,7 @@ function Errors({
   errors,
 }: Pick<TrajectoriesProps, "store" | "session" | "errors"> & { readonly trajectories: readonly TrajectoryInfo[] }) {
   const names = trajectories.map(({ name }) => name);
+  const options = names.map((name) => ({ value: name, label: trajectoryLabel(name) }));
   const first = firstPair(trajectories);
   const reference = useSignal(first[0]);
   const estimate = useSignal(first[1]);
@@ -84,8 +86,22 @@ function Errors({
   const comparison = errors.value;
   return (
     <div class="errors">
-      <Select label="Reference" names={names} value={reference} />
-      <Select label="Compared with it" names={names} value={estimate} />
+      <SelectField
+        title="Reference"
+        value={reference.value}
+        options={options}
+        onChange={(name) => {
+          reference.value = name;
+        }}
+      />
+      <SelectField
+        title="Compared with it"
+        value={estimate.value}
+        options={options}
+        onChange={(name) => {
+          estimate.value = name;
+        }}
+      />
       <Choice
         label="Aligned by"
         options={ALIGNMENTS}
@@ -128,35 +144,6 @@ function Errors({
         definitions are those of evo and of <code>gridbloom evaluate</code>.
       </p>
     </div>
-  );
-}
-
-function Select({
-  label,
-  names,
-  value,
-}: {
-  readonly label: string;
-  readonly names: readonly string[];
-  readonly value: Signal<string>;
-}) {
-  return (
-    <label class="field">
-      <span class="field-label">{label}</span>
-      <select
-        class="select"
-        value={value.value}
-        onChange={(event) => {
-          value.value = event.currentTarget.value;
-        }}
-      >
-        {names.map((name) => (
-          <option key={name} value={name} selected={name === value.value}>
-            {trajectoryLabel(name)}
-          </option>
-        ))}
-      </select>
-    </label>
   );
 }
 

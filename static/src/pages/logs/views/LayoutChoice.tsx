@@ -1,5 +1,6 @@
 import type { Signal } from "@preact/signals";
 import { Icon, type IconName } from "../../../ui/Icon";
+import { Select } from "../../../ui/Select";
 import { ARRANGEMENTS, type Arrangement, arranged, type Layout, layoutOf, written } from "../../../ui/stage/layout";
 import { MAP_ALONE } from "./useLayout";
 import "./layoutChoice.css";
@@ -33,22 +34,18 @@ export function LayoutChoice({ layout, kinds }: LayoutChoiceProps) {
   const chosen = names.find(([, one]) => one.arrangement === now.arrangement && `${one.views}` === `${now.views}`);
   return (
     <div class="layout-choice" role="toolbar" aria-label="Layout of the views">
-      <select
-        class="select"
-        aria-label="Layout"
+      <Select
+        label="Layout"
         value={chosen ? written(chosen[1]) : ""}
-        onChange={(event) => {
-          const found = names.find(([, one]) => written(one) === event.currentTarget.value);
+        options={[
+          ...(chosen ? [] : [{ value: "", label: "Own layout" }]),
+          ...names.map(([name, preset]) => ({ value: written(preset), label: name })),
+        ]}
+        onChange={(value) => {
+          const found = names.find(([, preset]) => written(preset) === value);
           if (found) layout.value = found[1];
         }}
-      >
-        {!chosen && <option value="">Own layout</option>}
-        {names.map(([name, one]) => (
-          <option key={name} value={written(one)} selected={one === chosen?.[1]}>
-            {name}
-          </option>
-        ))}
-      </select>
+      />
       {ARRANGEMENTS.map((arrangement) => {
         const [icon, label] = LABELS[arrangement];
         return (

@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import { Select } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
 import type { VolumeMessage } from "../../../wire/protocol";
 import type { LogRecord } from "../library/library";
@@ -40,18 +41,16 @@ export function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
         <div class="volume-other">
           <label>
             <span>Another file</span>
-            <select
-              class="select"
+            <Select
               value={chosen.value}
-              onChange={(event) => (chosen.value = event.currentTarget.value)}
-            >
-              <option value="">choose one</option>
-              {others.value.map(({ id, name }) => (
-                <option key={id} value={id}>
-                  {name}
-                </option>
-              ))}
-            </select>
+              options={[
+                { value: "", label: "choose one" },
+                ...others.value.map(({ id, name }) => ({ value: id, label: name })),
+              ]}
+              onChange={(id) => {
+                chosen.value = id;
+              }}
+            />
           </label>
           <Button disabled={chosen.value === ""} onClick={() => onCompare(chosen.value)}>
             Compare

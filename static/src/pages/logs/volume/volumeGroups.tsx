@@ -13,6 +13,7 @@ import type { DockGroup } from "../../../ui/dock/Dock";
 import { MapFiles } from "../../../ui/files/MapFiles";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
+import { SelectField } from "../../../ui/Select";
 import { SurfaceGroup } from "./SurfaceGroup";
 import { VolumeCompare } from "./VolumeCompare";
 
@@ -162,16 +163,12 @@ function UpChoice({ store, onUp }: UpChoiceProps) {
   if (!now?.has_scans) return null;
   return (
     <Panel title="Up">
-      <label class="field">
-        <span class="field-label">Axis of the file that points up</span>
-        <select class="select" value={now.up} onChange={(event) => onUp(event.currentTarget.value)}>
-          {AXES.map((axis) => (
-            <option key={axis} value={axis}>
-              {axis.replace("-", "−")}
-            </option>
-          ))}
-        </select>
-      </label>
+      <SelectField
+        title="Axis of the file that points up"
+        value={now.up}
+        options={AXES.map((axis) => ({ value: axis, label: axis.replace("-", "−") }))}
+        onChange={onUp}
+      />
       <p class="quiet">The map is opened again, turned.</p>
     </Panel>
   );
