@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from itertools import product
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,14 @@ CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
         "east": (1.25, 0.0, 0.35),
     }
 )
+
+
+class Aim(NamedTuple):
+    """Where a camera was told to look from, for a picture of an aspect ratio."""
+
+    name: CameraName
+    aspect: float
+    position: Vector  #: metres
 
 
 FOV = 0.8  #: vertical field of view of all cameras, radians

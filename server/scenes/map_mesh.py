@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
+from mapper.mapping.textbook_traversal import amanatides_woo
 from server.scenes.shapes import Mesh, boxes
 
 MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
@@ -78,30 +79,41 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
 
 def first_column(
     shown: MapLevels, scale: float, start: NDArray[np.float64], along: NDArray[np.float64]
-) -> float | None:
-    """Return how far along a line of sight the first column is, as a multiple of ``along``; None: it meets none.
+) -> NDArray[np.float64] | None:
+    """Return the place (3,) at which a line of sight is in the first column that it meets; None: it meets none.
 
-    ``start`` and ``along`` (3,) are in the frame of the map, metres; columns are ``scale`` times as high as
-    :data:`HEIGHTS`. The line is followed in steps of a quarter of a cell, which may miss the edge of a column.
+    ``start`` and ``along`` (3,) are in the frame of the map, metres, and so is the place; columns are ``scale`` times
+    as high as :data:`HEIGHTS`. The place is the middle of the line's way through the column, because the side by which
+    it enters is the border of two cells.
     """
-    size = np.array([*shown.size_m, scale * HEIGHTS[-1]])
+    top = scale * HEIGHTS[-1]
+    enter, leave = _shares_inside(np.zeros(3), np.array([*shown.size_m, top]), start, along)
+    if not enter < leave < np.inf:
+        return None
+    (u0, v0), (u1, v1) = ((start[:2] + share * along[:2]) / shown.cell for share in (enter, leave))
+    cells = np.array(amanatides_woo((u0, v0), (u1, v1)))
+    cells = cells[((cells >= 0) & (cells < shown.levels.shape)).all(axis=1)]  # an end may lie in the map's border
+    heights = scale * HEIGHTS[shown.levels[*cells.T]]
+    low = np.column_stack([cells[:, ::-1] * shown.cell, np.zeros(len(cells))])
+    high = np.column_stack([low[:, :2] + shown.cell, heights])
+    enter, leave = _shares_inside(low, high, start, along)
+    met = np.flatnonzero((heights > 0.0) & (enter < leave))
+    return start + 0.5 * (enter + leave)[met[0]] * along if len(met) else None
+
+
+def _shares_inside(
+    low: NDArray[np.float64], high: NDArray[np.float64], start: NDArray[np.float64], along: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return where a ray enters and leaves boxes from ``low`` to ``high`` (..., 3), as multiples of ``along`` from 0.
+
+    It meets those that it enters before it leaves them. Source: the slabs of Kay & Kajiya, SIGGRAPH 1986.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
-        walls = np.stack([-start / along, (size - start) / along])  # shares at which it crosses the planes of the box
-    still = along == 0.0
-    if np.any(still & ((start < 0.0) | (start > size))):
-        return None
-    low = max(0.0, float(walls.min(axis=0)[~still].max(initial=0.0)))
-    high = float(walls.max(axis=0)[~still].min(initial=np.inf))
-    if not low <= high < np.inf:
-        return None
-    steps = int(np.linalg.norm(along) * (high - low) / (0.25 * shown.cell)) + 2
-    shares = np.linspace(low, high, steps)
-    places = start + shares[:, None] * along
-    cols, rows = (places[:, :2] // shown.cell).astype(np.int64).T
-    rows, cols = np.clip(rows, 0, shown.levels.shape[0] - 1), np.clip(cols, 0, shown.levels.shape[1] - 1)
-    levels = shown.levels[rows, cols]
-    hits = np.flatnonzero((levels > 0) & (places[:, 2] <= scale * HEIGHTS[levels]))
-    return float(shares[hits[0]]) if len(hits) else None
+        at_low, at_high = ((side - start) / (along + 0.0) for side in (low, high))  # + 0.0: there is no −0.0 then
+    # What lies in the plane of a side and is parallel to it has 0 / 0 there, and is between the two sides.
+    at_low, at_high = np.where(np.isnan(at_low), -np.inf, at_low), np.where(np.isnan(at_high), np.inf, at_high)
+    enter = np.minimum(at_low, at_high).max(axis=-1, initial=0.0)
+    return enter, np.maximum(at_low, at_high).min(axis=-1)
 
 
 def changed_tiles(new: NDArray[np.uint8], old: NDArray[np.uint8] | None) -> list[tuple[int, int]]:

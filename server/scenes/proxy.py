@@ -36,6 +36,10 @@ from server.sessions.drawings import MAX_DRAWING_BYTES
 #:
 #: Viser's client connects again only while its document has the focus, which a view inside of a page rarely has. Here
 #: it is enough that the page is visible.
+#:
+#: The target of a touch has captured it before anybody hears of it (Pointer Events 3, "implicit pointer capture"), and
+#: viser's client takes what is captured for the drag of a gizmo: a tap would pick nothing. So it is captured after
+#: viser's client has heard of it.
 SCRIPT = b"""<script>
 window.Worker = class extends window.Worker {
   constructor(...given) {
@@ -47,6 +51,14 @@ window.Worker = class extends window.Worker {
     });
   }
 };
+let captured = false;
+window.addEventListener("pointerdown", ({ target, pointerId }) => {
+  captured = target.hasPointerCapture(pointerId);
+  if (captured) target.releasePointerCapture(pointerId);
+}, true);
+window.addEventListener("pointerdown", ({ target, pointerId }) => {
+  if (captured) target.setPointerCapture(pointerId);
+});
 document.hasFocus = () => document.visibilityState === "visible";
 document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
 </script>"""

@@ -13,12 +13,13 @@ import time
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import structlog
 import viser
 from msgspec import Struct
 
 from server.logging import short_hash
-from server.scenes.cameras import ASPECT, CAMERAS, FOV, CameraName, camera_at
+from server.scenes.cameras import ASPECT, CAMERAS, FOV, Aim, CameraName, camera_at
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
@@ -55,6 +56,7 @@ class Scene:
         self._bounds: Bounds | None = None
         self._heights: tuple[float, float] | None = None
         self._viewers: dict[int, Viewer] = {}  #: of each of viser's clients
+        self._aims: dict[int, Aim] = {}  #: of each of viser's clients, where it was last told to look from
         self._marks = Marks(server)
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
@@ -146,16 +148,29 @@ class Scene:
         self._viewers[client.client_id] = viewer_of_connection.get()
         if client.camera.aspect < ASPECT:
             self._aim_client(client, "overview")
+        client.camera.on_update(self._fit)
         self._note_change()  # its page may have selected a place
 
     async def _dismiss(self, client: viser.ClientHandle) -> None:
         self._viewers.pop(client.client_id, None)
+        self._aims.pop(client.client_id, None)
         self._marks.forget(client.client_id)
 
     def _aim_client(self, client: viser.ClientHandle, name: CameraName) -> None:
-        position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, client.camera.aspect, self._heights)
+        aspect = client.camera.aspect
+        position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, aspect, self._heights)
+        self._aims[client.client_id] = Aim(name, aspect, position)
         client.camera.position = position
         client.camera.look_at = look_at  # viser moves it along with the position
+
+    async def _fit(self, camera: viser.CameraHandle) -> None:
+        """Aim a camera again that nobody has moved since, once its picture has another aspect ratio.
+
+        A page lays its views out after they have connected.
+        """
+        aim = self._aims.get(camera.client.client_id)
+        if aim is not None and aim.aspect != camera.aspect and np.allclose(camera.position, aim.position, atol=1e-3):
+            self._aim_client(camera.client, aim.name)
 
     # -- from the page's own controls ---------------------------------------------------------------------------
 

@@ -45,7 +45,7 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
             tile.scale = (1.0, 1.0, height)
 
     def met(self, origin: Point, direction: Point) -> Point | None:
-        """Return where a line of sight meets a column first."""
+        """Return where a line of sight is in the first column that it meets."""
         shown = self._shown
         if shown is None:
             return None
@@ -53,11 +53,11 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
         turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])  # of the frame, in the map
         start, along = np.array(origin, dtype=np.float64), np.array(direction, dtype=np.float64)
         local = np.append((start[:2] - (x, y)) @ turn, start[2]), np.append(along[:2] @ turn, along[2])
-        share = first_column(shown.levels, self._height, *local)
-        if share is None:
+        place = first_column(shown.levels, self._height, *local)
+        if place is None:
             return None
-        px, py, pz = (start + share * along).tolist()
-        return (px, py, pz)
+        px, py = (turn @ place[:2] + (x, y)).tolist()
+        return (px, py, float(place[2]))
 
     @classmethod
     def read(cls, drawing: GridColumns) -> GridContent:

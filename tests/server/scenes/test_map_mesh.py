@@ -102,12 +102,15 @@ def test_a_large_grid_is_drawn_by_blocks_that_keep_thin_walls() -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "along", "share"),
+    ("start", "along", "place"),
     [
         # The column of cell (row 4, col 6), 0.5 m high, is 0.6 … 0.7 m along x, 0.4 … 0.5 m along y.
-        ((0.65, 0.45, 3.0), (0.0, 0.0, -1.0), 2.5),  # its top from above
-        ((-1.0, 0.45, 0.3), (2.0, 0.0, 0.0), 0.8),  # its side, along the floor
-        ((0.05, 0.45, 0.75), (0.5, 0.0, -0.5), 1.1),  # its side from above, 0.2 m above the floor
+        ((0.65, 0.45, 3.0), (0.0, 0.0, -1.0), (0.65, 0.45, 0.25)),  # from above
+        ((0.65, 0.4, 3.0), (0.0, -0.0, -1.0), (0.65, 0.4, 0.25)),  # along its side
+        ((-1.0, 0.45, 0.3), (2.0, 0.0, 0.0), (0.65, 0.45, 0.3)),  # along the floor
+        ((0.05, 0.45, 0.75), (0.5, 0.0, -0.5), (0.65, 0.45, 0.15)),  # from above, 0.2 … 0.1 m above the floor
+        ((0.05, 0.45, 1.1), (1.0, 0.0, -1.0), (0.675, 0.45, 0.475)),  # through its top
+        ((0.0, 1.002, 0.3), (1.0, -1.0, 0.0), (0.601, 0.401, 0.3)),  # 3 mm of a corner
         ((0.65, 0.35, 3.0), (0.0, 0.0, -1.0), None),  # beside it
         ((-1.0, 0.45, 0.6), (1.0, 0.0, 0.0), None),  # above it
         ((0.75, 0.45, 0.3), (1.0, 0.0, 0.0), None),  # away from it
@@ -115,17 +118,48 @@ def test_a_large_grid_is_drawn_by_blocks_that_keep_thin_walls() -> None:
         ((0.65, 0.45, 3.0), (0.0, 0.0, 0.0), None),
     ],
 )
-def test_a_line_of_sight_meets_the_first_column(start: Vector, along: Vector, share: float | None) -> None:
+def test_a_line_of_sight_meets_the_first_column(start: Vector, along: Vector, place: Vector | None) -> None:
     geometry = GridGeometry(0.1, 8, 12)
     log_odds = np.full(geometry.shape, -2.0, dtype=np.float32)
     log_odds[4, 6] = 3.5
     drawn = map_levels(geometry, log_odds, np.ones(geometry.shape, dtype=np.bool_))
     met = first_column(drawn, 1.0, np.array(start), np.array(along))
-    step = 0.25 * drawn.cell / max(float(np.linalg.norm(along)), 1e-9)
-    assert met == (None if share is None else pytest.approx(share, abs=1.01 * step))
+    if place is None:
+        assert met is None
+    else:
+        assert met is not None
+        np.testing.assert_allclose(met, place, atol=1e-9)
+
+
+def test_no_column_is_before_the_first_that_is_met() -> None:
+    rng = np.random.default_rng(5)
+    grid = grid_of(40, 30)
+    drawn = map_levels(grid.geometry, grid.log_odds, grid.observed & (rng.random(grid.geometry.shape) < 0.1))
+
+    def in_column(places: np.ndarray) -> np.ndarray:
+        cols, rows = np.floor(places[:, :2] / 0.1).astype(int).T
+        inside = (rows >= 0) & (rows < 40) & (cols >= 0) & (cols < 30)
+        heights = HEIGHTS[drawn.levels[np.where(inside, rows, 0), np.where(inside, cols, 0)]]
+        return np.asarray(inside & (places[:, 2] >= 0.0) & (places[:, 2] < heights))
+
+    met = 0
+    for _ in range(300):
+        start = rng.uniform((-2.0, -2.0, 0.1), (5.0, 6.0, 2.0))
+        along = rng.uniform((0.0, 0.0, 0.0), (3.0, 4.0, 0.5)) - start
+        place = first_column(drawn, 1.0, start, along)
+        # Steps of at most 4 mm; half of a line's way through a column is at most 0.26 m.
+        before = start + np.linspace(0.0, 1.0, 2000)[:, None] * (5.0 * along if place is None else place - start)
+        if place is not None:
+            met += 1
+            assert in_column(place[None])[0]
+            before = before[np.linalg.norm(before - place, axis=1) > 0.26]
+        assert not in_column(before).any()
+    assert 50 < met < 250
 
 
 def test_columns_that_are_drawn_higher_are_met_higher() -> None:
     drawn = map_levels(GridGeometry(0.1, 1, 1), np.array([[3.5]], dtype=np.float32), np.array([[True]]))
     start, along = np.array([0.05, 0.05, 4.0]), np.array([0.0, 0.0, -1.0])
-    assert first_column(drawn, 5.0, start, along) == pytest.approx(4.0 - 5.0 * HEIGHTS[-1])
+    met = first_column(drawn, 5.0, start, along)
+    assert met is not None
+    assert met[2] == pytest.approx(0.5 * 5.0 * HEIGHTS[-1])

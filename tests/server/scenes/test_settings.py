@@ -13,7 +13,7 @@ import pytest
 from server.scenes.cameras import CAMERAS, FOV, CameraName, camera_at
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
-from tests.server.scenes.viser_client import Client, viser_client
+from tests.server.scenes.viser_client import CAMERA, Client, viser_client
 from tests.server.service import eventually
 
 
@@ -77,6 +77,36 @@ async def test_the_plain_view_has_no_panel(service: Service) -> None:
     assert "visibility: hidden !important" in plain.text
     assert "visibility: hidden !important" not in page.text
     assert plain.headers["content-security-policy"] == page.headers["content-security-policy"]
+
+
+async def test_a_camera_goes_back_when_its_picture_becomes_narrow_until_somebody_moves_it(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    bounds = session.model.controls().bounds
+    assert bounds is not None
+    address = f"http://127.0.0.1:{service.port}/scenes/{session.id}/settings"
+    async with (
+        httpx.AsyncClient(cookies={"visitor": "ann"}) as ann,
+        viser_client(service.port, session.id, "visitor=ann") as client,
+    ):
+
+        async def is_aimed(aspect: float) -> tuple[float, float, float]:
+            wanted, _ = camera_at("above", bounds, aspect)
+            await client.until(
+                lambda m: m["type"] == "SetCameraPositionMessage" and m["position"] == pytest.approx(wanted)
+            )
+            return wanted
+
+        # The pane of the panel comes when the client has connected, so that its camera is known.
+        beams = await client.until(lambda m: m["type"] == "GuiCheckboxMessage" and m["props"]["label"] == "Beams")
+        assert (await ann.post(address, json={"camera": "above"})).status_code == 200
+        there = await is_aimed(800 / 600)
+        await client.send(**CAMERA | {"position": there, "image_width": 300})
+        x, y, z = await is_aimed(0.5)
+        # Moved a little, it stays where it is: what is switched behind it is carried out behind it.
+        await client.send(**CAMERA | {"position": (x, y, z - 0.1), "image_width": 200})
+        await client.send(type="GuiUpdateMessage", uuid=beams["uuid"], updates={"value": False})
+        await client.until(lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and not m["visible"])
+        assert cameras_set(client)[-1] == pytest.approx((x, y, z))
 
 
 @pytest.mark.parametrize("name", CAMERAS)

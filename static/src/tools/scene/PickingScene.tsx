@@ -12,14 +12,13 @@ interface PickingSceneProps {
 export function PickingScene({ store, session }: PickingSceneProps) {
   const selection = selectionOf(store).value;
   return (
-    <>
-      <p class="quiet" role="status">
+    <Scene store={store} session={session}>
+      <p class="scene-words" role="status">
         {selection
           ? wordsOf(selection)
           : "Click a wall, a pose of the path or a loop to select it, here and on the map."}
       </p>
-      <Scene store={store} session={session} />
-    </>
+    </Scene>
   );
 }
 

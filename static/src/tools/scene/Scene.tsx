@@ -1,6 +1,7 @@
 /** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -16,9 +17,11 @@ interface SceneProps {
   readonly session: string;
   /** Whether the map is drawn as columns, whose height can be set. */
   readonly hasColumns?: boolean;
+  /** What is said over the upper edge of the picture, which does not move with its length. */
+  readonly children?: ComponentChildren;
 }
 
-export function Scene({ store, session, hasColumns = true }: SceneProps) {
+export function Scene({ store, session, hasColumns = true, children }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
@@ -43,7 +46,10 @@ export function Scene({ store, session, hasColumns = true }: SceneProps) {
   return (
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
-        <iframe class="scene" title="3D view" src={sceneAddress(session, store, dark.value)} />
+        <div class="scene-picture">
+          <iframe class="scene" title="3D view" src={sceneAddress(session, store, dark.value)} />
+          {children}
+        </div>
         <SceneControls store={store} session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>

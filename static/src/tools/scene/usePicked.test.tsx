@@ -8,7 +8,7 @@ import { PickingScene } from "./PickingScene";
 import { selectionOf, useSelectedPlace } from "./selection";
 import { usePicked } from "./usePicked";
 
-vi.mock("./Scene", () => ({ Scene: () => null })); // which asks the server
+vi.mock("./Scene", () => ({ Scene: ({ children }: { children: unknown }) => children })); // which asks the server
 
 afterEach(() => render(null, document.body));
 
