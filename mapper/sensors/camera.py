@@ -42,6 +42,22 @@ class Intrinsics:
         first = -math.atan2(self.width - 1 - self.cx, self.fx)
         return first, (last - first) / max(1, self.width - 1)
 
+    def projection(self, T_camera_map: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: N803
+        """Return the matrix (3, 4) that takes (x, y, z, 1), metres in the map, to (u w, v w, w).
+
+        w is the depth, metres, negative behind the camera; u and v are shares of the image's width and height, from its
+        upper left corner. ``T_camera_map`` (4, 4) takes the map's coordinates to those of the optical frame. The centre
+        of the first pixel is (0, 0) in pixels, and half a pixel from the corner.
+        """
+        camera = np.array(
+            [
+                [self.fx / self.width, 0.0, (self.cx + 0.5) / self.width],
+                [0.0, self.fy / self.height, (self.cy + 0.5) / self.height],
+                [0.0, 0.0, 1.0],
+            ]
+        )
+        return camera @ T_camera_map[:3]
+
     def check_size(self, depth: NDArray[Any], what: str) -> None:
         """Raise :class:`ConfigError` for an image (height, width) of another size; ``what`` names what this is from."""
         if depth.shape != (self.height, self.width):

@@ -16,17 +16,19 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.carmen_lines import inspect_carmen
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.log_lines import LOGGED, LineReader
-from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
+from mapper.io.contents.model import CameraContents, Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.series_messages import PLOTTED, PlottedType
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import open_robot_log, parts_of
+from mapper.io.logs.recording.cutting import CAMERA
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.tf_topics import is_static
 from mapper.io.logs.recording.transforms import why_ignored
-from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.cloud_messages import camera_info
+from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
 from mapper.io.logs.ros.ros_messages import TRANSFORMS, plain_type
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.text import carmen
@@ -38,7 +40,7 @@ MAX_EDGES = 5000  #: pairs of frames
 MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
 KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
 LAST_NS = 1 << 62  #: a time beyond this is a defect
-_READ = LOGGED | TRANSFORMS.keys()  #: types that are read, besides those with numbers for plots
+_READ = LOGGED | TRANSFORMS.keys() | {CAMERA}  #: types that are read, besides those with numbers for plots
 
 
 @dataclass(slots=True)
@@ -72,6 +74,8 @@ class Inspector(MessageSink):
         self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
         self._counted_by_key: dict[int, _Topic] = {}
         self._stamps_of_edge: dict[tuple[str, str, str], array[int]] = {}
+        self._pose_of_edge: dict[tuple[str, str, str], Pose7] = {}
+        self._cameras: dict[str, CameraContents] = {}
         self._lines = LineReader()
         self._n_messages = 0
         self._values_left = MAX_VALUES
@@ -129,6 +133,8 @@ class Inspector(MessageSink):
                 self._take_row(topic, topic.plotted, stamp_ns, data)
             elif topic.type in TRANSFORMS:
                 self._take_transforms_of(topic, stamp_ns, data)
+            elif topic.type == CAMERA:
+                self._take_camera(topic, data)
             else:
                 self._lines.take(topic.type, topic.name, stamp_ns, data, cdr=topic.cdr)
         except (BadMessageError, ReadError):
@@ -154,8 +160,16 @@ class Inspector(MessageSink):
                 if len(self._stamps_of_edge) >= MAX_EDGES:
                     raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_EDGES} edges.")
                 self._stamps_of_edge[edge] = array("q")
+            self._pose_of_edge[edge] = one.pose
             at = one.stamp_ns if 0 < one.stamp_ns < LAST_NS else stamp_ns
             self._stamps_of_edge[edge].append(max(0, min(at, LAST_NS)))
+
+    def _take_camera(self, topic: _Topic, data: bytes) -> None:
+        if topic.name not in self._cameras:
+            frame, intrinsics = camera_info(data, cdr=topic.cdr)
+            if intrinsics.width * intrinsics.height == 0:
+                raise BadMessageError("it states no size of the images")
+            self._cameras[topic.name] = CameraContents(topic.name, printable(frame[:MAX_NAME]), intrinsics)
 
     def contents(self) -> Contents:
         """Return what was taken."""
@@ -170,15 +184,20 @@ class Inspector(MessageSink):
         return Contents(
             topics=tuple(sorted(counted.values(), key=lambda one: (one.name, one.type))),
             edges=tuple(
-                FrameEdge(parent, child, is_static(topic), np.sort(np.frombuffer(stamps, dtype=np.int64)), topic)
-                for (topic, parent, child), stamps in sorted(
-                    self._stamps_of_edge.items(), key=lambda one: (*one[0][1:], one[0][0])
+                FrameEdge(
+                    *edge[1:],
+                    is_static(edge[0]),
+                    np.sort(np.frombuffer(stamps, dtype=np.int64)),
+                    edge[0],
+                    self._pose_of_edge[edge],
                 )
+                for edge, stamps in sorted(self._stamps_of_edge.items(), key=lambda one: (*one[0][1:], one[0][0]))
             ),
             series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
             notes=tuple(notes),
             lines=tuple(self._lines.lines),
             lines_left_out=self._lines.left_out,
+            cameras=tuple(self._cameras.values()),
         )
 
 

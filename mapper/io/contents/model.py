@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.io.contents.log_lines import LogLine
+from mapper.io.logs.ros.message_fields import Pose7
+from mapper.sensors.camera import Intrinsics
 
 Int64Array = NDArray[np.int64]
 
@@ -45,6 +47,7 @@ class FrameEdge:
     """The transforms from ``child`` to ``parent`` on a topic: the times that they state, ascending, (n,) int64 ns.
 
     ``is_static`` where they were published on a topic of static transforms: such a transform is valid at all times.
+    ``pose`` is the last that was recorded, ``T_parent_child``: x, y, z, metres, and the quaternion x, y, z, w.
     """
 
     parent: str
@@ -52,6 +55,7 @@ class FrameEdge:
     is_static: bool
     stamps_ns: Int64Array
     topic: str = "/tf"
+    pose: Pose7 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
         if self.stamps_ns.ndim != 1 or len(self.stamps_ns) == 0 or (np.diff(self.stamps_ns) < 0).any():
@@ -72,6 +76,15 @@ class FrameEdge:
             return 0.0
         index = int(np.searchsorted(self.stamps_ns, at_ns, side="right")) - 1
         return None if index < 0 else (at_ns - int(self.stamps_ns[index])) * 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class CameraContents:
+    """What the CameraInfo on ``topic`` states first: the optical ``frame`` of the camera, and its intrinsics."""
+
+    topic: str
+    frame: str
+    intrinsics: Intrinsics
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,3 +132,4 @@ class Contents:
     notes: tuple[str, ...] = ()
     lines: tuple[LogLine, ...] = ()
     lines_left_out: int = 0
+    cameras: tuple[CameraContents, ...] = ()

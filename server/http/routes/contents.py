@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import MapperError, ReadError
+from mapper.io.contents.camera_pose import map_projection
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import poses_at
 from server.http.clients import client_address, in_turn, while_connected
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
@@ -263,6 +266,44 @@ async def picture(
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraAnswer:
+    """How a camera saw the map at a moment.
+
+    ``projection`` (3, 4), row after row, takes (x, y, z, 1), metres in the map, to (u w, v w, w): w is the depth,
+    metres, and u and v are shares of the image's width and height from its upper left corner. null where the recording
+    lacks something for it, which ``why`` says.
+    """
+
+    projection: list[float] | None
+    why: str
+
+
+@router.get("/{session_id}/contents/camera")
+@guests_may(GuestRight.LINKED_SESSION)
+async def camera(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    session_id: str,
+    topic: Annotated[str, Query(max_length=400)],
+    at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
+) -> CameraAnswer:
+    """Return how the camera of the images on a topic saw the map at a moment, along the trajectory in use."""
+    held = await look_into(request, sessions, library, visitor, session_id)
+    log = held.recording.log
+    trajectory = log.trajectories[held.recording.trajectory]
+    order = np.argsort(log.stamps_ns, kind="stable")
+    at_ns = np.array(held.origin_ns + round(at * 1e9))
+    pose = poses_at(log.stamps_ns[order], trajectory.poses[order], at_ns)
+    try:
+        matrix = map_projection(held.contents, topic, trajectory.child_frame_id, pose)
+    except ReadError as error:
+        return CameraAnswer(None, error.message)
+    return CameraAnswer(matrix.ravel().tolist(), "")
 
 
 @dataclass(frozen=True, slots=True)

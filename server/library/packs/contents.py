@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.io.contents.log_lines import LogLine
-from mapper.io.contents.model import Column, Contents, FrameEdge, Series, TopicContents
+from mapper.io.contents.model import CameraContents, Column, Contents, FrameEdge, Series, TopicContents
+from mapper.sensors.camera import Intrinsics
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
-VERSION = 3
+VERSION = 4
 
 
 class StaleContentsError(Exception):
@@ -30,7 +31,8 @@ def write_contents(contents: Contents, path: Path) -> None:
         "version": VERSION,
         "topics": [asdict(topic) for topic in contents.topics],
         "edges": [
-            {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic} for e in contents.edges
+            {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic, "pose": e.pose}
+            for e in contents.edges
         ],
         "series": [
             {
@@ -44,6 +46,7 @@ def write_contents(contents: Contents, path: Path) -> None:
         "notes": list(contents.notes),
         "lines": [astuple(line) for line in contents.lines],
         "lines_left_out": contents.lines_left_out,
+        "cameras": [asdict(camera) for camera in contents.cameras],
     }
     arrays: dict[str, NDArray[Any]] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
     for n, one in enumerate(contents.series):
@@ -60,7 +63,10 @@ def read_contents(path: Path) -> Contents:
                 raise StaleContentsError(f"The file is of version {about['version']}, this is {VERSION}.")
             return Contents(
                 topics=tuple(TopicContents(**one) for one in about["topics"]),
-                edges=tuple(FrameEdge(**one, stamps_ns=arrays[f"edge{n}"]) for n, one in enumerate(about["edges"])),
+                edges=tuple(
+                    FrameEdge(**one | {"pose": tuple(one["pose"])}, stamps_ns=arrays[f"edge{n}"])
+                    for n, one in enumerate(about["edges"])
+                ),
                 series=tuple(
                     Series(
                         one["topic"],
@@ -75,6 +81,10 @@ def read_contents(path: Path) -> Contents:
                 notes=tuple(about["notes"]),
                 lines=tuple(LogLine(*line) for line in about["lines"]),
                 lines_left_out=about["lines_left_out"],
+                cameras=tuple(
+                    CameraContents(one["topic"], one["frame"], Intrinsics(**one["intrinsics"]))
+                    for one in about["cameras"]
+                ),
             )
     except UNREADABLE as error:
         raise StaleContentsError(f"{type(error).__name__}: {error}") from error

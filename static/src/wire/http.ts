@@ -60,6 +60,16 @@ export interface Attempt {
   readonly answer: SolutionAnswer | null;
 }
 
+/**
+ * How a camera saw the map at a moment. `projection` (3, 4), row after row, takes (x, y, z, 1), metres in the map, to
+ * (u w, v w, w): w is the depth, metres, and u and v are shares of the image's width and height from its upper left
+ * corner. null where the recording lacks something for it, which `why` says.
+ */
+export interface CameraAnswer {
+  readonly projection: readonly number[] | null;
+  readonly why: string;
+}
+
 /** The map that was chosen; null for none. */
 export interface ChosenMap {
   readonly map: MapAnswer | null;
@@ -1160,6 +1170,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}": SessionAnswer;
   "GET /api/sessions/{session_id}/compare": ComparisonAnswer;
   "GET /api/sessions/{session_id}/contents": ContentsAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/camera": CameraAnswer;
   "GET /api/sessions/{session_id}/contents/field": SeriesAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/fields": FieldsAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;

@@ -265,3 +265,23 @@ def test_a_picture_of_the_moment(service: Service) -> None:
 def camera_and_scan(stamp_ns: int, grey: int) -> list[recorded.Said]:
     pixels = np.full((6, 8), grey, dtype=np.uint8)
     return [recorded.scan(stamp_ns, [1.0, 2.0]), image(pixels, "mono8", stamp_ns + recorded.SECOND // 10)]
+
+
+def test_a_place_is_seen_along_the_trajectory_in_use(service: Service) -> None:
+    camera = [
+        image(np.full((24, 32), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND),
+        recorded.camera(T0, (32, 24), 16.0, "/camera_info"),
+        recorded.transform(T0, "base_link", "optical", yaw=-np.pi / 2, roll=-np.pi / 2, z=1.0, topic="/tf_static"),
+    ]
+    session = opened(service, "camera.mcap", recorded.mcap_bytes([*robot(SECONDS), *camera]))
+    until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
+    answer = got(service, session, "/camera", topic="/camera", at=2.0)
+    assert answer["why"] == ""
+    # After 2 s the robot is 2 m along x; the place is 3 m ahead of it and 1 m to the left.
+    u, v, w = np.reshape(answer["projection"], (3, 4)) @ [5.0, 1.0, 0.0, 1.0]
+    assert w == pytest.approx(3.0)
+    assert (u / w, v / w) == (pytest.approx(0.5 - 0.5 / 3.0), pytest.approx(0.5 + 2.0 / 3.0 / 3.0))
+    assert got(service, session, "/camera", topic="/rear/image") == {
+        "projection": None,
+        "why": "the log has no CameraInfo on /rear/camera_info",
+    }

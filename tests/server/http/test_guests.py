@@ -45,6 +45,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents"),
     ("DELETE", "/api/sessions/{session_id}/contents"),
     ("GET", "/api/sessions/{session_id}/contents/series"),
+    ("GET", "/api/sessions/{session_id}/contents/camera"),
     ("GET", "/api/sessions/{session_id}/contents/frames"),
     ("GET", "/api/sessions/{session_id}/contents/message"),
     ("GET", "/api/sessions/{session_id}/contents/lines"),

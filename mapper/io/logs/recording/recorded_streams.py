@@ -156,7 +156,7 @@ class _Recorded:
         info = f"{topic_folder(image_topic(topic))}/camera_info"
         for message in pulled(self.files, self.take, info, CAMERA, self.limits):
             try:
-                return camera_info(message.data, cdr=message.cdr)
+                return camera_info(message.data, cdr=message.cdr)[1]
             except BadMessageError:
                 continue
         raise ReadError("clouds.no_camera", f"The depth images on {topic} have no CameraInfo on {info}.")

@@ -227,10 +227,10 @@ def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
     return DepthImage(stamp, frame, np.ndarray((height, width), kind, values, 0, (step, kind.itemsize)), unit)
 
 
-def camera_info(data: bytes, *, cdr: bool) -> Intrinsics:
-    """Decode a sensor_msgs/CameraInfo: its projection matrix P, or where that is zero, K."""
+def camera_info(data: bytes, *, cdr: bool) -> tuple[str, Intrinsics]:
+    """Decode a sensor_msgs/CameraInfo: its frame, and its projection matrix P, or where that is zero, K."""
     fields = MessageFields(data, cdr=cdr)
-    fields.header()
+    _, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
     fields.string()  # the distortion model
     n = fields.count(8)
@@ -244,6 +244,6 @@ def camera_info(data: bytes, *, cdr: bool) -> Intrinsics:
     fields.end()
     fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] > 0.0 else (k[0], k[4], k[2], k[5])
     try:
-        return Intrinsics(width, height, fx, fy, cx, cy)
+        return frame, Intrinsics(width, height, fx, fy, cx, cy)
     except ConfigError as error:
         raise BadMessageError(error.message) from None

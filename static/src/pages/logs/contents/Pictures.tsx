@@ -3,9 +3,12 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { selectionOf } from "../../../tools/scene/selection";
 import { signed } from "../../../ui/numbers";
 import { SelectField } from "../../../ui/Select";
-import { addressOf, fetched } from "../../../wire/ask";
+import { addressOf, ask, fetched } from "../../../wire/ask";
+import type { CameraAnswer } from "../../../wire/http";
+import { type Sight, sightOf } from "./sight";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
 
@@ -29,6 +32,7 @@ export function Pictures({ store, session }: PicturesProps) {
 }
 
 interface Shown {
+  readonly topic: string;
   readonly address: string;
   readonly seconds: number;
   readonly isCloud: boolean;
@@ -39,7 +43,8 @@ async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown
   const answer = await fetched(address, { signal });
   const seconds = Number(answer.headers.get("X-Picture-Seconds"));
   const picture = await answer.blob();
-  return { address: URL.createObjectURL(picture), seconds, isCloud: picture.type === "image/png" };
+  const topic = new URL(address, location.href).searchParams.get("topic") ?? "";
+  return { topic, address: URL.createObjectURL(picture), seconds, isCloud: picture.type === "image/png" };
 }
 
 function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: readonly string[] }) {
@@ -52,7 +57,10 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
   );
   const shown = answer.kind === "ready" ? answer.value : null;
   useEffect(() => () => shown && URL.revokeObjectURL(shown.address), [shown]);
+  const camera = useCamera(store, session, shown);
   const at = store.frame.value?.stamp ?? 0;
+  const place = selectionOf(store).value?.place;
+  const sight = camera?.projection && place ? sightOf(camera.projection, place) : null;
   return (
     <div class="pictures stack">
       <SelectField
@@ -71,12 +79,73 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
       )}
       {shown && (
         <figure>
-          <img src={shown.address} alt={`${topic.value} at ${shown.seconds.toFixed(2)} s`} />
+          <Marked src={shown.address} alt={`${topic.value} at ${shown.seconds.toFixed(2)} s`} sight={sight} />
           <figcaption class="quiet">
             {signed(shown.seconds - at)} s from the moment of the map
             {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}
+            {sight && `; the selected place, on the floor, ${IS_SEEN[sight.where]}`}
+            {camera?.why && `; the selected place is not marked: ${camera.why}`}
           </figcaption>
         </figure>
+      )}
+    </div>
+  );
+}
+
+const IS_SEEN: Readonly<Record<Sight["where"], string>> = {
+  inside: "is marked",
+  outside: "lies outside of the picture",
+  behind: "lies behind the camera",
+};
+
+/** How the camera saw the map when it took a picture, asked for once a place is selected; null until it is known. */
+function useCamera(store: Store, session: string, shown: Shown | null): CameraAnswer | null {
+  const camera = useSignal<CameraAnswer | null>(null);
+  const trajectory = store.trajectory.value;
+  const isWanted = selectionOf(store).value !== null;
+  useEffect(() => {
+    camera.value = null;
+    if (!isWanted || !shown || shown.isCloud) return;
+    const { topic, seconds: at } = shown;
+    const ending = new AbortController();
+    ask(
+      "GET /api/sessions/{session_id}/contents/camera",
+      { session_id: session },
+      { query: { topic, at }, ending: ending.signal },
+    ).then(
+      (answer) => {
+        camera.value = answer;
+      },
+      () => undefined, // without an answer nothing is marked
+    );
+    return () => ending.abort();
+  }, [shown, isWanted, trajectory]);
+  return camera.value;
+}
+
+interface MarkedProps {
+  readonly src: string;
+  readonly alt: string;
+  readonly sight: Sight | null;
+}
+
+/** A picture, and a mark where it shows a place; the drawing is scaled as the picture is. */
+function Marked({ src, alt, sight }: MarkedProps) {
+  const size = useSignal<readonly [width: number, height: number]>([1, 1]);
+  const [width, height] = size.value;
+  return (
+    <div class="marked-picture">
+      <img
+        src={src}
+        alt={alt}
+        onLoad={({ currentTarget: { naturalWidth, naturalHeight } }) => {
+          size.value = [naturalWidth, naturalHeight];
+        }}
+      />
+      {sight?.where === "inside" && (
+        <svg viewBox={`0 0 ${width} ${height}`} aria-hidden="true">
+          <circle cx={sight.u * width} cy={sight.v * height} r={0.02 * Math.max(width, height)} />
+        </svg>
       )}
     </div>
   );
