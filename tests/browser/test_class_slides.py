@@ -310,6 +310,10 @@ _CRAMPED = """() => {
       if (wide > 2 && high > 0.45 * Math.min(a.height, b.height)) found.push(`${text} / ${other}`);
     }
   });
+  for (const one of shown.querySelectorAll(".world-stage-ladder text")) {
+    const [label, drawing] = [one, one.ownerSVGElement].map((it) => it.getBoundingClientRect());
+    if (label.left < drawing.left || label.right > drawing.right + 1) found.push(`cut: ${one.textContent}`);
+  }
   const paper = document.createElement("canvas").getContext("2d");
   for (const one of shown.querySelectorAll("p, td, .layer-text, .field-hint")) {
     const words = [...one.childNodes].filter((n) => n.nodeType === 3).map((n) => n.data).join(" ").split(/\\s+/);
@@ -323,7 +327,7 @@ _CRAMPED = """() => {
     if (one.checkVisibility() && one.getBoundingClientRect().right > room.right + 1) found.push(one.className);
   return found;
 }"""
-NARROW = ("model", "grid", "layers", "sensor-models")
+NARROW = ("model", "grid", "window", "layers", "sensor-models")
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)

@@ -41,8 +41,11 @@ function Ladder({ rect, scene, shown }: LadderProps) {
     return (
       <g class="world-stage-ladder" transform={`translate(${rect.left} ${rect.top})`}>
         <rect class="world-stage-ladder-ground" width={rect.width} height={rect.height} />
-        <text x={rect.width / 2} y={rect.height / 2} text-anchor="middle">
-          A map of landmarks has no cells.
+        <text y={rect.height / 2} text-anchor="middle">
+          <tspan x={rect.width / 2}>A map of landmarks </tspan>
+          <tspan x={rect.width / 2} dy="1.3em">
+            has no cells.
+          </tspan>
         </text>
       </g>
     );
@@ -54,6 +57,7 @@ function Ladder({ rect, scene, shown }: LadderProps) {
   const y = (l: number): number => toPixel(l, up);
   const line = path.map((l, i) => (i === 0 ? `M${x(0)} ${y(l)}` : `H${x(i)}V${y(l)}`)).join("");
   const last = path.at(-1) ?? 0;
+  const isWide = rect.width > 300;
   return (
     <g class="world-stage-ladder" transform={`translate(${rect.left} ${rect.top})`}>
       <rect class="world-stage-ladder-ground" width={rect.width} height={rect.height} />
@@ -61,9 +65,9 @@ function Ladder({ rect, scene, shown }: LadderProps) {
       <path class="profile-line" d={line} />
       <ZoneNames width={rect.width} evidence={up} />
       <circle class="world-stage-ladder-now" cx={x(path.length - 1)} cy={y(last)} r={5} />
-      <text class="world-stage-ladder-name" x={rect.width > 300 ? 44 : 0} y={-6}>
-        {rect.width > 300 && (scene.ladder ? "visited cell: " : "marked cell: ")}ℓ = {signed(last)} after{" "}
-        {path.length - 1} {path.length === 2 ? "scan" : "scans"}
+      <text class="world-stage-ladder-name" x={isWide ? 44 : rect.width} y={-6} text-anchor={isWide ? "start" : "end"}>
+        {isWide && (scene.ladder ? "visited cell: " : "marked cell: ")}ℓ = {signed(last)} after {path.length - 1}{" "}
+        {path.length === 2 ? "scan" : "scans"}
       </text>
     </g>
   );
