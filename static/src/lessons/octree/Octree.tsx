@@ -5,8 +5,16 @@ import { Slider } from "../../ui/Slider";
 import { LOW_TABLE_HEIGHT } from "../stage/floor";
 import { type Scene, scene } from "../stage/scene";
 import { BYTES, CEILING, denseCells, POINTS, treeBytes } from "./model";
-import { height, resolution, tree } from "./state";
 import "./octree.css";
+import { computed } from "@preact/signals";
+import { onPath } from "../stage/path";
+import { cut, grown } from "./model";
+
+/** What a reader can change, and the tree that it gives. */
+const resolution = onPath(0.1);
+const height = onPath(0.45);
+const whole = computed(() => grown(resolution.value));
+const tree = computed(() => cut(whole.value, height.value));
 
 const LINTEL = 2;
 

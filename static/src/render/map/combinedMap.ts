@@ -1,8 +1,27 @@
 /** A map computed from two others cell by cell, as their difference or their sum. */
 
+import { logOddsAt, shownByteAt } from "../../grid/cellValues";
 import { LATTICE_TOLERANCE } from "../../wire/constants";
-import { type Geometry, TILE } from "../../wire/protocol";
+import { type Geometry, TILE, type Values } from "../../wire/protocol";
 import { Cells } from "./cells";
+
+type Range = Pick<Geometry, "low" | "high">;
+
+/**
+ * For each pair of bytes the byte, in the range of b, of their sum ℓ_a + ℓ_b − ℓ₀, as mapper/grid/merge.py adds them;
+ * what only one map has observed stays what it is.
+ */
+export function mergedCodes(a: Range, b: Range, prior: number): Codes {
+  const codes = new Uint8Array(65536);
+  const byteOf = (logOdds: number): number => Math.round(shownByteAt(logOdds, b));
+  for (let j = 1; j < 256; j++) codes[j] = j;
+  for (let i = 1; i < 256; i++) {
+    const valueA = logOddsAt(i, a);
+    codes[i << 8] = byteOf(valueA);
+    for (let j = 1; j < 256; j++) codes[(i << 8) | j] = byteOf(valueA + logOddsAt(j, b) - prior);
+  }
+  return codes;
+}
 
 /** A lattice that contains two maps, and the offset of each in tiles from its cell (0, 0). */
 export interface CommonLattice {
@@ -94,4 +113,14 @@ export class CombinedMap {
     this.#a.listeners.delete(this.#onTileA);
     this.#b.listeners.delete(this.#onTileB);
   }
+}
+
+/** Models whose maps are not sums of log-odds: they store counts or two certainties for each cell. */
+const NOT_ADDITIVE: readonly unknown[] = ["hit_counting", "moravec_elfes"];
+
+/** Why the maps with the settings of A and of B cannot be merged, as `merged` in mapper/grid/merge.py; null if they can. */
+export function whyNoMerge(a: Values, b: Values): string | null {
+  if (NOT_ADDITIVE.includes(a.model) || NOT_ADDITIVE.includes(b.model))
+    return "Maps of hit counting and of Moravec and Elfes are not sums of log-odds and cannot be added.";
+  return a.log_odds_prior === b.log_odds_prior ? null : "A and B have different priors and cannot be added.";
 }

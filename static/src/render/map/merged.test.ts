@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { logOddsAt } from "../../grid/cellValues";
-import { mergedCodes } from "./merged";
+import { mergedCodes } from "./combinedMap";
 
 const RANGE = { low: -2, high: 3.5 };
 const WIDE = { low: -4, high: 6 };

@@ -1,17 +1,15 @@
 /** The comparison of two maps in one picture: its view mode, and the layers that are drawn. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { CombinedMap, type CommonLattice, commonLattice } from "../../render/map/combinedMap";
+import { CombinedMap, type CommonLattice, commonLattice, mergedCodes, whyNoMerge } from "../../render/map/combinedMap";
 import { DIFFERENCE, differenceCodes, MARKS, type Marked, markedCodes } from "../../render/map/difference";
 import type { MapPicture } from "../../render/map/mapPicture";
-import { mergedCodes } from "../../render/map/merged";
 import type { Layer } from "../../render/map/renderer";
 import { toScreen } from "../../render/view";
 import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
 import type { Point } from "../../wire/protocol";
-import { whyNoMerge } from "./merging";
 
 /** A left and B right of a divider; A and B alternating; their difference; their sum. */
 export type ViewMode = "swipe" | "blink" | "difference" | "merge";

@@ -1,11 +1,21 @@
 /** A canvas with a map and an overlay. */
 
-import { createRenderer } from "../../render/map/createRenderer";
-import type { Layer, MapRenderer } from "../../render/map/renderer";
+import { CanvasRenderer } from "../../render/map/canvasRenderer";
+import { webglContext } from "../../render/map/context";
+import { type Layer, type MapRenderer, WebGLRenderer } from "../../render/map/renderer";
 import { type Brush, brushOn } from "../../render/picture/brush";
 import type { Paint } from "../../render/picture/Picture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
+
+/**
+ * How maps are drawn into a canvas on this machine; `redraw` is called when it must be drawn again although nothing of
+ * the map changed. Throws one clear sentence where the browser can draw nothing.
+ */
+function createRenderer(canvas: HTMLCanvasElement, redraw: () => void): MapRenderer {
+  const gl = webglContext(canvas);
+  return gl ? new WebGLRenderer(canvas, gl, redraw) : new CanvasRenderer(canvas);
+}
 
 interface MapSurface {
   /** Null if the browser cannot draw; `failure` states the reason. */

@@ -12,6 +12,28 @@ import { ParameterRows } from "../parameters/ParameterRows";
 import { useTable } from "../parameters/useTable";
 import "./terrain.css";
 import { costmapOf } from "../costmap/state";
+import { BeliefView } from "../picture/BeliefView";
+
+/** The terrain of a file's points: the map from above in the colours of its patches, and their parameters. */
+export function FileTerrain({ store }: { readonly store: Store }) {
+  const hasPoints = store.part("volume").message.value?.has_scans ?? true;
+  useEffect(
+    () => () => {
+      store.pinned.value = null;
+    },
+    [store],
+  );
+  if (!hasPoints) return <p class="quiet">An octree has no points: a terrain is made of a cloud.</p>;
+  return (
+    <div class="volume-above volume-terrain stack">
+      <h2 class="visually-hidden">Terrain</h2>
+      <div class="volume-above-map">
+        <BeliefView store={store} />
+      </div>
+      <TerrainGroup store={store} isFile />
+    </div>
+  );
+}
 
 const COSTS = "terrain_costs";
 const VALUES = "terrain_values";

@@ -4,7 +4,7 @@ import { lazy } from "../../ui/lazy";
 import type { PagePart } from "../part";
 
 const TerrainGroup = lazy(async () => (await import("./TerrainGroup")).TerrainGroup);
-const FileTerrain = lazy(async () => (await import("./FileTerrain")).FileTerrain);
+const FileTerrain = lazy(async () => (await import("./TerrainGroup")).FileTerrain);
 
 export const PART: PagePart = {
   computing: { terrain: "Assessing the terrain" },

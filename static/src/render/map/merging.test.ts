@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { whyNoMerge } from "./merging";
+import { whyNoMerge } from "./combinedMap";
 
 test("maps that count and maps of different priors are not added", () => {
   const fixed = { model: "fixed_increments", log_odds_prior: 0 };

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { lengthOf } from "./Facts";
+import { lengthOf } from "./Overview";
 
 test("the length of a path is that of its steps", () => {
   expect(lengthOf({ poses: [] })).toBe(0);
