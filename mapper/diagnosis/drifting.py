@@ -14,6 +14,7 @@ from mapper.diagnosis.walls import check_drift, check_still
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import by_sensor, each_part
+from mapper.sensors.motion import can_deskew
 from mapper.sensors.scan import ScanLog
 
 
@@ -34,9 +35,8 @@ def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -
 def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
     """Return what makes the map of a log with ``config`` bad, as far as it is known cheaply: its first cause, or drift.
 
-    What is neither drift nor a wrong sweep is looked for only where walls are double, or the mount is not known; then a
-    few more maps of some of the readings are made.
-    Raises as :func:`drift_finding`.
+    What is neither drift nor a wrong sweep is looked for only where walls are double, the mount is not known or beams
+    are deskewed; then a few more maps of some of the readings are made. Raises as :func:`drift_finding`.
     """
     if log.n_scans < LEAST_SCANS:
         return None
@@ -54,9 +54,11 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     if drift is None and not log.trajectory(trajectory).is_placeholder:
         # Drift is looked for without the motion within a scan, so a wrong sweep is none.
         still = check_still(*examined_as_mapped(log, trajectory, config))
-        # A mount that is far off draws all walls so wide that scans a moment apart contradict each other as well.
-        names = frozenset({sweep.CHECK, "mount.offset"} if log.mount_assumed else {sweep.CHECK})
-        found = _sure(still or causes_of_drift(corrected, trajectory, names))
+        # A mount that is far off draws all walls so wide that scans a moment apart contradict each other as well. So
+        # does a sweep that is stamped at its end.
+        names = {sweep.CHECK} | ({"mount.offset"} if log.mount_assumed else set())
+        names |= {"timing.delay"} if can_deskew(corrected, trajectory) else set()
+        found = _sure(still or causes_of_drift(corrected, trajectory, frozenset(names)))
         return found[0] if found else None
     if drift is None:
         return None

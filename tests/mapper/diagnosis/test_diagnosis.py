@@ -17,6 +17,8 @@ from mapper.diagnosis.finding import POSSIBLE
 from mapper.diagnosis.walls import LEAST_SURE, drift_confidence
 from mapper.io.logs import open_log
 from mapper.mapping.parameters import MappingConfig
+from mapper.puzzles.drives import TRUE, swept
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, SensorConfig, Simulation, World, sample_log
 from mapper.simulation.odometry import drifting_odometry
@@ -354,6 +356,19 @@ def test_a_wrong_sweep_is_the_cause_that_map_names(clean: ScanLog) -> None:
     found = first_cause(stated, None, MappingConfig())
     assert (found.check if found else None) == "timing.increment"
     assert first_cause(stated, None, MappingConfig(deskew="off")) is None
+
+
+def test_a_sweep_that_is_stamped_at_its_end_is_the_cause_that_map_names() -> None:
+    """As drivers do that stamp a scan when it has come (ros2_ouster_drivers issue 127): walls are wide, not double."""
+    drive = sample_log(N, "office")
+    begun = swept(replace(drive, trajectories={TRUE: drive.trajectory("true")}), "office")
+    assert first_cause(begun, TRUE, MappingConfig()) is None
+    took = begun.time_increment * begun.n_beams
+    poses = Motion.of(begun, TRUE).at(seconds(begun) + took)
+    ended = replace(begun, stamps_ns=begun.stamps_ns + int(took * 1e9), trajectories={TRUE: Trajectory(poses)})
+    found = first_cause(ended, TRUE, MappingConfig())
+    assert found is not None
+    assert found.parameters == {"time_offset": pytest.approx(-took, abs=0.05)}
 
 
 @pytest.mark.parametrize(("sure", "named_check"), [(POSSIBLE, sweep.CHECK), (POSSIBLE - 0.1, None)])
