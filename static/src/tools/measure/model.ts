@@ -45,7 +45,7 @@ export function measuredText(tool: "distance" | "area", points: readonly Point[]
   }
   const last = points.at(-1);
   const before = points.at(-2);
-  if (!last || !before) return "Click two places, such as the two sides of a door.";
+  if (!last || !before) return "Click two places, or two sides of a door.";
   const corner = points.at(-3);
   const own = `${written(distanceOf(before, last), 2)} m ${cell}`;
   if (!corner) return `${own}, direction ${written(headingOf(before, last), 1)}°`;
