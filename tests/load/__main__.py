@@ -7,6 +7,7 @@ import sys
 from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
+from tests.load.greedy import greedy
 from tests.load.memory import memory
 from tests.load.sessions import services, sessions, workers
 from tests.load.soak import soak
@@ -19,6 +20,7 @@ RUNS = {
     "workers": workers,
     "followers": followers,
     "fairness": fairness,
+    "greedy": greedy,
     "memory": memory,
     "ending": ending,
     "soak": soak,
