@@ -17,6 +17,7 @@ from server.downloads import Downloads
 from server.http.brake import CodeGuesses
 from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers
 from server.http.metrics import Metrics
+from server.http.request_pace import RequestPace
 from server.http.routes import (
     class_puzzles,
     classes,
@@ -192,6 +193,7 @@ def create_app(
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
+    app.add_middleware(RequestPace)
     wrong_tokens = None if worker is None else worker.guesses.tokens
     app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins, wrong_tokens=wrong_tokens)
     app.add_middleware(Ending)

@@ -10,7 +10,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from mapper.core.errors import MapperError
 from server.classes import Classroom, Member
-from server.http.stream_connection import Allowance, accepted
+from server.http.stream_connection import accepted, command_allowance
 from server.stream.class_messages import ClassCommand, ClassError
 from server.stream.close_codes import ENDED, POLICY, RESTARTING
 
@@ -55,7 +55,7 @@ async def _send(websocket: WebSocket, room: Classroom, member: Member) -> None:
 
 async def _receive(websocket: WebSocket, room: Classroom, member: Member) -> None:
     refused = 0
-    allowance = Allowance()
+    allowance = command_allowance()
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":

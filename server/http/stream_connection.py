@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import re
-import time
 from collections.abc import Callable, MutableMapping
 from dataclasses import dataclass
 from functools import partial
@@ -30,6 +29,7 @@ from server.stream.hub import Client
 from server.stream.messages import ErrorMessage, ForeignHello, Pong
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, encode_text, type_of
 from server.work.movable_timer import MovableTimer
+from server.work.token_bucket import TokenBucket
 
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
@@ -40,33 +40,9 @@ MAX_THROTTLED = 1200  #: commands that came too fast, before the socket is close
 _log = structlog.get_logger(__name__)
 
 
-class Allowance:
-    """A token bucket that limits the commands of one client: above the rate they are read more slowly."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._left, self._at = COMMAND_BURST, clock()
-
-    def try_to_spend(self) -> bool:
-        """Count one command if the next one may be read at once; return whether it was counted."""
-        now = self._clock()
-        left = min(COMMAND_BURST, self._left + (now - self._at) * COMMANDS_PER_S)
-        if left < 1.0:
-            return False
-        self._left, self._at = left - 1.0, now
-        return True
-
-    @property
-    def has_rested(self) -> bool:
-        """Whether at least half of the burst was left after the last command."""
-        return self._left >= COMMAND_BURST / 2.0
-
-    def spend(self) -> float:
-        """Count one command; return the seconds to wait before the next one is read."""
-        now = self._clock()
-        self._left = min(COMMAND_BURST, self._left + (now - self._at) * COMMANDS_PER_S) - 1.0
-        self._at = now
-        return max(0.0, -self._left / COMMANDS_PER_S)
+def command_allowance() -> TokenBucket:
+    """Return what limits the commands of one client: above the rate they are read more slowly."""
+    return TokenBucket(COMMAND_BURST, COMMANDS_PER_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +94,7 @@ async def exchange(
         raise SessionBudgetError("session.crowded", "Too many browsers watch this session already.")
     await accepted(websocket)
     client = session.join(follows=follows, page=page)
-    allowance = Allowance()
+    allowance = command_allowance()
     direct: DirectSocket | None = websocket.scope.get("extensions", {}).get(EXTENSION, {}).get("socket")
     if direct is not None:
         direct.on_text = partial(_take_acknowledgement, session, client, allowance)
@@ -268,7 +244,7 @@ def _without_id(message: str | bytes, session_id: str) -> str | bytes:
     return message
 
 
-def _take_acknowledgement(session: SessionHost, client: Client, allowance: Allowance, data: bytes) -> bool:
+def _take_acknowledgement(session: SessionHost, client: Client, allowance: TokenBucket, data: bytes) -> bool:
     """Take an acknowledgement, by far the most frequent command, without waking a task; return whether it was one."""
     found = _ACKNOWLEDGEMENT.fullmatch(data)
     if found is None or not allowance.try_to_spend():
@@ -281,7 +257,7 @@ def _take_acknowledgement(session: SessionHost, client: Client, allowance: Allow
 
 
 async def _receive(
-    websocket: WebSocket, session: SessionHost, client: Client, following: Following | None, allowance: Allowance
+    websocket: WebSocket, session: SessionHost, client: Client, following: Following | None, allowance: TokenBucket
 ) -> None:
     malformed = throttled = 0
     while True:

@@ -18,6 +18,7 @@ from server.stream.protocol import MAX_COMMAND_BYTES, ProtocolError
 COMMANDS: tuple[type[Struct], ...] = (*commands.COMMANDS, *(one for of in stated("messages", "COMMANDS") for one in of))
 MESSAGES: tuple[type[Struct], ...] = (*messages.MESSAGES, *(one for of in stated("messages", "MESSAGES") for one in of))
 Command: Any = reduce(or_, COMMANDS)  #: the union of all commands
+_BY_TYPE: dict[str, type[Struct]] = {str(command.__struct_config__.tag): command for command in COMMANDS}
 ServerMessage: Any = reduce(or_, MESSAGES)  #: the union of all messages
 
 _TYPE_WORDS = {
@@ -64,9 +65,13 @@ def command_of(fields: object) -> Struct:
     """
     if not isinstance(fields, dict) or not isinstance(fields.get("type"), str):
         raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
+    kind = _BY_TYPE.get(fields["type"])
+    if kind is None:
+        raise ProtocolError("command.unknown", f"There is no command {fields['type']!r:.80}.")
     given = fields.get("values")
     try:
-        command: Struct = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, Command)
+        # Of one type: of the union msgspec would prepare every type again with each command.
+        command: Struct = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, kind)
     except msgspec.ValidationError as error:
         raise _refused(fields["type"], str(error)) from error
     if isinstance(given, dict) and hasattr(command, "values"):
@@ -77,8 +82,6 @@ def command_of(fields: object) -> Struct:
 def _refused(kind: str, error: str) -> ProtocolError:
     """Return the error for a command of type ``kind`` from msgspec's message ``error``."""
     what, _, path = error.partition(" - at `$.")
-    if path == "type`":
-        return ProtocolError("command.unknown", f"There is no command {kind!r:.80}.")
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
     if missing is not None:
         return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')

@@ -23,6 +23,7 @@ class CommandQueue:
 
     def __init__(self) -> None:
         self._waiting: list[QueuedCommand] = []
+        self._of_followers = 0  #: how many of them a class's followers sent
         self._added = 0
         self._is_closed = False
         self._shortened = asyncio.Event()
@@ -32,16 +33,14 @@ class CommandQueue:
 
     def add(self, command: Struct, client: Client | None = None) -> None:
         """Add a command of ``client``. Raises :class:`ProtocolError` if it has too many in the queue."""
-        if self._is_full(client):
+        follows = client is not None and client.follows
+        # Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
+        queued = self._of_followers if follows else len(self._waiting) - self._of_followers
+        if queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED):
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
         self._waiting.append(QueuedCommand(command, client))
+        self._of_followers += follows
         self._added += 1
-
-    def _is_full(self, client: Client | None) -> bool:
-        # Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
-        follows = client is not None and client.follows
-        queued = sum((one.client is not None and one.client.follows) == follows for one in self._waiting)
-        return queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED)
 
     def waiting(self) -> list[QueuedCommand]:
         """Return the commands that wait, oldest first."""
@@ -50,6 +49,7 @@ class CommandQueue:
     def finish(self, n: int, rest: Sequence[QueuedCommand]) -> None:
         """Note that the first ``n`` commands were carried out, except for ``rest``."""
         self._waiting[:n] = rest
+        self._of_followers = sum(queued.client is not None and queued.client.follows for queued in self._waiting)
         self._notify()
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ from websockets.typing import Subprotocol
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
-from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, Allowance, exchange
+from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, exchange
 from server.stream.messages import Pong
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
@@ -311,21 +311,6 @@ async def test_what_comes_for_a_client_whose_connection_was_just_closed_is_no_fa
         assert socket.close_code == 1008
     assert await asyncio.to_thread(ended.wait, PATIENCE_S)
     assert failures == []
-
-
-def test_late_reading_is_no_rest_of_a_flood() -> None:
-    now = 0.0
-    allowance = Allowance(lambda: now)
-    while allowance.spend() == 0.0:
-        pass
-    for _ in range(50):
-        now += 0.3  # a busy service reads so late that some commands need no wait
-        for _ in range(40):
-            allowance.spend()
-            assert not allowance.has_rested
-    now += 60.0
-    allowance.spend()
-    assert allowance.has_rested
 
 
 async def test_the_subprotocol_is_required(service: Service) -> None:
