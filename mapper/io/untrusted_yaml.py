@@ -8,6 +8,7 @@ of it, some ten microseconds each.
 
 from __future__ import annotations
 
+import re
 from typing import Any, ClassVar
 
 import yaml
@@ -117,6 +118,6 @@ def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
     why = error.problem
     if "\t" in line[: len(line) - len(line.lstrip())]:
         why = "it is indented with a tab, which YAML forbids: use blanks"
-    elif "{{" in line:
+    elif re.search(r"\{\{[^{}]*\}\}", line):
         why = "it has a template's {{ … }} in it: put the value into the file"
     return f" in line {number + 1}: {why}"
