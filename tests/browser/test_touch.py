@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import ElementHandle, Locator, Page, expect
 
 from tests.browser.fingers import Fingers, Place
-from tests.browser.lecturing import open_lecture, set_up_every_figure
-from tests.browser.looking import await_map, frame, open_group, settled_digest, until
+from tests.browser.lecturing import open_lecture, open_section, set_up_every_figure
+from tests.browser.looking import await_map, centre, frame, open_group, settled_digest, until
 from tests.marks import also_long
 
 pytestmark = [pytest.mark.parametrize("context", ["phone"], indirect=True), pytest.mark.moving]
@@ -228,6 +228,22 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
     expect(page.locator("#cell h2")).to_be_in_viewport()
     expect(sections.get_by_role("link", name="One cell")).to_be_hidden()
     expect(sections.get_by_role("button")).to_contain_text("3 One cell")
+
+
+@pytest.mark.parametrize("section", ["low-table", "sensor-models"])
+def test_a_finger_holds_a_handle_that_moves_up_and_down(page: Page, server: str, section: str) -> None:
+    """The page does not scroll under the finger, which would take the handle from it."""
+    page.emulate_media(reduced_motion="reduce")
+    handle = open_section(page, server, section).locator('.handle[data-axis="y"]').first
+    handle.evaluate("it => it.scrollIntoView({ block: 'center', behavior: 'instant' })")
+    page.evaluate(_STILL)
+    page.evaluate("() => addEventListener('pointercancel', () => (window.cancelled = true))")
+    x, y = centre(handle.locator(".handle-grab"))
+    before = scrolled(page)
+    Fingers(page).drag(((x, y), (x, y - 60)))
+    page.evaluate(_STILL)
+    assert scrolled(page) == before
+    assert not page.evaluate("window.cancelled")
 
 
 # --- the lab ---------------------------------------------------------------------------------------------------------
