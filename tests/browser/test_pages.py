@@ -160,6 +160,22 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
     watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]
 
 
+def test_the_3d_view_says_that_it_loads(page: Page, server: str) -> None:
+    held: list[Route] = []
+    page.route("**/scenes/*/plain/*/", lambda route: held.append(route))  # noqa: PLW0108 (Playwright counts its arguments)
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    open_group(page, "3D view")
+    words = page.get_by_text("Loading the 3D view")
+    expect(words).to_be_visible()
+    until("the view is asked for", lambda: page.title() and held)
+    expect(words).to_be_visible()
+    for route in held:
+        route.continue_()
+    expect(words).to_have_count(0)
+    expect(page.frame_locator("iframe.scene").locator("canvas").first).to_be_visible()
+
+
 def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
     sent: list[bytes | str] = []
 

@@ -1,15 +1,13 @@
 /** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
 
-import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { isDark, printing } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
-import { toast } from "../../ui/Toast";
+import { fullScreen, SceneFrame } from "./SceneFrame";
 import { useSelectedPlace } from "./selection";
-import { changeScene, sceneAddress } from "./settings";
+import { changeScene } from "./settings";
 import "./scene.css";
 
 interface SceneProps {
@@ -24,10 +22,6 @@ interface SceneProps {
 export function Scene({ store, session, hasColumns = true, children }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
-  const dark = useSignal(isDark.peek());
-  useSignalEffect(() => {
-    if (!printing.value) dark.value = isDark.value;
-  });
   useEffect(() => {
     const free = (): void => {
       if (!document.fullscreenElement) place.current?.style.removeProperty("min-height");
@@ -47,19 +41,13 @@ export function Scene({ store, session, hasColumns = true, children }: SceneProp
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
         <div class="scene-picture">
-          <iframe class="scene" title="3D view" src={sceneAddress(session, store, dark.value)} />
+          <SceneFrame store={store} session={session} class="scene" title="3D view" />
           {children}
         </div>
         <SceneControls store={store} session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>
   );
-}
-
-/** Show the view and its controls on the whole screen, or in the page again. */
-function fullScreen(element: Element): void {
-  const change = document.fullscreenElement ? document.exitFullscreen() : element.requestFullscreen?.();
-  (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
 function SceneControls({

@@ -1,12 +1,10 @@
 /** The picture of a map in 3D, drawn by the server's scene, with the buttons of its camera. */
 
-import { useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { isDark, printing } from "../../ui/browser/theme";
-import { toast } from "../../ui/Toast";
-import { changeScene, sceneAddress } from "../scene/settings";
+import { fullScreen, SceneFrame } from "../scene/SceneFrame";
+import { changeScene } from "../scene/settings";
 import { useLook } from "./useLook";
 import "./volume.css";
 
@@ -16,19 +14,16 @@ interface VolumeStageProps {
 }
 
 export function VolumeStage({ session, store }: VolumeStageProps) {
-  const dark = useSignal(isDark.peek());
   const group = useRef<HTMLDivElement>(null);
-  useSignalEffect(() => {
-    if (!printing.value) dark.value = isDark.value;
-  });
   const isThere = store.part("volume").message.value !== null;
   return (
     <div class="volume-stage" ref={group}>
       {isThere && (
-        <iframe
+        <SceneFrame
+          store={store}
+          session={session}
           class="volume-scene"
           title="Map in 3D: drag to turn, pinch or scroll to zoom, click a voxel to ask about it"
-          src={sceneAddress(session, store, dark.value)}
         />
       )}
       <div class="volume-buttons">
@@ -49,11 +44,6 @@ function ClipHandles({ store }: { readonly store: Store }) {
       Clip
     </Button>
   );
-}
-
-function fullScreen(element: Element | null): void {
-  const change = document.fullscreenElement ? document.exitFullscreen() : element?.requestFullscreen?.();
-  (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
 interface CamerasProps extends VolumeStageProps {
