@@ -58,6 +58,7 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(
     terrain = open_group(page, "Terrain")
     await_true(page, f"() => {_STORE}.part('terrain').message.peek()?.safe > 100")
     await_true(page, f"() => {_STORE}.layers.grid('terrain_costs').map.peek() !== null")
+    expect(page.locator(".readout-legend ul")).to_be_hidden()  # it names the map's colours, which do not show
     page.evaluate(f"() => {{ {_STORE}.pinned.value = [3.0, 4.4]; }}")
     asked = terrain.get_by_label("The patch that was clicked")
     expect(asked).to_contain_text("Patch of 0.25 m at (3.0, 4.4)")

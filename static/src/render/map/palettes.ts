@@ -46,3 +46,6 @@ export const PALETTES: Record<string, PaletteMaker> = {
 
 /** The palette with which a map is painted. */
 export const paletteOf = ({ style, geometry }: MapPicture): Palette => (PALETTES[style] ?? (() => VALUES))(geometry);
+
+/** Whether a grid is painted in the colours of occupied and free cells. */
+export const hasMapColours = ({ style }: MapPicture): boolean => style === "belief";

@@ -4,6 +4,7 @@ import { computed, effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, shownByteAt, stateAt } from "../../grid/cellValues";
 import { probability } from "../../grid/logOdds";
+import { hasMapColours } from "../../render/map/palettes";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { LiveRegion } from "../../ui/LiveRegion";
@@ -95,7 +96,7 @@ export function Readout({ store }: { readonly store: Store }) {
   return (
     <div class="readout">
       <div class="readout-turns">
-        <MapLegend isShown={isNowhere.value} />
+        <MapLegend store={store} isShown={isNowhere.value} />
         <Values texts={texts} kind={kind} store={store} isShown={!isNowhere.value} />
       </div>
       <CellAnnouncement reading={reading} />
@@ -148,11 +149,13 @@ const LEGEND = [
   ["unobserved", "never seen"],
 ];
 
-/** What the colours of the map mean, while no cell is inspected. */
-function MapLegend({ isShown }: { readonly isShown: boolean }) {
+/** What the colours of the map mean, while no cell is inspected. Its place is kept where another grid lies under it. */
+function MapLegend({ store, isShown }: { readonly store: Store; readonly isShown: boolean }) {
+  const name = store.underlay.value;
+  const under = name === null ? null : store.layers.grid(name).map.value;
   return (
     <div class="readout-legend" data-shown={isShown}>
-      <ul>
+      <ul style={{ visibility: under && !hasMapColours(under) ? "hidden" : undefined }}>
         {LEGEND.map(([name, words]) => (
           <li key={name}>
             <span class={`readout-swatch ${name}`} aria-hidden="true" />

@@ -158,9 +158,9 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
           : "Change a parameter to compare these numbers with those after it."}
       </p>
       <p class="quiet">
-        {many(ground)} of {many(points)} points are classified as ground; the planes are fitted to{" "}
-        {many(ground - left_out)} of them. {many(unsure)} points may well be wrong: choose “unsure” over the map to see
-        where they are.
+        {many(ground)} of {many(points)} points are classified as ground
+        {left_out > 0 && `; the planes are fitted to ${many(ground - left_out)} of them`}. {many(unsure)} points may
+        well be wrong: choose “unsure” over the map to see where they are.
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: Cohen’s κ ${written(kappa, 1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
