@@ -31,7 +31,7 @@ _OF_TESTS = {
     f"{_PREFIX}{name}"
     for name in (
         *("CHROMIUM", "DEV_SERVER", "DRIVES", "EXAMPLES", "FAULTS", "FAULTS_SEED", "FUZZ", "LATE_MS", "OPEN3D"),
-        *("PEERS", "SEED", "SEEDS", "TEST_DATA"),
+        *("PEERS", "SEED", "SEEDS", "SOAK_MIN", "TEST_DATA"),
     )
 }
 

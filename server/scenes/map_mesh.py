@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
-from mapper.mapping.textbook_traversal import amanatides_woo
 from server.scenes.shapes import Mesh, boxes
 
 MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
@@ -90,8 +89,7 @@ def first_column(
     enter, leave = _shares_inside(np.zeros(3), np.array([*shown.size_m, top]), start, along)
     if not enter < leave < np.inf:
         return None
-    (u0, v0), (u1, v1) = ((start[:2] + share * along[:2]) / shown.cell for share in (enter, leave))
-    cells = np.array(amanatides_woo((u0, v0), (u1, v1)))
+    cells = _cells_along(*((start[:2] + share * along[:2]) / shown.cell for share in (enter, leave)))
     cells = cells[((cells >= 0) & (cells < shown.levels.shape)).all(axis=1)]  # an end may lie in the map's border
     heights = scale * HEIGHTS[shown.levels[*cells.T]]
     low = np.column_stack([cells[:, ::-1] * shown.cell, np.zeros(len(cells))])
@@ -99,6 +97,23 @@ def first_column(
     enter, leave = _shares_inside(low, high, start, along)
     met = np.flatnonzero((heights > 0.0) & (enter < leave))
     return start + 0.5 * (enter + leave)[met[0]] * along if len(met) else None
+
+
+def _cells_along(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the cells (n, 2), row and column, that a line crosses, in order, from its ends (2,), column and row.
+
+    Between two crossings of the grid's lines the line is in the cell of its middle there.
+    """
+    along = end - start
+    shares = [np.array([0.0, 1.0])]
+    for first, length in zip(start, along, strict=True):
+        lines = np.arange(np.ceil(min(first, first + length)), max(first, first + length))
+        if length != 0.0:
+            shares.append((lines - first) / length)
+    crossings = np.unique(np.concatenate(shares))
+    middles = start + 0.5 * (crossings[1:] + crossings[:-1])[:, None] * along
+    cells: NDArray[np.intp] = np.floor(middles).astype(np.intp)
+    return cells[:, ::-1]
 
 
 def _shares_inside(

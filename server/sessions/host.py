@@ -36,9 +36,10 @@ from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult
 from server.stream.commands import CancelCommand
-from server.stream.hub import Client, Hub, Traffic
+from server.stream.hub import Client, Hub
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, encode_text
+from server.stream.traffic import Traffic
 from server.work.movable_timer import MovableTimer
 from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
 

@@ -24,7 +24,7 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.sessions.use import OthersUse, Use
-from server.stream.hub import Traffic
+from server.stream.traffic import Traffic
 from server.work.memory import give_back
 from server.work.scheduler import JobOwner, Scheduler
 

@@ -13,7 +13,6 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import msgspec
 from msgspec import Struct
@@ -23,16 +22,7 @@ from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.messages import FrameMessage, LayersMessage, ScanFields
 from server.stream.protocol import ProtocolError, encode_text, type_of
-
-
-@dataclass(slots=True)
-class Traffic:
-    """Binary frames, bytes and tiles sent, for the metrics."""
-
-    frames: int = 0
-    bytes: int = 0
-    tiles: int = 0
-
+from server.stream.traffic import Traffic
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly
 SLOW_ACK_S = 0.150  #: acknowledgements slower than this halve the window

@@ -11,8 +11,7 @@ from mapper.core.errors import ReadError
 from mapper.core.se3 import from_euler, from_quaternion
 from mapper.io.contents.frame_graph import chain_of, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, FrameEdge
-from mapper.io.logs.recording.cutting import topic_folder
-from mapper.io.logs.ros.compressed_depth import image_topic
+from mapper.io.logs.ros.camera_topics import camera_info_topic
 
 Float64Array = NDArray[np.float64]
 
@@ -23,7 +22,7 @@ def map_projection(contents: Contents, topic: str, base: str, pose: Float64Array
     ``pose`` (3,) is that of the robot's frame ``base`` in the map, which moves in the plane z = 0. Distortion of the
     lens is not regarded. Raises :class:`ReadError`, which says in a few words what the recording lacks.
     """
-    info = f"{topic_folder(image_topic(topic))}/camera_info"
+    info = camera_info_topic(topic)
     camera = next((one for one in contents.cameras if one.topic == info), None)
     if camera is None:
         raise ReadError("camera.no_info", f"the log has no CameraInfo on {info}")

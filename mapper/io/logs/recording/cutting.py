@@ -17,6 +17,7 @@ from mapper.core.errors import ConfigError
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.tf_topics import TfTopics
 from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.ros.camera_topics import topic_folder
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, Cloud, DepthImage, camera_info, depth_image
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import Beams
@@ -202,11 +203,6 @@ class Cutter:
         frame = self._cut.output_frame or image.frame
         # A beam stands for the columns from its bearing to the next one's: it is stated in their middle.
         return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
-
-
-def topic_folder(topic: str) -> str:
-    """Return a topic without its last part: an image and its CameraInfo are in one folder."""
-    return topic.rpartition("/")[0]
 
 
 def is_forward(up: NDArray[np.float64]) -> bool:

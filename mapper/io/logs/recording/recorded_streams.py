@@ -15,13 +15,14 @@ from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.recording.corrections import Motion, motion_along
-from mapper.io.logs.recording.cutting import CAMERA, IMAGE, topic_folder
+from mapper.io.logs.recording.cutting import CAMERA, IMAGE
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.pulling import Take, pulled
 from mapper.io.logs.recording.taken import Taken
 from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.ros.camera_topics import camera_info_topic
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, DepthImage, NotDepthError, camera_info, depth_image
-from mapper.io.logs.ros.compressed_depth import COMPRESSED, compressed_depth_image, image_topic
+from mapper.io.logs.ros.compressed_depth import COMPRESSED, compressed_depth_image
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import imu
 from mapper.sensors.camera import Intrinsics
@@ -153,7 +154,7 @@ class _Recorded:
             raise ReadError("clouds.bad_depth", f"No image on {topic} can be read: {bad:.200}.")
 
     def _camera(self, topic: str) -> Intrinsics:
-        info = f"{topic_folder(image_topic(topic))}/camera_info"
+        info = camera_info_topic(topic)
         for message in pulled(self.files, self.take, info, CAMERA, self.limits):
             try:
                 return camera_info(message.data, cdr=message.cdr)[1]

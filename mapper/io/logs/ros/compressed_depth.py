@@ -18,7 +18,6 @@ from mapper.io.logs.ros.cloud_messages import DEPTHS, DepthImage, NotDepthError
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 
 COMPRESSED = "sensor_msgs/CompressedImage"
-TRANSPORTS = ("/compressedDepth", "/compressed")  #: what image_transport adds to the topic of the image
 MOST_PIXELS = 1 << 23  #: of one image: a small message may state any size
 HEADER = "<i2f"  #: the kind of quantisation, which is not used, and its two parameters
 LONGEST = 8  #: groups of three bits of one number of RVL: 2²⁴ is more than there are pixels
@@ -60,11 +59,6 @@ def compressed_depth_image(data: bytes, *, cdr: bool) -> DepthImage:
         metres = np.float32(a) / (raw.astype(np.float32) - np.float32(b))
     metres[raw == 0] = np.nan
     return DepthImage(stamp, frame, metres, 1.0)
-
-
-def image_topic(topic: str) -> str:
-    """Return the topic of the image whose compressed ones are on ``topic``; beside it is its CameraInfo."""
-    return next((topic.removesuffix(transport) for transport in TRANSPORTS if topic.endswith(transport)), topic)
 
 
 def _check_size(width: int, height: int) -> None:
