@@ -81,14 +81,16 @@ class Database:
     def _delete(self, work: Callable[[Connection], T]) -> T:
         if self._reserve is None:
             return _attempt(self._engine, work)
-        self._reserve.keep()  # it may have been given up for the last deletion
+        self._reserve.keep()  # some of it may have been given up for the last deletion
         try:
             return _attempt(self._engine, work)
         except StorageError as error:
             if error.code != disk_full().code:
                 raise
             self._reserve.give_up()
-            return _attempt(self._engine, work)
+            done = _attempt(self._engine, work)
+            self._reserve.keep()  # what is left of it, before an upload takes it
+            return done
 
     def now(self, work: Callable[[Connection], T]) -> T:
         """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""

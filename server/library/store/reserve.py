@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 RESERVE_BYTES = 1 << 18  #: a deletion writes a few pages of 4 KiB, and 32 KiB of the index of the write-ahead log
+LEAST_BYTES = 1 << 15  #: less is of no use
 
 
 class Reserve:
@@ -16,15 +17,17 @@ class Reserve:
         self._path = path
 
     def keep(self) -> None:
-        """Take the room if it is not taken; where there is none now, nothing happens."""
-        if self._path.exists():
-            return
+        """Take the room that is not taken, or as much of it as there is now."""
         with contextlib.suppress(OSError):
-            handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            handle = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o600)
             try:
-                os.posix_fallocate(handle, 0, RESERVE_BYTES)
-            except OSError:
-                self._path.unlink()
+                taken, size = os.fstat(handle).st_size, RESERVE_BYTES
+                while size >= max(LEAST_BYTES, taken + 1):
+                    with contextlib.suppress(OSError):
+                        os.posix_fallocate(handle, 0, size)
+                        break
+                    os.ftruncate(handle, taken)  # what was taken before it failed
+                    size //= 2
             finally:
                 os.close(handle)
 

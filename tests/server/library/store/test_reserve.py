@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import os
 import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +14,7 @@ import pytest
 from sqlalchemy import delete, event, insert, select
 
 from server.library.store.database import Database
-from server.library.store.reserve import RESERVE_BYTES
+from server.library.store.reserve import RESERVE_BYTES, Reserve
 from server.library.store.tables import ended_sign_ins as table
 from server.storage import StorageError
 
@@ -52,7 +54,23 @@ def test_a_deletion_on_a_full_disk_takes_the_room_that_is_kept(database: Databas
     full_while(database, reserve.exists)
     deleted(database)
     assert names(database) == []
-    assert not reserve.exists()
+    assert reserve.stat().st_size == RESERVE_BYTES, "taken again, before an upload takes it"
+
+
+def test_as_much_is_kept_as_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    allocate, room = os.posix_fallocate, [0]
+
+    def limited(handle: int, start: int, size: int) -> None:
+        allocate(handle, start, min(size, room[0]))
+        if size > room[0]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", limited)
+    reserve, sizes = Reserve(tmp_path / "reserve"), []
+    for room[0] in (10_000, 100_000, 100, 1_000_000):
+        reserve.keep()
+        sizes.append((tmp_path / "reserve").stat().st_size)
+    assert sizes == [0, 65536, 65536, RESERVE_BYTES]
 
 
 def test_the_room_is_kept_again_at_the_next_deletion(database: Database, tmp_path: Path) -> None:
