@@ -38,8 +38,3 @@ class TokenBucket:
     def has_rested(self) -> bool:
         """Whether at least half of the burst was left after the last token taken."""
         return self._left >= self._burst / 2.0
-
-    @property
-    def is_full(self) -> bool:
-        """Whether it holds as many tokens as it can."""
-        return self._gained() >= self._burst
