@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import sys
@@ -9,7 +10,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sqlalchemy import delete, insert
 
+from server.library.store.database import Database
+from server.library.store.tables import ended_sign_ins as table
+from server.storage import StorageError
 from tests.hostile.test_crash import opens, put, served, settled, uploads
 from tests.programs import in_ci
 from tests.server.library.small_logs import carmen
@@ -32,6 +37,15 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         except PermissionError as error:
             (pytest.fail if in_ci() else pytest.skip)(str(error))
         yield folder
+
+
+def fill(folder: Path) -> None:
+    """Write a file into ``folder`` until its file system is full."""
+    with (folder / "filler").open("wb", buffering=0) as filler:
+        for size in (1 << 16, 1 << 12):
+            with contextlib.suppress(OSError):
+                while True:
+                    filler.write(bytes(size))
 
 
 def test_a_full_file_system_refuses_uploads_and_loses_none(small_disk: Path) -> None:
@@ -62,17 +76,35 @@ def test_a_full_file_system_refuses_uploads_and_loses_none(small_disk: Path) -> 
         assert opens(client, "last")
 
 
+def test_any_number_of_deletions_has_room_on_a_full_disk(small_disk: Path) -> None:
+    """Though others write meanwhile: what a deletion adds to SQLite's write-ahead log is given back."""
+    rows = [{"name": f"{n} {'x' * 100}", "given_s": 1} for n in range(200)]
+    database = Database.open(None, small_disk)
+    try:
+        for row in rows:
+            database.now(lambda connection: connection.execute(insert(table).values(row)).rowcount)  # noqa: B023 (ends in it)
+        fill(small_disk)
+
+        async def delete_all() -> None:
+            for row in rows:
+                gone = delete(table).where(table.c.name == row["name"])
+                await database.run_deletion(lambda connection: connection.execute(gone).rowcount)  # noqa: B023 (ends in it)
+                with contextlib.suppress(StorageError):
+                    await database.run(lambda connection: connection.execute(insert(table).values(row)).rowcount)  # noqa: B023
+
+        asyncio.run(delete_all())
+        assert os.statvfs(small_disk).f_bavail <= 1
+    finally:
+        database.close()
+
+
 def test_logs_that_failed_to_read_can_be_deleted_on_a_full_disk(small_disk: Path) -> None:
     """They have no files of their own that could make room for the deletion."""
     with served(small_disk) as (_, client):
         for n in range(3):
             assert put(client, f"bad {n}", bytes([n]) * 300_000).status_code == 202
             assert settled(client, f"bad {n}")["state"] == "failed"
-        with (small_disk / "filler").open("wb", buffering=0) as filler:
-            for size in (1 << 16, 1 << 12):
-                with contextlib.suppress(OSError):
-                    while True:
-                        filler.write(bytes(size))
+        fill(small_disk)
         room = os.statvfs(small_disk)
         assert room.f_bavail == 0
         for n in range(3):

@@ -7,6 +7,7 @@ brought up to date when the database is opened.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import sqlite3
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -20,11 +21,12 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from server.library.store.announcing import announce_changes
 from server.library.store.migrations import HEAD
 from server.library.store.recorded_changes import record_changes
-from server.library.store.reserve import Reserve
+from server.library.store.reserve import RESERVE_BYTES, Reserve
 from server.library.store.revision import alembic_config, refuse_unknown
 from server.library.store.tables import alembic_version, metadata
 from server.storage import RECORDS_FILE, StorageError, disk_full
 
+PAGE_BYTES = 4096  #: of SQLite, as it is built
 BUSY_S = 5.0  #: how long to wait for a lock that another program holds
 
 T = TypeVar("T")
@@ -75,7 +77,7 @@ class Database:
         return asyncio.get_running_loop().run_in_executor(self._thread, _attempt, self._engine, work)
 
     def run_deletion(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
-        """Run ``work``, which deletes, as :meth:`run`; on a full disk in the room that is kept for it."""
+        """Run ``work``, which deletes or a deletion needs, as :meth:`run`; on a full disk in the room that is kept."""
         return asyncio.get_running_loop().run_in_executor(self._thread, self._delete, work)
 
     def _delete(self, work: Callable[[Connection], T]) -> T:
@@ -88,9 +90,12 @@ class Database:
             if error.code != disk_full().code:
                 raise
             self._reserve.give_up()
-            done = _attempt(self._engine, work)
-            self._reserve.keep()  # what is left of it, before an upload takes it
-            return done
+            try:
+                done = _attempt(self._engine, work)
+                _empty_log(self._engine)
+                return done
+            finally:
+                self._reserve.keep()  # before an upload takes the room
 
     def now(self, work: Callable[[Connection], T]) -> T:
         """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""
@@ -129,8 +134,20 @@ def _engine(url: str | None, folder: Path) -> Engine:
 
 def _configure_sqlite(connection: sqlite3.Connection, _: object) -> None:
     connection.isolation_level = None  # SQLAlchemy begins the transactions, so that those that alter tables are whole
-    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+    # What is in the log only may make the file grow when the log is emptied: it must fit into the reserve.
+    pages = f"wal_autocheckpoint={RESERVE_BYTES // PAGE_BYTES}"
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", pages):
         connection.execute(f"PRAGMA {pragma}").close()
+
+
+def _empty_log(engine: Engine) -> None:
+    """Write all that is in SQLite's write-ahead log into its file: each deletion would take more room otherwise."""
+    connection = engine.raw_connection()
+    try:
+        with contextlib.suppress(sqlite3.Error):  # there is no room for it: the log stays as it is
+            connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    finally:
+        connection.close()
 
 
 def _begin_sqlite(connection: Connection) -> None:

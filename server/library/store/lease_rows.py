@@ -41,7 +41,7 @@ class LeaseRows:
                 return False
             return True
 
-        return await self._database.run(work)
+        return await self._database.run_deletion(work)  # a log is deleted under a lease
 
     async def renew(self, name: str, fraction: float) -> bool:
         """Renew a lease, and state how much of its job is done; return False where it is not held any more."""
@@ -57,7 +57,7 @@ class LeaseRows:
     def give_back(self, name: str) -> None:
         """End a lease after all that was asked of the database before; what fails ends by itself."""
         mine = self._mine(name)
-        done = self._database.run(lambda connection: connection.execute(delete(leases).where(mine)).rowcount)
+        done = self._database.run_deletion(lambda connection: connection.execute(delete(leases).where(mine)).rowcount)
         done.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
 
     async def finish(self, name: str, work: Callable[[Any], None]) -> None:

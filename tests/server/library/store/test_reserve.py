@@ -16,7 +16,7 @@ from sqlalchemy import delete, event, insert, select
 from server.library.store.database import Database
 from server.library.store.reserve import RESERVE_BYTES, Reserve
 from server.library.store.tables import ended_sign_ins as table
-from server.storage import StorageError
+from server.storage import RECORDS_FILE, StorageError
 
 
 @pytest.fixture
@@ -38,6 +38,11 @@ def deleted(database: Database) -> None:
     asyncio.run(work())
 
 
+def log_bytes(folder: Path) -> int:
+    """The size of SQLite's write-ahead log."""
+    return (folder / f"{RECORDS_FILE}-wal").stat().st_size
+
+
 def full_while(database: Database, is_full: Any) -> None:
     """Let each change fail as on a full disk while ``is_full`` returns true."""
 
@@ -55,6 +60,14 @@ def test_a_deletion_on_a_full_disk_takes_the_room_that_is_kept(database: Databas
     deleted(database)
     assert names(database) == []
     assert reserve.stat().st_size == RESERVE_BYTES, "taken again, before an upload takes it"
+    assert log_bytes(tmp_path) == 0, "the next deletion has as much room"
+
+
+def test_the_write_ahead_log_fits_into_the_room_that_is_kept(database: Database, tmp_path: Path) -> None:
+    """Emptying it makes the file grow by what is in it."""
+    for n in range(500):
+        database.now(lambda connection: connection.execute(insert(table).values(name=f"{n} {'x' * 500}", given_s=1)))  # noqa: B023 (ends in it)
+    assert 0 < log_bytes(tmp_path) < 1.2 * RESERVE_BYTES
 
 
 def test_as_much_is_kept_as_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
