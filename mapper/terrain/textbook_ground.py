@@ -284,15 +284,15 @@ def continuing(points: NDArray[np.float64], ground: BoolArray, cell: float, heig
         if place not in lowest or points[i, 2] < points[lowest[place], 2]:
             lowest[place] = i
     half, out = PLANE_REACH // 2, np.zeros(len(points), dtype=np.bool_)
-    along, across = range(PLANE_REACH + 1), range(-half, half + 1)
+    spans = range(-PLANE_REACH, 1), range(-half, half + 1), range(PLANE_REACH + 1)
     for i in np.flatnonzero(~ground).tolist():
         row, col = int(points[i, 1] / cell), int(points[i, 0] / cell)
-        boxes = (
-            [(row + b, col - a) for a in along for b in across],
-            [(row + b, col + a) for a in along for b in across],
-            [(row - a, col + b) for a in along for b in across],
-            [(row + a, col + b) for a in along for b in across],
-        )
+        boxes = [
+            [(row + a, col + b) for a in up for b in right]
+            for up in spans
+            for right in spans
+            if (up, right) != (spans[1], spans[1])
+        ]
         beside = [[lowest[place] for place in box if place in lowest] for box in boxes]
         out[i] = any(continues(points[i], points[some], height, share) for some in beside)
     return out

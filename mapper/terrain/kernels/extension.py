@@ -45,24 +45,23 @@ def _continues(
     points: Float64Array,
     i: int,
     lowest: NDArray[np.int32],
-    box: tuple[int, int, int, int],
+    sums: NDArray[np.int32],
+    rows: tuple[int, int],
+    cols: tuple[int, int],
     need: int,
     most: float,
     height: float,
     share: float,
 ) -> bool:
-    """Whether point ``i`` lies on the plane of the lowest ground points of a box of cells: first and last row and col.
+    """Whether point ``i`` lies on the plane of the lowest ground points of a box of cells, from first to last.
 
     The plane is fitted by least squares to ``need`` points or more. It must not be steeper than ``most``, its residual
     and the point's distance must be at most ``height`` + ``share`` · slope, and the point's leverage at most 1: the
     plane is not known worse there than one of the ground points.
     """
-    first, last = max(box[0], 0), min(box[1], lowest.shape[0] - 1)
-    left, right = max(box[2], 0), min(box[3], lowest.shape[1] - 1)
-    n = 0
-    for row in range(first, last + 1):
-        for col in range(left, right + 1):
-            n += 1 if lowest[row, col] >= 0 else 0
+    first, last = max(rows[0], 0), min(rows[1], lowest.shape[0] - 1)
+    left, right = max(cols[0], 0), min(cols[1], lowest.shape[1] - 1)
+    n = sums[last + 1, right + 1] - sums[first, right + 1] - sums[last + 1, left] + sums[first, left]
     if n < need:
         return False
     sx = sy = sz = xx = xy = yy = xz = yz = zz = 0.0
@@ -97,12 +96,21 @@ def _continues(
 
 
 @jit
+def _span(cell: int, side: int, reach: int) -> tuple[int, int]:
+    """Return the first and the last cell of a box along one axis: to one ``side``, −1 or 1, or half to both, 0."""
+    if side == 0:
+        return cell - reach // 2, cell + reach // 2
+    return (cell - reach, cell) if side < 0 else (cell, cell + reach)
+
+
+@jit
 def extend(
     points: Float64Array,
     ground: BoolArray,
     corner: Float64Array,
     cell: float,
     lowest: NDArray[np.int32],
+    sums: NDArray[np.int32],
     near: BoolArray,
     reach: int,
     need: int,
@@ -111,15 +119,15 @@ def extend(
     share: float,
     out: BoolArray,
 ) -> None:
-    """Write which points that are not ground, in cells that are ``near``, continue it from one of four sides.
+    """Write which points that are not ground, in cells that are ``near``, continue it from one of eight sides.
 
-    The box of a side begins with the point's cell, reaches ``reach`` cells away and half of that to both sides. The
-    ground point of the point's own cell is in each of them: a point that is further above or below it than any plane
-    with such a residual leads to is left out at once.
+    The box of a side begins with the point's cell. Along each axis it reaches ``reach`` cells to one side or half of
+    that to both. The ground point of the point's own cell is in each of them: a point that is further above or below it
+    than any plane with such a residual leads to is left out at once. ``sums`` (rows + 1, cols + 1) are how many of the
+    cells above and left of a corner have a ground point.
     """
-    half = reach // 2
     limit = height + share * most
-    furthest = math.sqrt(2.0) * cell * most + limit * (1.0 + math.sqrt(float((reach + 1) * (2 * half + 1))))
+    furthest = math.sqrt(2.0) * cell * most + limit * (2.0 + reach)  # of the cells of a box the root
     for i in range(len(points)):
         out[i] = False
         if ground[i]:
@@ -128,15 +136,10 @@ def extend(
         own = lowest[row, col]
         if not near[row, col] or (own >= 0 and abs(points[i, 2] - points[own, 2]) > furthest):
             continue
-        for side in range(4):
-            if side == 0:
-                box = (row - half, row + half, col - reach, col)
-            elif side == 1:
-                box = (row - half, row + half, col, col + reach)
-            elif side == 2:
-                box = (row - reach, row, col - half, col + half)
-            else:
-                box = (row, row + reach, col - half, col + half)
-            if _continues(points, i, lowest, box, need, most, height, share):
+        for side in range(9):
+            if side == 4:
+                continue  # the box around the point is none of the sides
+            rows, cols = _span(row, side // 3 - 1, reach), _span(col, side % 3 - 1, reach)
+            if _continues(points, i, lowest, sums, rows, cols, need, most, height, share):
                 out[i] = True
                 break
