@@ -24,18 +24,27 @@ DATA_DIR = $(shell home="$${XDG_DATA_HOME:-$$HOME/.local/share}"; test -n "$$GRI
 
 .PHONY: serve setup lock audit sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long test-shell bench dev clean
 
-serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
+serve: $(VENV)/.runtime ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
+	$(MAKE) --jobs 2 pages $(VENV)/.lab
 	$(DATA_DIR) $(BIN)/gridbloom serve $(ARGS)
 
-setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
+setup: $(VENV)/.installed pages ## .venv with the gridbloom command and all that the tests need
 
-# Everything that is installed has its version and hashes in requirements/dev.txt, the build tools too. Most of it is
-# never imported: Python compiles the rest when it is, in less time than pip compiles all.
-$(VENV)/.installed: pyproject.toml requirements/dev.txt
+# Everything that is installed has its version and hashes in requirements/, the build tools too. Most of it is never
+# imported: Python compiles the rest when it is, in less time than pip compiles all.
+$(VENV)/.runtime: pyproject.toml requirements/runtime.txt requirements/build.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Gridbloom needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(PIP) --no-compile --require-hashes --requirement requirements/dev.txt
+	$(PIP) --no-compile --require-hashes --requirement requirements/runtime.txt --requirement requirements/build.txt
+	touch $@
+
+# It makes the pages.
+$(VENV)/.command: $(VENV)/.runtime
 	$(PIP) --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/.installed: $(VENV)/.command requirements/dev.txt
+	$(PIP) --no-compile --require-hashes --requirement requirements/dev.txt
 	touch $@
 
 lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
@@ -61,7 +70,7 @@ $(VENV)/.docs: $(VENV)/.installed requirements/docs.txt
 docs: $(VENV)/.docs ## the documentation as a site in build/docs, which needs no other host
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
-pages: $(VENV)/.installed ## static/dist, where its sources changed
+pages: $(VENV)/.command ## static/dist, where its sources changed
 	$(NPM)
 
 wire: setup ## renew what is generated from the messages of the stream and the answers of the HTTP interface
@@ -86,7 +95,7 @@ test-pages: setup
 	$(NPM) test
 
 # Otherwise the first visitor waits for it.
-$(VENV)/.lab: $(VENV)/.installed $(wildcard mapper/*/kernels/*.py)
+$(VENV)/.lab: $(VENV)/.runtime $(wildcard mapper/*/kernels/*.py)
 	$(BIN)/python -m mapper.tools.precompile --lab
 	touch $@
 

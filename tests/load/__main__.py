@@ -8,6 +8,7 @@ from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
 from tests.load.greedy import greedy
+from tests.load.limited import limited
 from tests.load.memory import memory
 from tests.load.sessions import services, sessions, workers
 from tests.load.soak import soak
@@ -18,6 +19,7 @@ RUNS = {
     "sessions": sessions,
     "services": services,
     "workers": workers,
+    "limited": limited,
     "followers": followers,
     "fairness": fairness,
     "greedy": greedy,
