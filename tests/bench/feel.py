@@ -21,6 +21,7 @@ MOVED = 120  # of each handle, one move after the other
 TIMES = 40  # of each other hand movement
 MOVES = 200  # of each drag
 OPENED = 8  # of the page
+FOUR_VIEWS = "?views=four:world,map,3d,second:50:50"
 RUNNING_S = 4.0
 PARTICLES = 10_000  # as many as the lab draws at most
 ASLEEP_S = 3.0
@@ -54,10 +55,10 @@ def new_page(browser: Browser) -> Page:
     return browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
 
 
-def paused(browser: Browser, server: str) -> Page:
+def paused(browser: Browser, server: str, query: str = "") -> Page:
     """Return the lab, standing still."""
     page = new_page(browser)
-    page.goto(f"{server}/lab.html")
+    page.goto(f"{server}/lab.html{query}")
     await_map(page)
     page.get_by_role("button", name="Pause").click()
     until("the robot to stand", lambda: not frame(page)["playing"])
@@ -73,12 +74,12 @@ def nothing(browser: Browser, hand: Hand) -> tuple[Laps, Laps]:
     return took
 
 
-def handle(browser: Browser, server: str, hand: Hand) -> tuple[Laps, Laps]:
+def handle(browser: Browser, server: str, hand: Hand, query: str = "") -> tuple[Laps, Laps]:
     """Return the laps from a handle's move to the repainted profile, while the map follows: move by move, and dragged.
 
-    It is dragged while the lab runs.
+    It is dragged while the lab runs. ``query`` of the lab's address names its views.
     """
-    page = paused(browser, server)
+    page = paused(browser, server, query)
     grip = page.locator("figure.profile").get_by_role("slider", name="Hit increment", exact=True)
     single = moved(page, grip.locator(".handle-mark"), MOVED, dy=-24.0)
     page.get_by_role("button", name="Play").click()
@@ -228,10 +229,10 @@ def _slid(page: Page) -> Laps:
     return took
 
 
-def running(browser: Browser, server: str) -> float:
+def running(browser: Browser, server: str, query: str = "") -> float:
     """Return frames per second while the lab runs."""
     page = new_page(browser)
-    page.goto(f"{server}/lab.html")
+    page.goto(f"{server}/lab.html{query}")
     await_map(page)
     rate = float(page.evaluate(_FRAMES, RUNNING_S))
     page.context.close()
@@ -339,6 +340,9 @@ def feel() -> None:
             single, drag = handle(browser, server, hand)
             row("handle moved → profile repainted", single, "16 ms", "8 ms")
             row("the same dragged, while the lab runs", drag, "", "")
+            single, drag = handle(browser, server, hand, FOUR_VIEWS)
+            row("handle moved → profile repainted, with four views", single, "16 ms", "")
+            row("the same dragged, while the lab runs", drag, "", "")
             for figure, (single, drag) in lecture(browser, server, hand).items():
                 row(f"the lecture's {figure}: handle moved → repainted", single, "16 ms", "8 ms")
                 row("the same dragged", drag, "", "")
@@ -354,6 +358,7 @@ def feel() -> None:
             particle_rate, busy = running_with_particles(browser, server)
             rows += [
                 ("lab running at 1440 × 900", f"{running(browser, server):.0f} frames/s", "30", "60", ""),
+                ("the same with four views", f"{running(browser, server, FOUR_VIEWS):.0f} frames/s", "60", "60", ""),
                 (f"the same with {PARTICLES:,} particles", f"{particle_rate:.0f} frames/s", "60", "60", ""),
                 ("main thread of that page", f"{100 * busy:.0f} %", "below 100 %", "", ""),
                 ("page opened → first cells", f"{seconds:.2f} s", "1.5 s", "0.7 s", ""),

@@ -25,6 +25,9 @@ import { useOpenGroup } from "../tools/why/useOpenGroup";
 import { watchVisibility } from "../ui/browser/visibility";
 import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
+import { LayoutChoice } from "../ui/stage/LayoutChoice";
+import type { Layout } from "../ui/stage/layout";
+import { useLayout } from "../ui/stage/useLayout";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
 import { whyAgain } from "../wire/ask";
@@ -35,6 +38,7 @@ import { groupsOf } from "./lab/groups";
 import { groupFromAddress, namesNoWorld, visibleState } from "./lab/link";
 import { Stage } from "./lab/Stage";
 import { keepAddress, openSession, restore } from "./lab/session";
+import { KINDS, lastLayout, PRESETS, WORLD_AND_MAP } from "./lab/views";
 import { Starting } from "./Starting";
 import { hasPicture, shownStore } from "./shownStore";
 import { useClass } from "./useClass";
@@ -128,7 +132,7 @@ let stopAddress: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
 
 /** The curve, and the groups of controls; both use the state of the profile. */
-function Instruments({ session, comparison, openGroup, isFollowing }: InstrumentsProps) {
+function Instruments({ session, comparison, layout, openGroup, isFollowing }: InstrumentsProps) {
   const { store, id } = session;
   const place = useRef<HTMLDivElement>(null);
   const reading = useReading(store, place);
@@ -147,7 +151,7 @@ function Instruments({ session, comparison, openGroup, isFollowing }: Instrument
       </section>
       <Dock
         label="Controls of the lab"
-        groups={groupsOf({ store, session: id, comparison, profile })}
+        groups={groupsOf({ store, session: id, comparison, profile, layout })}
         open={openGroup}
         isInert={isFollowing}
       />
@@ -158,6 +162,7 @@ function Instruments({ session, comparison, openGroup, isFollowing }: Instrument
 interface InstrumentsProps {
   readonly session: Live;
   readonly comparison: Comparison;
+  readonly layout: Signal<Layout> | null;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
   /** Whether it is the lecturer who controls them. */
@@ -170,6 +175,8 @@ function Lab() {
   const comparison = useComparison(store);
   const openGroup = useOpenGroup(store, FIRST_GROUP);
   const isFollowing = useClass(session, { page: "lab", group: openGroup });
+  const isOwn = followedCode === null;
+  const layout = useLayout({ kinds: KINDS, usual: WORLD_AND_MAP, last: isOwn ? lastLayout : null });
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
@@ -198,6 +205,7 @@ function Lab() {
       <h1 class="visually-hidden">The lab</h1>
       <div class="lab-bar">
         <Controls store={store} />
+        {isOwn && <LayoutChoice layout={layout} kinds={KINDS} presets={PRESETS} />}
         {!(followedCode !== null && classroom.value?.isOver.value) && <Connected connection={session} />}
       </div>
       {trouble.value && (
@@ -211,11 +219,18 @@ function Lab() {
         session={session}
         shown={shown.value}
         comparison={comparison}
+        layout={layout}
         isInert={isFollowing && !classroom.value?.drives.value}
         onPicture={(picture) => onPicture(picture)}
       />
       {isSeen.value && session && comparison ? (
-        <Instruments session={session} comparison={comparison} openGroup={openGroup} isFollowing={isFollowing} />
+        <Instruments
+          session={session}
+          comparison={comparison}
+          layout={isOwn ? layout : null}
+          openGroup={openGroup}
+          isFollowing={isFollowing}
+        />
       ) : (
         <>
           <div class="lab-curve" />

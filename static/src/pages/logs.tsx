@@ -12,6 +12,7 @@ import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { lazy } from "../ui/lazy";
 import { SiteHeader } from "../ui/SiteHeader";
+import { LAYOUT } from "../ui/stage/useLayout";
 import { Toasts } from "../ui/Toast";
 import { isAway, whyAgain } from "../wire/ask";
 import { ClassLog, followLogs } from "./logs/ClassLog";
@@ -23,7 +24,6 @@ import { Opening } from "./logs/Opening";
 import { Guest } from "./logs/share/Guest";
 import { linkOf } from "./logs/share/links";
 import { Viewer } from "./logs/Viewer";
-import { LAYOUT } from "./logs/views/useLayout";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
 

@@ -3,6 +3,7 @@
  * lecture. A new group is one entry of `GROUPS`; those of the parts are in their folders.
  */
 
+import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
@@ -20,7 +21,10 @@ import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
+import { LayoutChoice } from "../../ui/stage/LayoutChoice";
+import type { Layout } from "../../ui/stage/layout";
 import { Downloads } from "./groups/Downloads";
+import { KINDS, PRESETS } from "./views";
 
 interface SettingsProps {
   readonly store: Store;
@@ -118,6 +122,8 @@ const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
 interface LabView {
+  /** The layout of the stage; null for who follows another's lab. */
+  readonly layout: Signal<Layout> | null;
   readonly store: Store;
   readonly session: string;
   readonly comparison: Comparison;
@@ -228,9 +234,14 @@ const GROUPS: readonly Group[] = [
     title: "3D view",
     section: "3D",
     purpose: "Map, robot and world in three dimensions",
-    content: ({ store, session }) => (
+    content: ({ store, session, layout }) => (
       <>
-        <Scene store={store} session={session} />
+        {layout && <LayoutChoice layout={layout} kinds={KINDS} presets={PRESETS} />}
+        {layout?.value.views.includes("3d") ? (
+          <p class="hint">The 3D view is on the stage.</p>
+        ) : (
+          <Scene store={store} session={session} />
+        )}
         <ClickChoice store={store} />
       </>
     ),

@@ -2,6 +2,7 @@ import { computed, effect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
 import { filterOf } from "../../tools/localization/state";
+import { withLayout } from "../../ui/stage/useLayout";
 import { ask, RequestError } from "../../wire/ask";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
@@ -19,7 +20,7 @@ const SETTLE_MS = 400;
 /** The address follows a world that plays each time so many seconds of the world have passed. */
 const FOLLOW_S = 10;
 
-const address = (id: string): string => `/lab.html?session=${encodeURIComponent(id)}`;
+const address = (id: string): string => `/lab.html${withLayout(new URLSearchParams({ session: id }))}`;
 
 /**
  * Open the session that the address names; if it has ended, a copy of the world described in the address, paused if
@@ -131,5 +132,8 @@ export const liveAddress = (id: string): string => new URL(address(id), location
 
 /** The address that opens a copy of the current state in a new session, at any time. */
 export async function snapshotAddress(id: string, store: Store): Promise<string> {
-  return new URL(`/lab.html${await fragmentOf(await currentLinkState(id, store))}`, location.href).href;
+  return new URL(
+    `/lab.html${withLayout(new URLSearchParams())}${await fragmentOf(await currentLinkState(id, store))}`,
+    location.href,
+  ).href;
 }

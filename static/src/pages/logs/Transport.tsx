@@ -1,12 +1,12 @@
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { isTyping } from "../../ui/browser/isTyping";
 import { Select } from "../../ui/Select";
 import { Timeline, type TimelineMark } from "../../ui/Timeline";
 import type { LogEvent } from "../../wire/http";
 import type { Trajectory } from "../../wire/protocol";
 import { eventLabel } from "./Doctor";
-import { isTyping } from "./isTyping";
 import { type LinesState, ticksOf } from "./lines/lines";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";

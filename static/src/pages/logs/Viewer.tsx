@@ -12,8 +12,10 @@ import { usePicked } from "../../tools/scene/usePicked";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
+import { LayoutChoice } from "../../ui/stage/LayoutChoice";
 import { written } from "../../ui/stage/layout";
 import { Stage } from "../../ui/stage/Stage";
+import { useLayout } from "../../ui/stage/useLayout";
 import { toast } from "../../ui/Toast";
 import type { TrajectoryErrors } from "../../wire/http";
 import { SessionEnded } from "../SessionEnded";
@@ -39,9 +41,7 @@ import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import { showColumn, ViewerFrame } from "./ViewerFrame";
-import { LayoutChoice } from "./views/LayoutChoice";
-import { useLayout } from "./views/useLayout";
-import { kindsFor, viewsOf } from "./views/views";
+import { kindsFor, lastLayout, MAP_ALONE, PRESETS, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
 interface ViewerProps {
@@ -71,7 +71,12 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const notes = useNotes(session, store, guest?.shown?.note);
   const plots = useTimelinePlots();
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
-  const layout = useLayout(kinds, guest?.shown?.layout ?? null, guest !== undefined);
+  const layout = useLayout({
+    kinds,
+    usual: MAP_ALONE,
+    linked: guest?.shown?.layout ?? null,
+    last: guest ? null : lastLayout,
+  });
   const contents = useContents(session);
   const lines = useLines(session, store, contents);
   const fields = useFieldsState(session);
@@ -197,7 +202,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         }
       >
         <Head store={store} onClose={onClose}>
-          <LayoutChoice layout={layout} kinds={kinds} />
+          <LayoutChoice layout={layout} kinds={kinds} presets={PRESETS} />
           {!isGuest && log && <OpenIn3d id={log.id} contents={contents.state.value} />}
           {!isGuest && (
             <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />

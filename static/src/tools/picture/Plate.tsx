@@ -4,17 +4,20 @@ import "./plate.css";
 interface PlateProps {
   readonly title: string;
   readonly note?: string;
+  /** Of a picture in a view, which has its name: the menu of views, in the place of the title; null for none. */
+  readonly head?: ComponentChildren;
   readonly actions?: ComponentChildren;
   readonly caption?: ComponentChildren;
   readonly children: ComponentChildren;
 }
 
 /** A picture with a title above it and a caption below it. */
-export function Plate({ title, note, actions, caption, children }: PlateProps) {
+export function Plate({ title, note, head, actions, caption, children }: PlateProps) {
   return (
-    <section class="plate" aria-label={title}>
+    <section class="plate" aria-label={head === undefined ? title : undefined}>
       <header class="plate-head">
-        <h2>{title}</h2>
+        <h2 class={head ? "visually-hidden" : ""}>{title}</h2>
+        {head}
         {note && <span class="plate-note">{note}</span>}
         {actions && <div class="plate-actions">{actions}</div>}
       </header>

@@ -11,7 +11,10 @@ import "./stage.css";
 export interface StageView {
   readonly kind: string;
   readonly title: string;
-  readonly content: () => ComponentChildren;
+  /** Whether its content shows the menu of views, which the stage shows above it otherwise. */
+  readonly hasOwnHead?: boolean;
+  /** Called with the menu of views; with null where there is none: of one view, or of views that stay together. */
+  readonly content: (head: ComponentChildren) => ComponentChildren;
 }
 
 interface StageProps {
@@ -19,16 +22,32 @@ interface StageProps {
   readonly views: readonly StageView[];
   readonly layout: Layout;
   readonly onLayout: (layout: Layout) => void;
+  /** Whether the views of this layout are seen at once on a phone too, as the page's own style arranges them. */
+  readonly isTogether?: boolean;
 }
 
 const PHONE = "(max-width: 44rem), (max-height: 36rem)";
 
-export function Stage({ views, layout, onLayout }: StageProps) {
+export function Stage({ views, layout, onLayout, isTogether = false }: StageProps) {
   const id = useId();
   const stage = useRef<HTMLDivElement>(null);
   const isPhone = useMedia(PHONE).value;
   const { arrangement } = layout;
   const shown = layout.views.flatMap((kind) => views.find((view) => view.kind === kind) ?? []);
+  const hasHeads = shown.length > 1 && !(isPhone && isTogether);
+  const head = (kind: string, place: number): ComponentChildren =>
+    hasHeads ? (
+      <>
+        <Select
+          class="view-choice"
+          label={`View ${place + 1}`}
+          value={kind}
+          options={views.map((view) => ({ value: view.kind, label: view.title }))}
+          onChange={(chosen) => onLayout(withView(layout, place, chosen))}
+        />
+        {isPhone && <Pages count={shown.length} place={place} stage={stage} />}
+      </>
+    ) : null;
   useEffect(() => {
     const onKey = (event: KeyboardEvent): void => {
       if (event.key !== "F6" || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -55,7 +74,7 @@ export function Stage({ views, layout, onLayout }: StageProps) {
   );
   return (
     <div
-      class={`view-stage view-stage-${arrangement}`}
+      class={`view-stage view-stage-${arrangement} ${isPhone && isTogether ? "view-stage-together" : ""}`.trim()}
       ref={stage}
       data-split=""
       style={{ "--share-x": layout.x, "--share-y": layout.y }}
@@ -70,18 +89,8 @@ export function Stage({ views, layout, onLayout }: StageProps) {
           data-place={place}
           tabIndex={-1}
         >
-          {shown.length > 1 && (
-            <header class="view-head">
-              <Select
-                label={`View ${place + 1}`}
-                value={view.kind}
-                options={views.map(({ kind, title }) => ({ value: kind, label: title }))}
-                onChange={(kind) => onLayout(withView(layout, place, kind))}
-              />
-              {isPhone && <Pages count={shown.length} place={place} stage={stage} />}
-            </header>
-          )}
-          <div class="view-content">{view.content()}</div>
+          {hasHeads && !view.hasOwnHead && <header class="view-head">{head(view.kind, place)}</header>}
+          <div class="view-content">{view.content(head(view.kind, place))}</div>
         </section>
       ))}
       {!isPhone && (arrangement === "beside" || arrangement === "four") && splitter("x")}

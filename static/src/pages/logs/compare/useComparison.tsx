@@ -3,8 +3,8 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { CompareOverlay } from "../../../tools/compare/CompareOverlay";
 import { Comparison } from "../../../tools/compare/comparison";
+import { isWriting } from "../../../ui/browser/isTyping";
 import { toast } from "../../../ui/Toast";
-import { isWriting } from "../isTyping";
 import { keepAddress, linkFromAddress, restore } from "./link";
 import { names } from "./sides";
 

@@ -4,7 +4,10 @@ import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
+import { kept } from "../../../ui/browser/kept";
 import { lazy } from "../../../ui/lazy";
+import type { Preset } from "../../../ui/stage/LayoutChoice";
+import { type Layout, layoutOf } from "../../../ui/stage/layout";
 import type { StageView } from "../../../ui/stage/Stage";
 import { OtherMap } from "../compare/OtherMap";
 import { FrameTree } from "../contents/FrameTree";
@@ -58,6 +61,20 @@ const VIEWS: readonly View[] = [
 ];
 
 const MAP_VIEW = "map";
+
+export const MAP_ALONE: Layout = layoutOf("one", [MAP_VIEW]);
+
+/** Layouts of a log to begin with. */
+export const PRESETS: readonly Preset[] = [
+  ["Map", MAP_ALONE],
+  ["Map and camera", layoutOf("beside", [MAP_VIEW, "picture"])],
+  ["Map and 3D", layoutOf("beside", [MAP_VIEW, "3d"])],
+  ["Two maps", layoutOf("beside", [MAP_VIEW, "second"])],
+  ["Diagnosis", layoutOf("four", [MAP_VIEW, "picture", "plots", "lines"])],
+];
+
+/** The layout that this browser used last, as text. */
+export const lastLayout = kept("gridbloom.logs.views", "", (value): value is string => typeof value === "string");
 
 /** The kinds of views of a log. */
 export const kindsFor = (isGuest: boolean): readonly string[] => [

@@ -1,8 +1,7 @@
 import type { Signal } from "@preact/signals";
-import { Icon, type IconName } from "../../../ui/Icon";
-import { Select } from "../../../ui/Select";
-import { ARRANGEMENTS, type Arrangement, arranged, type Layout, layoutOf, written } from "../../../ui/stage/layout";
-import { MAP_ALONE } from "./useLayout";
+import { Icon, type IconName } from "../Icon";
+import { Select } from "../Select";
+import { ARRANGEMENTS, type Arrangement, arranged, type Layout, written } from "./layout";
 import "./layoutChoice.css";
 
 const LABELS: Readonly<Record<Arrangement, readonly [icon: IconName, label: string]>> = {
@@ -12,25 +11,21 @@ const LABELS: Readonly<Record<Arrangement, readonly [icon: IconName, label: stri
   four: ["viewsFour", "Four views (4)"],
 };
 
-/** Layouts to begin with: their names, and which views they need. */
-const PRESETS: readonly (readonly [name: string, layout: Layout])[] = [
-  ["Map", MAP_ALONE],
-  ["Map and camera", layoutOf("beside", ["map", "picture"])],
-  ["Map and 3D", layoutOf("beside", ["map", "3d"])],
-  ["Two maps", layoutOf("beside", ["map", "second"])],
-  ["Diagnosis", layoutOf("four", ["map", "picture", "plots", "lines"])],
-];
+/** A layout to begin with, and its name. */
+export type Preset = readonly [name: string, layout: Layout];
 
 interface LayoutChoiceProps {
   readonly layout: Signal<Layout>;
-  /** The kinds of views that this log has. */
+  /** The kinds of views that there are. */
   readonly kinds: readonly string[];
+  /** Those are offered whose views there are. */
+  readonly presets: readonly Preset[];
 }
 
 /** The arrangements of the stage as buttons, and layouts to begin with. */
-export function LayoutChoice({ layout, kinds }: LayoutChoiceProps) {
+export function LayoutChoice({ layout, kinds, presets }: LayoutChoiceProps) {
   const now = layout.value;
-  const names = PRESETS.filter(([, one]) => one.views.every((view) => kinds.includes(view)));
+  const names = presets.filter(([, one]) => one.views.every((view) => kinds.includes(view)));
   const chosen = names.find(([, one]) => one.arrangement === now.arrangement && `${one.views}` === `${now.views}`);
   return (
     <div class="layout-choice" role="toolbar" aria-label="Layout of the views">

@@ -1,0 +1,153 @@
+/** The views that the stage of the lab can show: two maps at first, the true world and what the robot believes. */
+
+import type { ComponentChildren } from "preact";
+import type { Picture } from "../../render/picture/Picture";
+import type { Store } from "../../store/store";
+import { CompareOverlay } from "../../tools/compare/CompareOverlay";
+import type { Comparison } from "../../tools/compare/comparison";
+import { secondMapNames } from "../../tools/compare/SecondMap";
+import { ToolHint } from "../../tools/editing/Toolbar";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
+import { Plate } from "../../tools/picture/Plate";
+import { WorldView } from "../../tools/picture/WorldView";
+import { PlacingHint, RobotAnnouncement } from "../../tools/placing/Placing";
+import { Readout } from "../../tools/readout/Readout";
+import { Button } from "../../ui/Button";
+import { kept } from "../../ui/browser/kept";
+import { lazy } from "../../ui/lazy";
+import type { Preset } from "../../ui/stage/LayoutChoice";
+import { type Layout, layoutOf } from "../../ui/stage/layout";
+import type { StageView } from "../../ui/stage/Stage";
+import type { Live } from "../classSession";
+
+const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
+const CorrectMap = lazy(async () => (await import("./CorrectMap")).CorrectMap);
+
+export interface LabPictures {
+  readonly session: Live | null;
+  /** What the pictures show: the session's store, or a picture from before there is one. */
+  readonly shown: Store | null;
+  readonly comparison: Comparison | null;
+  /** Called with the picture of the map. */
+  readonly onPicture: (picture: Picture) => void;
+}
+
+interface View {
+  readonly kind: string;
+  readonly title: string;
+  readonly content: (pictures: LabPictures, head: ComponentChildren) => ComponentChildren;
+}
+
+/** In the order in which they fill an arrangement. */
+const VIEWS: readonly View[] = [
+  { kind: "world", title: "The world", content: (pictures, head) => <World {...pictures} head={head} /> },
+  { kind: "map", title: "The belief", content: (pictures, head) => <Belief {...pictures} head={head} /> },
+  {
+    kind: "3d",
+    title: "3D",
+    content: ({ session }, head) => (
+      <Plate title="3D" head={head}>
+        {session && (
+          <div class="lab-scene">
+            <Scene store={session.store} session={session.id} />
+          </div>
+        )}
+      </Plate>
+    ),
+  },
+  {
+    kind: "second",
+    title: "Second map",
+    content: ({ session, comparison }, head) => (
+      <Plate title="Second map" head={head}>
+        {session && comparison && <CorrectMap store={session.store} comparison={comparison} />}
+      </Plate>
+    ),
+  },
+];
+
+export const KINDS: readonly string[] = VIEWS.map(({ kind }) => kind);
+
+/** The layout of who has chosen no other. */
+export const WORLD_AND_MAP: Layout = layoutOf("beside", ["world", "map"]);
+
+export const PRESETS: readonly Preset[] = [
+  ["World and belief", WORLD_AND_MAP],
+  ["Belief", layoutOf("one", ["map"])],
+  ["Belief and 3D", layoutOf("beside", ["map", "3d"])],
+  ["Two maps", layoutOf("beside", ["map", "second"])],
+  ["Everything", layoutOf("four", KINDS)],
+];
+
+/** The layout that this browser used last, as text. */
+export const lastLayout = kept("gridbloom.lab.views", "", (value): value is string => typeof value === "string");
+
+/** The views for the stage. */
+export const viewsOf = (pictures: LabPictures): readonly StageView[] =>
+  VIEWS.map(({ kind, title, content }) => ({
+    kind,
+    title,
+    hasOwnHead: true,
+    content: (head) => content(pictures, head),
+  }));
+
+interface PictureProps extends LabPictures {
+  readonly head: ComponentChildren;
+}
+
+function World({ session, shown, head }: PictureProps) {
+  const store = session?.store ?? null;
+  return (
+    <Plate
+      title="The world"
+      note="ground truth"
+      head={head}
+      actions={
+        <Button
+          kind="quiet"
+          icon="fit"
+          label="Show everything"
+          onClick={() => {
+            if (store) store.viewHeld.value = false;
+          }}
+        />
+      }
+      caption={
+        store && (
+          <>
+            <PlacingHint store={store} />
+            <ToolHint store={store} />
+            <RobotAnnouncement store={store} />
+          </>
+        )
+      }
+    >
+      {shown && <WorldView store={shown} />}
+    </Plate>
+  );
+}
+
+function Belief({ session, shown, comparison, onPicture, head }: PictureProps) {
+  const store = session?.store ?? null;
+  return (
+    <Plate
+      title="The belief"
+      note="the map of the robot"
+      head={head}
+      caption={store ? <Readout store={store} /> : null}
+    >
+      {shown && (shown !== store || comparison) && (
+        <BeliefView store={shown} {...(shown === store && comparison && { comparison })} onPicture={onPicture} />
+      )}
+      {store && comparison && (
+        <>
+          {store.compared.value && (
+            <CompareOverlay comparison={comparison} names={secondMapNames(store.compared.value)} refused={null} />
+          )}
+          <ComputingMap store={store} />
+        </>
+      )}
+    </Plate>
+  );
+}

@@ -1,0 +1,61 @@
+"""The stage of the lab: one to four views, of which world and belief are the first."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import await_map, centre, open_group, until, without_canvas_in_3d
+from tests.browser.test_axe import violations
+
+PHONE = {"width": 390, "height": 844}
+
+
+def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open_lab: Callable[..., Page]) -> None:
+    without_canvas_in_3d(page)
+    open_lab()
+    views = page.locator(".lab-stage .view-pane")
+    expect(views).to_have_count(2)
+    page.keyboard.press("4")
+    expect(views).to_have_count(4)
+    expect(views.nth(2).get_by_title("3D view")).to_be_visible()
+    second = page.get_by_role("region", name="Second map")
+    second.get_by_role("button", name="Show the correct map").click()
+    expect(second.locator(".compare-name")).to_have_text("A correct")
+    expect(page.get_by_role("region", name="The belief").locator(".compare-name")).to_have_text("B as set")
+    expect(page.locator(".compare-divider")).to_have_count(0)
+    border = page.get_by_role("separator", name="Border between the columns of views")
+    before = centre(border)[0]
+    border.press("PageDown")
+    until("a wider first view", lambda: centre(border)[0] > before + 20)
+    assert violations(page, ".lab-stage") == []
+    # The address names the layout beside the world, which it follows.
+    until("the address", lambda: re.search(r"views=four:world,map,3d,second:60:50#s=", page.url))
+    page.reload()
+    expect(views).to_have_count(4)
+    panel = open_group(page, "3D view")
+    expect(panel).to_contain_text("The 3D view is on the stage.")
+    panel.get_by_label("Layout", exact=True).select_option("World and belief")
+    expect(views).to_have_count(2)
+    expect(panel.get_by_title("3D view")).to_be_visible()
+    until("the usual address", lambda: "views=" not in page.url)
+
+
+def test_a_phone_shows_world_and_belief_at_once_and_other_views_as_pages(page: Page, server: str) -> None:
+    page.set_viewport_size(PHONE)
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    world, belief = page.locator(".lab-stage .plate-picture").all()
+    expect(belief).to_be_in_viewport(ratio=1.0)
+    expect(world).to_be_in_viewport(ratio=1.0)
+    expect(page.locator(".lab-stage .select")).to_have_count(0)
+    page.goto(f"{server}/lab.html?views=four:map,world,second,3d:50:50")
+    await_map(page)
+    views = page.locator(".lab-stage .view-pane")
+    expect(views.nth(0)).to_be_in_viewport(ratio=0.9)
+    expect(views.nth(1)).not_to_be_in_viewport()
+    views.nth(0).get_by_role("button", name="Go to view 3").click()
+    expect(views.nth(2)).to_be_in_viewport(ratio=0.9)
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
