@@ -10,8 +10,6 @@ from playwright.sync_api import Page, expect
 from tests.browser.looking import await_map, centre, open_group, until, without_canvas_in_3d
 from tests.browser.test_axe import violations
 
-PHONE = {"width": 390, "height": 844}
-
 
 def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open_lab: Callable[..., Page]) -> None:
     without_canvas_in_3d(page)
@@ -44,7 +42,7 @@ def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open
 
 
 def test_a_phone_shows_world_and_belief_at_once_and_other_views_as_pages(page: Page, server: str) -> None:
-    page.set_viewport_size(PHONE)
+    page.set_viewport_size({"width": 390, "height": 844})
     page.goto(f"{server}/lab.html")
     await_map(page)
     world, belief = page.locator(".lab-stage .plate-picture").all()

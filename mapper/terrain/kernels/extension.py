@@ -61,7 +61,7 @@ def _continues(
     """
     first, last = max(rows[0], 0), min(rows[1], lowest.shape[0] - 1)
     left, right = max(cols[0], 0), min(cols[1], lowest.shape[1] - 1)
-    n = sums[last + 1, right + 1] - sums[first, right + 1] - sums[last + 1, left] + sums[first, left]
+    n = int(sums[last + 1, right + 1] - sums[first, right + 1] - sums[last + 1, left] + sums[first, left])
     if n < need:
         return False
     sx = sy = sz = xx = xy = yy = xz = yz = zz = 0.0
