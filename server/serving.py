@@ -40,12 +40,13 @@ from server.storage import StorageError, claimed
 from server.stream.frames import EXTENSION
 from server.warm_up import WarmUp
 from server.workers.supervisor import in_child, load_for_workers, supervise
-from server.workers.worker import Worker
+from server.workers.worker import REPLACE, Worker
 
 BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
 THREADS_END_S = 1.0  #: seconds within which threads must end after the service is closed
 MAX_AHEAD = 8  #: messages of a WebSocket that may wait for the application before reading pauses
+UPLOADS_S = 600.0  #: seconds that a worker which is to be replaced waits for uploads under way
 UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after which a connection is closed
 
 
@@ -162,6 +163,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self.connections, self.warm_up, self.worker = connections, warm_up, worker
         self._taking: set[asyncio.Task[None]] = set()
+        self._ending: asyncio.Task[None] | None = None
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen on the sockets."""
@@ -172,6 +174,16 @@ class Server(uvicorn.Server):
             self.worker.end_with_supervisor()
             figures = services_of(self.config.app).metrics.text  # type: ignore[arg-type]
             self.worker.handover.begin(self._take, figures)
+            asyncio.get_running_loop().add_signal_handler(REPLACE, self._begin_to_end)
+
+    def _begin_to_end(self) -> None:
+        """End once no upload is under way, or after :data:`UPLOADS_S`."""
+        self._ending = asyncio.create_task(self._end_after_uploads())
+
+    async def _end_after_uploads(self) -> None:
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(services_of(self.config.app).library.end_uploads(), UPLOADS_S)  # type: ignore[arg-type]
+        self.should_exit = True
 
     def _take(self, passed_on: socket.socket, head: bytes) -> None:
         """Begin with a connection of which another worker has read ``head``."""

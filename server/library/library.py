@@ -171,6 +171,10 @@ class Library:
         self._folder.begin_survey()
         self._changes.begin()
 
+    async def end_uploads(self) -> None:
+        """Take no further upload, and wait until all that are under way have ended."""
+        await self._slots.close()
+
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._changes.close()

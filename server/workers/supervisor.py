@@ -21,7 +21,7 @@ import structlog
 
 from server.workers.handover import Channel
 from server.workers.shared import Shared
-from server.workers.worker import Worker
+from server.workers.worker import REPLACE, Worker
 
 SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGCHLD})
 END_S = 8.0  #: seconds that workers have to end before they are killed
@@ -115,12 +115,12 @@ class _Supervisor:
         self._end()
 
     def _replace_next(self) -> None:
-        """End the next worker that is to be replaced; the one before it has been started."""
+        """Have the next worker end that is to be replaced, after its uploads; the one before it has been started."""
         if self._to_replace and not self._due:
             number = self._to_replace.pop(0)
             for process, other in self._numbers.items():
                 if other == number:
-                    os.kill(process, signal.SIGTERM)
+                    os.kill(process, REPLACE)
 
     def _reap(self) -> None:
         """Take note of the workers that have ended."""

@@ -15,6 +15,8 @@ from server.workers.shared_class import WorkersClass
 from server.workers.shared_connections import WorkersConnections
 from server.workers.use import WorkersUse
 
+REPLACE = signal.SIGUSR1  #: has a worker end once no upload to it is under way
+
 
 @dataclass(frozen=True, slots=True)
 class Worker:

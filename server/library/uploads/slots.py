@@ -102,6 +102,9 @@ class UploadSlots:
         self._taken: list[UploadSlot] = []
         self._waiting: list[_Waiting] = []
         self._timer: asyncio.TimerHandle | None = None
+        self._is_closed = False
+        self._all_free = asyncio.Event()
+        self._all_free.set()
 
     def __len__(self) -> int:
         return len(self._taken)
@@ -113,8 +116,9 @@ class UploadSlots:
     @asynccontextmanager
     async def take(self, owner: str, address: str) -> AsyncIterator[UploadSlot]:
         """Wait for a slot and hold it during the block. Raises :class:`LimitError` if none becomes free in time."""
-        if self.of(owner) >= self._most_of_owner:
+        if self._is_closed or self.of(owner) >= self._most_of_owner:
             raise _busy()
+        self._all_free.clear()
         waiting = _Waiting(owner, address, asyncio.get_running_loop().create_future())
         self._waiting.append(waiting)
         self._share_out()
@@ -130,6 +134,13 @@ class UploadSlots:
             else:
                 self._waiting.remove(waiting)
             self._share_out()
+            if not self._taken and not self._waiting:
+                self._all_free.set()
+
+    async def close(self) -> None:
+        """Refuse every further upload, and wait until all that are under way have ended."""
+        self._is_closed = True
+        await self._all_free.wait()
 
     def _share_out(self) -> None:
         """Give free slots to waiting uploads, fewest of an address first; cancel slow uploads for the rest."""

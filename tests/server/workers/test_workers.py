@@ -60,7 +60,9 @@ def serving(folder: Path, **environment: str) -> Iterator[Workers]:
     assert process.stdout is not None
     try:
         port = int(process.stdout.readline().rsplit(":", 1)[1].strip("/\n"))
-        yield Workers(process, port)
+        running = Workers(process, port)
+        until(lambda: len(running.workers()) == 2)
+        yield running
     finally:
         process.terminate()
         try:
@@ -288,6 +290,38 @@ def test_workers_are_replaced_at_sighup_and_end_with_their_supervisor(tmp_path: 
     with contextlib.closing(sqlite3.connect(tmp_path / "library" / "library.db")) as records:
         assert records.execute("SELECT name FROM logs").fetchall() == [("a.log",)]
     assert any(one.name.startswith(log) for one in (tmp_path / "library" / "packs").iterdir())
+
+
+def test_an_upload_under_way_ends_before_its_worker_is_replaced(tmp_path: Path) -> None:
+    with serving(tmp_path) as service, service.visitor_of(1) as visitor:
+        before, data, half, key = service.workers(), carmen(3000), 100_000, "k" * 20
+        cookie = "; ".join(f"{name}={value}" for name, value in visitor.cookies.items())
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", service.port, timeout=PATIENCE_S)) as sending:
+            sending.putrequest("PUT", f"/api/logs?name=half.log&upload={key}")
+            sending.putheader("Content-Length", str(len(data)))
+            sending.putheader("Content-Range", f"bytes 0-{len(data) - 1}/{len(data)}")
+            sending.putheader("Cookie", cookie)
+            sending.endheaders(data[:half])
+
+            def is_under_way() -> bool:  # then a part of it over another connection is refused for that
+                part = {"Content-Range": f"bytes 5-5/{len(data)}"}
+                answer = visitor.put("/api/logs", params={"name": "a", "upload": key}, content=b"x", headers=part)
+                return bool(answer.json()["code"] == "upload.busy")
+
+            until(is_under_way)
+            service.process.send_signal(signal.SIGHUP)
+
+            def is_closed() -> bool:  # to further uploads, which a page sends again
+                return visitor.put("/api/logs", params={"name": "b.log"}, content=carmen(5)).status_code == 503
+
+            until(is_closed)
+            assert len(service.workers() & before) == 1
+            sending.send(data[half:])
+            answer = sending.getresponse()
+            assert answer.status == 202
+            log = json.loads(answer.read())["id"]
+        until(lambda: len(after := service.workers()) == 2 and not after & before)
+        assert once_read(visitor, log)["state"] == "ready"
 
 
 def is_running(pid: int) -> bool:
