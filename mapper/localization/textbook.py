@@ -199,11 +199,11 @@ def field_score(scores: NDArray[np.uint16], geometry: GridGeometry, points: Floa
     return total
 
 
-def low_variance_sampler(weights: Float64Array, r: float, count: int) -> Int64Array:
-    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1, and 0 ≤ r < 1/count. Table 4.4."""
+def low_variance_sampler(weights: Float64Array, first: float, count: int) -> Int64Array:
+    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1; 0 ≤ first < 1/count is r in table 4.4."""
     drawn, c, i = [], weights[0], 0
     for m in range(count):
-        u = r + m / count
+        u = first + m / count
         while u > c and i < len(weights) - 1:
             i += 1
             c += weights[i]
@@ -250,12 +250,12 @@ def mcl(
     particles: Float64Array,
     sample_motion: Callable[[Float64Array], Float64Array],
     measurement: Callable[[Float64Array], float],
-    r: float,
+    first: float,
 ) -> Float64Array:
     """Return the particles (n, 3) after a motion and a measurement. Table 8.2, drawn as table 4.4 says."""
     moved = np.array([sample_motion(particle) for particle in particles])
     weights = np.array([measurement(particle) for particle in moved])
-    return moved[low_variance_sampler(weights / weights.sum(), r, len(moved))]
+    return moved[low_variance_sampler(weights / weights.sum(), first, len(moved))]
 
 
 def augmented_share(

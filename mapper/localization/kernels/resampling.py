@@ -19,15 +19,15 @@ _HALF = 1 << 20  #: bins to each side of 0 along an axis
 
 
 @jit
-def low_variance(weights: Float64Array, r: float, out: Int64Array) -> None:
-    """Write into ``out`` (m,) which of the particles with ``weights`` (n,), Σ = 1, are drawn; 0 ≤ r < 1/m.
+def low_variance(weights: Float64Array, first: float, out: Int64Array) -> None:
+    """Write into ``out`` (m,) which of the particles with ``weights`` (n,), Σ = 1, are drawn; 0 ≤ first < 1/m.
 
     Source: Probabilistic Robotics, table 4.4, with the number drawn not that of the particles.
     """
     n, m = weights.shape[0], out.shape[0]
     total, i = weights[0], 0
     for k in range(m):
-        u = r + k / m
+        u = first + k / m
         while u > total and i < n - 1:
             i += 1
             total += weights[i]

@@ -66,10 +66,13 @@ describe("drawing particles", () => {
   });
 
   it("wants as many particles for k bins as table 8.4, and finds the quantile from them", () => {
-    for (const { k, error, z, n } of vectors.numbers) {
-      expect(kldNumber(k, error, z)).toBeCloseTo(n, 9);
-      if (k > 1) expect(kldQuantile(k, error, n)).toBeCloseTo(z, 6);
+    for (const { k, error, quantile, n } of vectors.numbers) {
+      expect(kldNumber(k, error, quantile)).toBeCloseTo(n, 9);
+      if (k > 1) expect(kldQuantile(k, error, n)).toBeCloseTo(quantile, 6);
     }
+    // 0.99 taken for the quantile of 99 %, as AMCL takes its parameter, and that quantile itself
+    expect(Math.ceil(kldNumber(24, 0.05, 0.99))).toBe(296);
+    expect(Math.ceil(kldNumber(24, 0.05, 2.3263))).toBe(417);
   });
 
   it("averages as table 8.3", () => {

@@ -3,13 +3,13 @@
  * mapper/localization/textbook.py, and tested with vectors from there. Random numbers are arguments.
  */
 
-/** Which particles are drawn for `weights`, Σ = 1, with 0 ≤ r < 1/count. Table 4.4. */
-export function lowVarianceSampler(weights: Float64Array, r: number, count: number): Int32Array {
+/** Which particles are drawn for `weights`, Σ = 1, with 0 ≤ first < 1/count. Table 4.4. */
+export function lowVarianceSampler(weights: Float64Array, first: number, count: number): Int32Array {
   const drawn = new Int32Array(count);
   let c = weights[0] ?? 0;
   let i = 0;
   for (let m = 0; m < count; m++) {
-    const u = r + m / count;
+    const u = first + m / count;
     while (u > c && i < weights.length - 1) c += weights[++i] ?? 0;
     drawn[m] = i;
   }

@@ -22,6 +22,7 @@ import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { profileReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
 import { reducedMotion } from "../ui/browser/reducedMotion";
+import { inHand } from "../ui/browser/touch";
 import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Slider } from "../ui/Slider";
@@ -101,7 +102,7 @@ function Hero() {
         </p>
       </div>
       <div class="hero-maps">
-        <Plate title="The world" note={`${isTouched() ? "tap" : "click"} to teleport the robot`}>
+        <Plate title="The world" note={inHand("click to teleport the robot")}>
           {pictured && <WorldView store={pictured} />}
         </Plate>
         <Plate title="The map" actions={<Legend />}>
@@ -123,8 +124,6 @@ function Hero() {
     </section>
   );
 }
-
-const isTouched = (): boolean => matchMedia("(pointer: coarse)").matches;
 
 /** The colours of the map. */
 function Legend() {

@@ -110,8 +110,8 @@ def shares() -> list[list[float]]:
 def numbers() -> list[dict[str, float]]:
     """Return how many particles some bins need, by table 8.4."""
     return [
-        {"k": k, "error": error, "z": z, "n": textbook.kld_number(k, error, z)}
-        for k, error, z in product((0, 1, 2, 9, 24), (0.01, 0.05, 0.4), (0.0, 0.99, 2.33))
+        {"k": k, "error": error, "quantile": quantile, "n": textbook.kld_number(k, error, quantile)}
+        for k, error, quantile in product((0, 1, 2, 9, 24), (0.01, 0.05, 0.4), (0.0, 0.99, 2.33))
     ]
 
 

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { inHand } from "../../ui/browser/touch";
 import { written } from "../../ui/numbers";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Values } from "../../wire/protocol";
@@ -83,7 +84,7 @@ function Asked({ patch, size, values, fit }: AskedProps) {
         <b>
           {across > 1 ? `Window of ${across} × ${across} patches of` : "Patch of"} {written(size, 2)} m at ({x}, {y})
         </b>
-        , in the map {patch.why.replace(/^Terrain: /, "")} Click the map for another.
+        , in the map {patch.why.replace(/^Terrain: /, "")} {inHand("Click the map for another.")}
       </p>
       {points.length === 0 ? (
         <p class="quiet">It has no ground points.</p>

@@ -15,6 +15,8 @@ export const SHORT = {
   olson: "Olson 2009",
   hess: "Hess and others 2016",
   ransac: "Fischler and Bolles 1981",
+  montemerlo: "Montemerlo and others 2002",
+  gmapping: "Grisetti and others 2007",
   grisetti: "Grisetti and others 2010",
   zhang: "Zhang 1997",
   yang: "Yang and others 2020",
@@ -95,6 +97,20 @@ export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
         cartography
       </cite>
       , Communications of the ACM 24 (6), 1981
+    </>
+  ),
+  montemerlo: (
+    <>
+      M. Montemerlo, S. Thrun, D. Koller and B. Wegbreit,{" "}
+      <cite>FastSLAM: a factored solution to the simultaneous localization and mapping problem</cite>, AAAI National
+      Conference on Artificial Intelligence, 2002
+    </>
+  ),
+  gmapping: (
+    <>
+      G. Grisetti, C. Stachniss and W. Burgard,{" "}
+      <cite>Improved techniques for grid mapping with Rao-Blackwellized particle filters</cite>, IEEE Transactions on
+      Robotics 23 (1), 2007
     </>
   ),
   grisetti: (

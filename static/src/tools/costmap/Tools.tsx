@@ -3,6 +3,7 @@
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { inHand } from "../../ui/browser/touch";
 import { Choice } from "../../ui/Choice";
 import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
@@ -46,7 +47,7 @@ export function Tools({ store }: { readonly store: Store }) {
           </label>
         ))}
       </div>
-      <p class="navigation-note">{TOOLS.find(({ tool }) => tool === now)?.hint}</p>
+      <p class="navigation-note">{inHand(TOOLS.find(({ tool }) => tool === now)?.hint ?? "")}</p>
       {isBrush && (
         <>
           <Slider

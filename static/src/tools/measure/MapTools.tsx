@@ -4,6 +4,7 @@ import { useComputed } from "@preact/signals";
 import type { RefObject } from "preact";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { inHand } from "../../ui/browser/touch";
 import type { IconName } from "../../ui/Icon";
 import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
@@ -62,7 +63,7 @@ function Measured({ store, tool }: { readonly store: Store; readonly tool: Measu
   const measuring = measuringOf(store);
   const points = measuring.points.value;
   const resolution = store.map.value?.geometry.resolution ?? 0;
-  const text = measuredText(tool, points, resolution);
+  const text = inHand(measuredText(tool, points, resolution));
   return (
     <section class="measured" aria-label="Measured">
       <p class="number">{text}</p>

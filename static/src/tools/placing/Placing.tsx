@@ -1,5 +1,6 @@
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { inHand } from "../../ui/browser/touch";
 import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
 import type { MapTool } from "../costmap/state";
@@ -26,10 +27,10 @@ export function PlaceRobot({ store }: { readonly store: Store }) {
 export function PlacingHint({ store }: { readonly store: Store }) {
   if (store.editing.tool.value !== null) return null;
   const tool = costmapOf(store).tool.value;
-  if (tool !== null && costmapOf(store).costmap.value?.is_on) return <p class="hint">{MAP_TOOL_HINTS[tool]}</p>;
+  if (tool !== null && costmapOf(store).costmap.value?.is_on) return <p class="hint">{inHand(MAP_TOOL_HINTS[tool])}</p>;
   return (
     <p class="hint">
-      Click to teleport the robot, drag it
+      {inHand("Click to teleport the robot, drag it")}
       <span class="hint-keys">
         , or drive with <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd>
       </span>

@@ -21,7 +21,7 @@ export function NextSection({ id, number, title }: SectionHead) {
           </div>
         </OnStage>
       }
-      sources={[]}
+      sources={["montemerlo", "gmapping", "slam-toolbox", "hess", "mildenhall", "kerbl"]}
       after={
         <details class="lecture-sources">
           <summary>All sources of the lecture</summary>
