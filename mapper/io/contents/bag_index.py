@@ -74,16 +74,17 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
         return None
 
 
-def definitions_in_bag(file: Source) -> dict[str, str]:
-    """Return the definitions of the messages of each topic, as the index at the end of a bag states them."""
-    found: dict[str, str] = {}
+def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
+    """Return type and definition of the messages of each topic, as the index at the end of a bag states them."""
+    found: dict[str, tuple[str, bytes]] = {}
     try:
         with opened(file) as stream:
             for fields, content in _index_records(stream):
                 if fields[b"op"] == CONNECTION:
-                    text = fields_of(content).get(b"message_definition", b"").decode("utf-8", "replace")
+                    text = fields_of(content).get(b"message_definition", b"")
+                    topic, kind = topic_and_type(fields, content)
                     if text:
-                        found.setdefault(printable(topic_and_type(fields, content)[0]), text)
+                        found.setdefault(printable(topic), (kind, text))
     except (CutError, DamagedError, StopIteration, KeyError, ReadError):
         pass
     return found

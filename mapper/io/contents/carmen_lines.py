@@ -19,6 +19,7 @@ from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.names import printable
 from mapper.io.logs.text.lines import TextLines
 
+CARMEN_LINE = "CARMEN line"  #: what stands for the type of a topic
 MAX_WORD = 40  #: characters
 MOST_WORDS = 200  #: lines of further words are not listed
 
@@ -62,10 +63,10 @@ def inspect_carmen(file: Source, limits: Limits, progress: Progress | None) -> C
     times = np.frombuffer(stamps, dtype=np.int64)
     rows = np.frombuffer(values, dtype=np.float32).reshape(-1, len(ODOMETRY))
     order = np.argsort(times, kind="stable")
-    series = (Series("ODOM", "CARMEN line", ODOMETRY, times[order], rows[order]),) if len(times) else ()
+    series = (Series("ODOM", CARMEN_LINE, ODOMETRY, times[order], rows[order]),) if len(times) else ()
     return Contents(
         topics=tuple(
-            TopicContents(name, "CARMEN line", word.lines, word.bytes, word.first_ns, word.last_ns)
+            TopicContents(name, CARMEN_LINE, word.lines, word.bytes, word.first_ns, word.last_ns)
             for name, word in sorted(words.items())
         ),
         series=series,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,11 @@ import numpy as np
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.contents.definitions import Definitions, definitions_of
 from mapper.io.contents.downsampling import min_max
-from mapper.io.contents.message_tree import Tree, decoded, tree_of
 from mapper.io.contents.model import Column, Series
-from mapper.io.contents.raw_message import definition_of, text_of
+from mapper.io.contents.raw_message import Decoder, decoder_of
 from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
+from mapper.io.contents.tree_values import Tree
 from mapper.io.contents.units import unit_of
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
@@ -37,6 +36,8 @@ WHOLE, FIRST = 36, 8  #: arrays up to WHOLE elements, as a covariance has, are k
 LAST_NS = 1 << 62  #: a time beyond this is a defect
 _NUMBERS = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
 _QUATERNION = frozenset("xyzw")
+#: What the numbers of a stamp are called in ROS 2, ROS 1, Foxglove's JSON and Protocol Buffers.
+_SECONDS, _NANOSECONDS = ("sec", "secs", "seconds"), ("nanosec", "nsecs", "nsec", "nanos")
 
 
 def numbers_in(tree: Tree) -> dict[str, float]:
@@ -81,7 +82,8 @@ def stated_ns(tree: Tree) -> int:
     stamp = header.get("stamp") if isinstance(header, dict) else tree.get("stamp", tree.get("timestamp"))
     if not isinstance(stamp, dict):
         return 0
-    seconds, rest = stamp.get("sec", stamp.get("secs")), stamp.get("nanosec", stamp.get("nsecs"))
+    seconds = next((stamp[name] for name in _SECONDS if name in stamp), None)
+    rest = next((stamp[name] for name in _NANOSECONDS if name in stamp), None)
     return seconds * 1_000_000_000 + rest if isinstance(seconds, int) and isinstance(rest, int) else 0
 
 
@@ -116,8 +118,7 @@ def fields_of(
             if first is None:
                 raise no_messages(topic)
             first = unpacked(first, limits)
-            tree = tree_of(first.type, text_of(topic, stated.get(topic)), first.data, cdr=first.cdr)
-            names = tuple(numbers_in(tree))[:MAX_COLUMNS]
+            names = tuple(numbers_in(decoder_of(topic, stated.get(topic))(first.data)))[:MAX_COLUMNS]
             found.append(TopicFields(topic, kind, names, "" if names else "Its messages have no numbers."))
         except MapperError as error:
             found.append(TopicFields(topic, kind, (), error.message))
@@ -127,27 +128,29 @@ def fields_of(
 class _Rows(MessageSink):
     """Takes the messages of one topic as rows of numbers."""
 
-    def __init__(self, topic: str, kind: str, types: Definitions, limits: Limits) -> None:
+    as_recorded = True
+
+    def __init__(self, topic: str, kind: str, decode: Decoder, limits: Limits) -> None:
         self.notes = []
         self.stamps = array("q")
         self.columns: dict[str, array[float]] = {}
         self.recorded = False  #: whether a message had no stamp of its own
         self.bad = 0
-        self._topic, self._kind, self._types, self._limits = topic, kind, types, limits
-        self._cdr: dict[int, bool] = {}
+        self._topic, self._kind, self._decode, self._limits = topic, kind, decode, limits
+        self._wanted: set[int] = set()
         self._known: set[int] = set()
 
     @property
     def taken(self) -> int:
         return len(self.stamps)
 
-    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:  # noqa: ARG002
         self._known.add(key)
         if readable and printable(topic) == self._topic and plain_type(kind) == self._kind:
-            self._cdr[key] = cdr
+            self._wanted.add(key)
 
     def wants(self, key: int) -> bool:
-        return key in self._cdr
+        return key in self._wanted
 
     def knows(self, key: int) -> bool:
         return key in self._known
@@ -156,17 +159,16 @@ class _Rows(MessageSink):
         """Count nothing."""
 
     def next_file(self) -> None:
-        self._cdr.clear()
+        self._wanted.clear()
         self._known.clear()
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
-        cdr = self._cdr.get(key)
-        if cdr is None:
+        if key not in self._wanted:
             return
         try:
             if data[:4] == ZSTD_MAGIC:
                 data, _ = inflate("zstd", data, self._limits.max_chunk_bytes, "a message")
-            tree = decoded(self._types, self._kind, data, cdr=cdr)
+            tree = self._decode(data)
         except ReadError:
             self.bad += 1
             return
@@ -213,11 +215,12 @@ def field_series(
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
         raise ReadError("contents.no_fields", "Only recordings (MCAP, bag, db3) have messages with fields.")
-    types = definitions_of(message_type, definition_of(path, topic, limits))
-    rows = _Rows(topic, plain_type(message_type), types, limits)
+    stated = stated_in(path, (topic,), limits).get(topic)
+    decode = decoder_of(topic, stated)
+    rows = _Rows(topic, plain_type(stated.type if stated else ""), decode, limits)
     for done, file in enumerate(files):
         kind.take(file, rows, limits, part_of(progress, done, len(files)))
         rows.next_file()
     if not rows.stamps or not rows.columns:
         raise ReadError("contents.no_numbers", f"The messages on {topic!r:.200} have no numbers that could be read.")
-    return rows.series()
+    return replace(rows.series(), type=message_type)

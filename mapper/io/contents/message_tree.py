@@ -1,47 +1,29 @@
 """Any message of a recording as a tree of its fields, by the definition that the recording carries.
 
 For a process with limits: the definition and the message were written by others. Every length is compared with the
-bytes that are there; of a message no more than :data:`MAX_VALUES` values are read, in :data:`MAX_DEPTH` levels.
+bytes that are there, and the numbers of values and levels are limited (:mod:`mapper.io.contents.tree_values`).
 """
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
-from mapper.core.errors import LimitError, ReadError
-from mapper.io.contents.definitions import DYNAMIC, PRIMITIVES, STRING, TIMES, Definitions, Field, definitions_of
+from mapper.io.contents.definitions import DYNAMIC, PRIMITIVES, STRING, TIMES, Definitions, Field
+from mapper.io.contents.tree_values import MAX_SHOWN, SHOWN, Tree, check_size, cut_list, cut_text, damaged, plain_number
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.ros_messages import plain_type
 
-MAX_DEPTH = 24  #: types within types: those in use have a third of it
-MAX_VALUES = 1_000_000
-MAX_SHOWN = 20_000  #: values in the tree, from which on arrays are no longer shown
-SHOWN = 128  #: elements of an array that are in the tree, as ``ros2 topic echo`` shows them
-SHOWN_CHARACTERS = 4000
-EXACT = 1 << 53  #: whole numbers beyond are texts: programs that read JSON round them
 
-Tree = dict[str, Any]
-
-
-def tree_of(kind: str, definition: str, data: bytes, *, cdr: bool) -> Tree:
+def tree_of(types: Definitions, kind: str, data: bytes, *, cdr: bool) -> Tree:
     """Return the fields of a message by name.
 
     An array is a list of its first :data:`SHOWN` elements and a sentence on the rest. Numbers that JSON has not are
     the texts ``.nan``, ``.inf`` and ``-.inf``, as in YAML. Raises :class:`ReadError` and :class:`LimitError`.
     """
-    return decoded(definitions_of(kind, definition), kind, data, cdr=cdr)
-
-
-def decoded(types: Definitions, kind: str, data: bytes, *, cdr: bool) -> Tree:
-    """Return :func:`tree_of` a message whose definitions are known. Raises as it does."""
     try:
         decoder = _Decoder(types, MessageFields(data, cdr=cdr))
         tree: Tree = decoder.message(plain_type(kind), 0)
         decoder.fields.end()
     except BadMessageError:
-        said = f"The message is no {kind} as the recording defines it"
-        raise ReadError("message.damaged", f"{said:.200}.") from None
+        raise damaged(kind) from None
     return tree
 
 
@@ -53,7 +35,7 @@ class _Decoder:
         self._least: dict[str, int] = {}
 
     def message(self, kind: str, depth: int) -> Tree:
-        _check(self._values, depth)
+        check_size(self._values, depth)
         own = self._types[kind]
         if not own and self.fields.cdr:
             self.fields.unpack("B", 1)  # IDL has no empty structure: ROS 2 puts a byte into it
@@ -67,7 +49,7 @@ class _Decoder:
         if n * least > len(self.fields.data) - self.fields.pos:
             raise BadMessageError
         if kind in PRIMITIVES:
-            return _shown(self._numbers(kind, n), n)
+            return cut_list(self._numbers(kind, n), n)
         # The rest is read as well, as what comes after it begins at its end; of what has no bytes there is nothing.
         kept: list[object] = []
         for i in range(n if least else min(n, SHOWN)):
@@ -76,15 +58,15 @@ class _Decoder:
             if i < SHOWN and self._kept < MAX_SHOWN:
                 kept.append(one)
                 self._kept += self._values - before
-        return _shown(kept, n)
+        return cut_list(kept, n)
 
     def _value(self, kind: str, depth: int) -> object:
         self._values += 1
-        _check(self._values, depth)
+        check_size(self._values, depth)
         if kind in PRIMITIVES:
-            return _number(self.fields.unpack(*PRIMITIVES[kind])[0])
+            return plain_number(self.fields.unpack(*PRIMITIVES[kind])[0])
         if kind == STRING:
-            return _text(self.fields.string())
+            return cut_text(self.fields.string())
         if kind in TIMES:
             return {name: int(self.fields.unpack(*PRIMITIVES[of])[0]) for name, of in TIMES[kind]}
         return self.message(kind, depth + 1)
@@ -97,12 +79,12 @@ class _Decoder:
             return []
         shown = min(n, SHOWN)
         self._values += shown
-        _check(self._values, 0)
+        check_size(self._values, 0)
         values = fields.unpack(f"{shown}{code}", size)
         fields.pos += (n - shown) * size
         if fields.pos > len(fields.data):
             raise BadMessageError
-        return [_number(value) for value in values]
+        return [plain_number(value) for value in values]
 
     def _least_bytes(self, kind: str, depth: int) -> int:
         """Return how many bytes a value of a type has at least."""
@@ -113,7 +95,7 @@ class _Decoder:
         if kind in TIMES:
             return 8
         if kind not in self._least:
-            _check(0, depth)
+            check_size(0, depth)
             self._least[kind] = 0  # of a type that has itself as a field
             own = self._types[kind]
             self._least[kind] = sum(self._least_of(one, depth + 1) for one in own) if own else int(self.fields.cdr)
@@ -123,26 +105,3 @@ class _Decoder:
         if field.length == DYNAMIC:
             return 4
         return (1 if field.length is None else field.length) * self._least_bytes(field.type, depth)
-
-
-def _check(values: int, depth: int) -> None:
-    if values > MAX_VALUES:
-        raise LimitError("message.too_large", f"The message has more than {MAX_VALUES} values.")
-    if depth > MAX_DEPTH:
-        raise LimitError("message.too_deep", f"The message's types are nested more than {MAX_DEPTH} deep.")
-
-
-def _shown(kept: list[object], n: int) -> list[object]:
-    return kept if n <= len(kept) else [*kept, f"… {n - len(kept):,} more"]
-
-
-def _text(value: str) -> str:
-    return value if len(value) <= SHOWN_CHARACTERS else f"{value[:SHOWN_CHARACTERS]} … {len(value):,} characters"
-
-
-def _number(value: object) -> object:
-    if isinstance(value, float) and not math.isfinite(value):
-        return ".nan" if math.isnan(value) else ".inf" if value > 0.0 else "-.inf"
-    if isinstance(value, int) and not isinstance(value, bool) and abs(value) > EXACT:
-        return str(value)
-    return value

@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.contents.message_tree import Tree, tree_of
+from mapper.io.contents.definitions import Definitions, definitions_of
+from mapper.io.contents.idl import definitions_in_idl
+from mapper.io.contents.json_tree import tree_of_json
+from mapper.io.contents.message_tree import tree_of
+from mapper.io.contents.protobuf_tree import table_of, tree_of_protobuf
 from mapper.io.contents.seeking import Stated, message_at, stated_in
+from mapper.io.contents.tree_values import Tree
+from mapper.io.logs.containers import mcap_file
+from mapper.io.logs.ros.ros_messages import plain_type
 
-TEXT_DEFINITIONS = ("ros1msg", "ros2msg")
+Decoder = Callable[[bytes], Tree]
+#: Kinds of definitions of ROS → what reads them.
+_TEXTS: dict[str, Callable[[str, str], Definitions]] = {
+    "ros1msg": definitions_of,
+    "ros2msg": definitions_of,
+    "ros2idl": definitions_in_idl,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,30 +44,34 @@ def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIM
     Raises :class:`ReadError` where there is none, or where it cannot be read with what the recording says of its type,
     and :class:`LimitError`.
     """
-    found = message_at(path, topic, at_ns, limits)
-    tree = tree_of(found.type, definition_of(path, topic, limits), found.data, cdr=found.cdr)
-    return RawMessage(found.type, found.stamp_ns, len(found.data), tree)
+    found = message_at(path, topic, at_ns, limits, as_recorded=True)
+    decode = decoder_of(topic, stated_in(path, (topic,), limits).get(topic))
+    return RawMessage(found.type, found.stamp_ns, len(found.data), decode(found.data))
 
 
-def definition_of(path: Path, topic: str, limits: Limits = DEFAULT_LIMITS) -> str:
-    """Return the definition that a recording carries of the messages of a topic, as text.
+def decoder_of(topic: str, stated: Stated | None) -> Decoder:
+    """Return what makes a tree of a message on a topic, by what the recording states of it.
 
-    Raises :class:`ReadError` where it has none, or one of another kind than ROS's own.
+    Raises :class:`ReadError` where it states no definition, or one of a kind that is not read, and
+    :class:`LimitError`; so does the decoder for a message that is not as it is stated.
     """
-    return text_of(topic, stated_in(path, (topic,), limits).get(topic))
-
-
-def text_of(topic: str, stated: Stated | None) -> str:
-    """Return the text of what a recording states of a topic. Raises :class:`ReadError` as :func:`definition_of`."""
-    if stated is None or not stated.definition.strip():
+    if stated is None or not (stated.definition.strip() or stated.message_encoding == "json"):
         raise ReadError(
             "message.no_definition",
             f"The recording does not define the type of {topic!r:.200}: bags before ROS 2 Iron and files without an "
             "index do not.",
         )
-    if stated.definition_encoding not in TEXT_DEFINITIONS:
+    kind = plain_type(stated.type)
+    if stated.message_encoding == "json":  # which names its fields
+        return partial(tree_of_json, kind)
+    form = stated.message_encoding, stated.definition_encoding
+    if form == ("protobuf", "protobuf"):
+        return partial(tree_of_protobuf, kind, table_of(kind, stated.definition))
+    if form[0] not in mcap_file.ENCODINGS or form[1] not in _TEXTS:
         raise ReadError(
             "message.encoding",
-            f"Message definitions of the kind {stated.definition_encoding!r:.40} are not read, only ROS .msg.",
+            f"Messages in {form[0]!r:.40} with definitions of the kind {form[1]!r:.40} are not read: those of ROS with "
+            "ros1msg, ros2msg and ros2idl are, and json and protobuf.",
         )
-    return stated.definition
+    types = _TEXTS[form[1]](kind, stated.definition.decode("utf-8", "replace"))
+    return partial(tree_of, types, kind, cdr=mcap_file.ENCODINGS[form[0]])

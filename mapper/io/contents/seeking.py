@@ -43,9 +43,10 @@ class FoundMessage:
 class Stated:
     """How the messages of a topic are to be read, as the recording says: encodings, and the definition of the type."""
 
+    type: str
     message_encoding: str
     definition_encoding: str
-    definition: str
+    definition: bytes
 
 
 class _PastError(Exception):
@@ -55,8 +56,9 @@ class _PastError(Exception):
 class _OfTopics(MessageSink):
     """Takes messages of the topics that it :meth:`is_wanted`."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, as_recorded: bool) -> None:
         self.notes = []
+        self.as_recorded = as_recorded
         self._streams: dict[int, tuple[str, str, bool] | None] = {}  # topic, type and whether it is CDR
 
     @abstractmethod
@@ -98,8 +100,8 @@ class _OfTopics(MessageSink):
 class _Newest(_OfTopics):
     """Keeps the newest message of a topic that is not later than a moment; where all are, the first."""
 
-    def __init__(self, topic: str, at_ns: int) -> None:
-        super().__init__()
+    def __init__(self, topic: str, at_ns: int, *, as_recorded: bool) -> None:
+        super().__init__(as_recorded=as_recorded)
         self.found: FoundMessage | None = None
         self._topic, self._at_ns = topic, at_ns
 
@@ -123,7 +125,7 @@ class _Firsts(_OfTopics):
     """Keeps the first message of each of some topics."""
 
     def __init__(self, topics: Collection[str]) -> None:
-        super().__init__()
+        super().__init__(as_recorded=True)
         self.found: dict[str, FoundMessage] = {}
         self._missing = set(topics)
 
@@ -144,16 +146,19 @@ class _Firsts(_OfTopics):
             raise _PastError
 
 
-def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS) -> FoundMessage:
+def message_at(
+    path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMITS, *, as_recorded: bool = False
+) -> FoundMessage:
     """Return the newest message of ``topic`` that was recorded at or before ``at_ns``; before the first, the first.
 
+    Where it is not wanted ``as_recorded``, in any serialisation, it is one of ROS, or made one.
     Raises :class:`ReadError` where the recording has none, and as reading it does.
     """
     files, kind = parts_of(path, limits)
     if isinstance(kind, Container):
         first: FoundMessage | None = None
         for file in reversed(files):
-            found = _found_in(file, kind, topic, at_ns, limits)
+            found = _found_in(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
             if found is not None and found.stamp_ns <= at_ns:
                 return unpacked(found, limits)
             first = found or first
@@ -215,24 +220,28 @@ def _stated_in_file(file: Source, kind: Container, limits: Limits) -> dict[str, 
         found: dict[str, Stated] = {}
         for channel in () if summary is None else summary.channels.values():
             schema = summary.schemas.get(channel.schema_id) if summary else None
-            text = "" if schema is None else schema.data[:MAX_BYTES].decode("utf-8", "replace")
-            stated = Stated(channel.message_encoding, "" if schema is None else schema.encoding, text)
-            found.setdefault(printable(channel.topic), stated)
+            of = ("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data[: MAX_BYTES + 1])
+            name, encoding, definition = of
+            found.setdefault(printable(channel.topic), Stated(name, channel.message_encoding, encoding, definition))
         return found
     if kind is ros1_bag.ROS1_BAG:
-        return {topic: Stated("ros1", "ros1msg", text) for topic, text in definitions_in_bag(file).items()}
+        stated = definitions_in_bag(file)
+        return {topic: Stated(name, "ros1", "ros1msg", text) for topic, (name, text) in stated.items()}
     if kind is ros2_db3.ROS2_DB3:
         rows = ros2_db3.definition_rows(file, limits)
-        return {topic: Stated("cdr", *row) for topic, row in rows.items()}
+        return {topic: Stated(name, "cdr", form, text.encode()) for topic, (name, form, text) in rows.items()}
     return {}
 
 
-def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+def _found_in(
+    file: Source, kind: Container, topic: str, at_ns: int, limits: Limits, *, as_recorded: bool
+) -> FoundMessage | None:
     if isinstance(file, Member) and file.unpacked is not None and kind is not ros2_db3.ROS2_DB3:
-        return read_up_to(file, kind, topic, at_ns, limits)  # an index leads back and forth, and back is slow there
+        # An index leads back and forth, and back is slow there.
+        return read_up_to(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
     if kind is mcap_file.MCAP:
         try:
-            found = _by_index_of_mcap(file, topic, at_ns, limits)
+            found = _by_index_of_mcap(file, topic, at_ns, limits, as_recorded=as_recorded)
         except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file: it is read from its beginning
             found = None
         if found is not None:
@@ -244,18 +253,25 @@ def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Lim
         message = indexed_message(file, topic, at_ns, limits)
         if message is not None:
             return FoundMessage(message.stamp_ns, plain_type(message.type), False, message.data)
-    return read_up_to(file, kind, topic, at_ns, limits)
+    return read_up_to(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
 
 
-def read_up_to(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
-    """Return the newest message of ``topic`` at or before ``at_ns`` of a file that is read from its beginning."""
-    newest = _Newest(topic, at_ns)
+def read_up_to(
+    file: Source, kind: Container, topic: str, at_ns: int, limits: Limits, *, as_recorded: bool = False
+) -> FoundMessage | None:
+    """Return the newest message of ``topic`` at or before ``at_ns`` of a file that is read from its beginning.
+
+    ``as_recorded`` is as for :func:`message_at`.
+    """
+    newest = _Newest(topic, at_ns, as_recorded=as_recorded)
     with contextlib.suppress(_PastError):
         kind.take(file, newest, limits, None)
     return newest.found
 
 
-def _by_index_of_mcap(file: Source, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+def _by_index_of_mcap(
+    file: Source, topic: str, at_ns: int, limits: Limits, *, as_recorded: bool
+) -> FoundMessage | None:
     with opened(file) as stream:
         reader = SeekingReader(stream, record_size_limit=limits.max_chunk_bytes)
         summary = reader.get_summary()
@@ -264,9 +280,10 @@ def _by_index_of_mcap(file: Source, topic: str, at_ns: int, limits: Limits) -> F
         for backwards, end in ((True, at_ns), (False, None)):
             for schema, channel, message in reader.iter_messages(topics=[topic], ending_at=end, reverse=backwards):
                 encoding = mcap_file.ENCODINGS.get(channel.message_encoding)
-                if schema is None or encoding is None:
+                if not as_recorded and (schema is None or encoding is None):
                     return None
-                return FoundMessage(message.log_time, plain_type(schema.name), encoding, message.data)
+                name = "" if schema is None else plain_type(schema.name)
+                return FoundMessage(message.log_time, name, bool(encoding), message.data)
     return None
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 
 from mapper.core.errors import MapperError
+from mapper.io.contents.carmen_lines import CARMEN_LINE
 from mapper.io.contents.changes import derivative, moving_average
 from mapper.io.contents.model import Column, Contents, Series
 from mapper.io.contents.scan_series import plot_origin_ns
@@ -68,7 +69,7 @@ async def fields(
     owner = owner_of(sessions, library, session_id)
     found: Sequence[TopicFields] | float = (
         await library.fields(owner, held.recording.log_id, visitor, topics, address=client_address(request))
-        if any("/" in kind for _, kind in topics)  # of text logs the topics are words of their lines
+        if any(kind != CARMEN_LINE for _, kind in topics)
         else []
     )
     if isinstance(found, float):

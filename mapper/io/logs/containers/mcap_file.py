@@ -352,7 +352,8 @@ class _Mcap:
         if self.recording.foxglove_channel(key, topic, schema, encoding):
             return
         other = encoding if encoding not in ENCODINGS else stated if stated not in SCHEMA_ENCODINGS else None
-        self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=other is None)
+        readable = other is None or self.recording.as_recorded
+        self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=readable)
         if is_new and other is not None and (not schema or foxglove.is_of_use(plain_type(schema))):
             what = printable(schema[:100]) or "messages without a schema"
             part = "messages are" if other is encoding else "schema is"

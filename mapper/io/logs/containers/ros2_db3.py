@@ -249,19 +249,22 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     return row[0], str(row[1]), row[2]
 
 
-def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str]]:
-    """Return encoding and text of the definition of each topic's messages; none in bags before ROS 2 Iron."""
+def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str, str]]:
+    """Return the type of each topic's messages, and encoding and text of its definition.
+
+    In bags before ROS 2 Iron there are none.
+    """
     with _looked_into(file, limits) as connection:
         try:
             _check_tables(connection, TABLES | DEFINITIONS)
             rows = connection.execute(
-                "SELECT name, encoding, encoded_message_definition FROM message_definitions JOIN topics "
+                "SELECT name, type, encoding, encoded_message_definition FROM message_definitions JOIN topics "
                 "ON topic_type = type LIMIT ?",
                 (limits.max_topics,),
             ).fetchall()
         except (sqlite3.Error, UnicodeDecodeError, ReadError):
             return {}
-    return {printable(row[0]): (row[1], row[2]) for row in rows if all(isinstance(one, str) for one in row)}
+    return {printable(row[0]): (row[1], row[2], row[3]) for row in rows if all(isinstance(one, str) for one in row)}
 
 
 def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = TABLES) -> None:

@@ -23,6 +23,7 @@ from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recording.recorded_log import RecordedLog
 from mapper.io.logs.recording.runs import Track, are_parts_of_one, is_in_disorder, offsets_of_runs
 from mapper.io.logs.recording.sensor_scans import SensorScans
+from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import TfTopics
@@ -41,7 +42,7 @@ MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
 Take = Callable[[Stream, int, bytes], None]
 
 
-class Recording:
+class Recording(MessageSink):
     """Takes a recording message by message; :meth:`robot_log` makes a log of what it took.
 
     Of the scans only those of the sensors in ``selection`` are taken.
@@ -50,7 +51,7 @@ class Recording:
     def __init__(self, limits: Limits, selection: Selection | None = None) -> None:
         self.limits = limits
         self.selection = selection or Selection()
-        self.notes: list[str] = []  #: one sentence each on what was noticed; a container's reader adds its own
+        self.notes = []
         self._taken = Taken(limits, TfTopics(limits, self.selection.tf), self.notes)
         self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}

@@ -12,6 +12,7 @@ class MessageSink(Protocol):
     """
 
     notes: list[str]  #: one sentence each on what was noticed; a container's reader adds its own
+    as_recorded: bool = False  #: whether messages are taken as they are, and none is made one of ROS
 
     @property
     def taken(self) -> int:

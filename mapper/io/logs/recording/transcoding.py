@@ -13,7 +13,7 @@ TF, TF_STATIC = "tf", "tf_static"  #: what topics of transforms are named within
 
 
 class Transcoding(MessageSink):
-    """Hands a recording on to ``sink``.
+    """Hands a recording on to ``sink``; to one that takes messages as they were recorded, all of them as they are.
 
     Transforms that Foxglove has on a topic of any name are on ``tf`` of its namespace there. Those in the messages of a
     scan or a cloud, of key k, have the key −1 − k, on ``tf`` of the nearest namespace around it that has one.
@@ -21,6 +21,7 @@ class Transcoding(MessageSink):
 
     def __init__(self, sink: MessageSink) -> None:
         self.notes = sink.notes
+        self.as_recorded = sink.as_recorded
         self._sink = sink
         self._transcoders: dict[int, Transcoder] = {}
         self._tf_namespaces = {""}
@@ -40,7 +41,7 @@ class Transcoding(MessageSink):
 
     def foxglove_channel(self, key: int, topic: str, kind: str, encoding: str) -> bool:
         """Announce a stream of messages in any encoding, if they are of a schema of Foxglove's that is read."""
-        found = transcoder(topic, kind, encoding)
+        found = None if self.as_recorded else transcoder(topic, kind, encoding)
         if found is None:
             return False
         if self._transcoders.get(key) != found and len(self.notes) < MOST_NOTES:

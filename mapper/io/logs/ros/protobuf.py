@@ -1,13 +1,12 @@
 """Messages in the Protocol Buffers wire format, by tables of the fields that are wanted.
 
-A library that decodes any message takes its definition from the file; here none is read from it, as for ROS messages.
 Source: protobuf.dev/programming-guides/encoding.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,35 +14,52 @@ from mapper.io.logs.ros.message_fields import BadMessageError
 
 VARINT, BITS64, LENGTH, BITS32 = 0, 1, 2, 5  #: wire types
 MOST_VARINT_BYTES = 10
+MAX_DEPTH = 100  #: messages within messages, as in the official decoders
+#: Kinds of numbers of one size → the wire type of one, its code of :mod:`struct` and its bytes.
+FIXED = {
+    "double": (BITS64, "d", 8), "fixed64": (BITS64, "Q", 8), "sfixed64": (BITS64, "q", 8),
+    "float": (BITS32, "f", 4), "fixed32": (BITS32, "I", 4), "sfixed32": (BITS32, "i", 4),
+}  # fmt: skip
+#: Kinds of numbers of any number of bytes → the number of the 64 bits that they hold.
+VARYING: dict[str, Callable[[int], int]] = {
+    "int": lambda bits: bits - (1 << 64) if bits >= 1 << 63 else bits,
+    "uint": lambda bits: bits,
+    "sint": lambda bits: (bits >> 1) ^ -(bits & 1),
+    "bool": bool,
+}
+_CONTINUED = bytes(range(0x80, 0x100))  #: the bytes of a varint that another follows
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
     """One field of a message: its name and what it is.
 
-    ``kind`` is "int", "fixed32", "double", "string", "bytes" or, for a message, its own table. Of a ``repeated`` one
-    all values are kept, in a list.
+    ``kind`` is one of :data:`FIXED` and :data:`VARYING`, "string", "bytes" or, for a message, its own table. Of a
+    ``repeated`` one all values are kept, in a list. A message without an ``implied`` one has its zero.
     """
 
     name: str
     kind: str | Mapping[int, Field]
     repeated: bool = False
+    implied: bool = False
 
 
 Table = Mapping[int, Field]
 
 
-def decoded(data: bytes, table: Table) -> dict[str, Any]:
+def decoded(data: bytes, table: Table, depth: int = 0) -> dict[str, Any]:
     """Return the fields of a message that ``table`` names; one that is missing is left out.
 
-    Raises :class:`BadMessageError`.
+    ``depth`` is that of the message in others. Raises :class:`BadMessageError`.
     """
+    if depth > MAX_DEPTH:
+        raise BadMessageError
     found: dict[str, Any] = {}
-    for number, wire, value in _fields(data):
+    for number, wire, value in wire_fields(data):
         field = table.get(number)
         if field is None:
             continue
-        values = _values(field, wire, value)
+        values = _values(field, wire, value, depth)
         if field.repeated:
             found.setdefault(field.name, []).extend(values)
         else:
@@ -51,37 +67,49 @@ def decoded(data: bytes, table: Table) -> dict[str, Any]:
     return found
 
 
-def _values(field: Field, wire: int, value: int | bytes) -> list[Any]:
+def _values(field: Field, wire: int, value: int | bytes, depth: int) -> list[Any]:
     kind = field.kind
     if not isinstance(kind, str):
-        return [decoded(_bytes(value), kind)]
-    if kind == "double":
-        if wire == BITS64:
-            return list(struct.unpack("<d", _bytes(value)))
-        raw = _bytes(value)
-        if wire != LENGTH or len(raw) % 8:
-            raise BadMessageError
-        return list(struct.unpack(f"<{len(raw) // 8}d", raw))
-    if kind == "fixed32":
-        if wire != BITS32:
-            raise BadMessageError
-        return list(struct.unpack("<I", _bytes(value)))
-    if kind == "int":
-        if not isinstance(value, int):
-            raise BadMessageError
-        return [value - (1 << 64) if value >= 1 << 63 else value]
-    raw = _bytes(value)
+        return [decoded(bytes_of(value), kind, depth + 1)]
+    if kind in FIXED or kind in VARYING:
+        return numbers(kind, wire, value)[0]
+    raw = bytes_of(value)
     return [raw.decode("utf-8", "replace") if kind == "string" else raw]
 
 
-def _bytes(value: int | bytes) -> bytes:
+def numbers(kind: str, wire: int, value: int | bytes, most: int | None = None) -> tuple[list[Any], int]:
+    """Return the first ``most`` numbers of a field, of which several may be packed into one, and how many there are.
+
+    Raises :class:`BadMessageError`.
+    """
+    if kind in FIXED:
+        single, code, size = FIXED[kind]
+        raw = bytes_of(value)
+        n, rest = divmod(len(raw), size)
+        if wire not in (single, LENGTH) or rest:
+            raise BadMessageError
+        return list(struct.unpack_from(f"<{n if most is None else min(n, most)}{code}", raw)), n
+    if isinstance(value, int):
+        return [VARYING[kind](value)], 1
+    if wire != LENGTH:
+        raise BadMessageError
+    found: list[Any] = []
+    at = 0
+    while at < len(value) and (most is None or len(found) < most):
+        bits, at = _varint(value, at)
+        found.append(VARYING[kind](bits))
+    return found, len(found) + len(value[at:].translate(None, _CONTINUED))
+
+
+def bytes_of(value: int | bytes) -> bytes:
+    """Return the value of a field that has a length. Raises :class:`BadMessageError` for another one."""
     if not isinstance(value, bytes):
         raise BadMessageError
     return value
 
 
-def _fields(data: bytes) -> Iterator[tuple[int, int, int | bytes]]:
-    """Yield number, wire type and value of each field."""
+def wire_fields(data: bytes) -> Iterator[tuple[int, int, int | bytes]]:
+    """Yield number, wire type and value of each field. Raises :class:`BadMessageError`."""
     at = 0
     while at < len(data):
         tag, at = _varint(data, at)

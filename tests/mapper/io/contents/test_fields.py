@@ -63,7 +63,7 @@ def test_definitions_whose_lines_end_in_carriage_return_and_line_feed(
 
     monkeypatch.setattr(Writer, "register_schema", with_crlf)
     file.write_bytes(recorded.mcap_bytes(said, ros=ros))
-    assert stated_in(file, ["/imu"])["/imu"].definition.count("\r\n") > 10
+    assert stated_in(file, ["/imu"])["/imu"].definition.count(b"\r\n") > 10
     topics = sorted({(one.topic, one.kind) for one in said})
     names = fields_of(file, topics)
     assert names == fields_of(plain, topics)

@@ -11,8 +11,9 @@ import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mapper.core.errors import LimitError, ReadError
+from mapper.io.contents import message_tree
 from mapper.io.contents.definitions import definitions_of
-from mapper.io.contents.message_tree import SHOWN, tree_of
+from mapper.io.contents.tree_values import SHOWN, Tree
 
 STORES = {True: get_typestore(Stores.ROS2_JAZZY), False: get_typestore(Stores.ROS1_NOETIC)}
 OWN = """
@@ -40,6 +41,10 @@ float64 x
 float64 y
 float64 z
 """
+
+
+def tree_of(kind: str, text: str, data: bytes, *, cdr: bool) -> Tree:
+    return message_tree.tree_of(definitions_of(kind, text), kind, data, cdr=cdr)
 
 
 def plain(value: Any) -> Any:

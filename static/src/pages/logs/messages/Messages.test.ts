@@ -13,6 +13,7 @@ test("a message is written as ros2 topic echo writes it", () => {
     big: "1152921504606846977",
     text: "12",
     flag: true,
+    "a: b": { c: 1 },
   };
   expect(yamlOf(message)).toBe(`header:
   stamp:
@@ -32,5 +33,7 @@ none: []
 big: 1152921504606846977
 text: "12"
 flag: true
+"a: b":
+  c: 1
 `);
 });

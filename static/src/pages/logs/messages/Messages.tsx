@@ -35,6 +35,9 @@ function scalar(value: Tree): string {
   return JSON.stringify(value); // a text in JSON's quotes is one of YAML's, too
 }
 
+/** A name as a key of YAML: that of a field in JSON may be any text. */
+const key = (name: string): string => (/^[A-Za-z_]\w*$/.test(name) ? name : JSON.stringify(name));
+
 /** The lines of a message; a part of a sequence begins with a dash. */
 export function yamlOf(value: Tree, indent = ""): string {
   if (!isBranch(value) || partsOf(value).length === 0) return `${indent}${scalar(value)}\n`;
@@ -43,7 +46,7 @@ export function yamlOf(value: Tree, indent = ""): string {
     .map(([name, part]) => {
       const isNested = isBranch(part) && partsOf(part).length > 0;
       if (!isList)
-        return isNested ? `${indent}${name}:\n${yamlOf(part, `${indent}  `)}` : `${indent}${name}: ${scalar(part)}\n`;
+        return isNested ? `${indent}${key(name)}:\n${yamlOf(part, `${indent}  `)}` : `${indent}${key(name)}: ${scalar(part)}\n`;
       return isNested
         ? `${indent}- ${yamlOf(part, `${indent}  `).slice(indent.length + 2)}`
         : `${indent}- ${scalar(part)}\n`;

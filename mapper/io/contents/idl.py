@@ -1,0 +1,230 @@
+"""The definitions of messages in IDL, as ROS 2 writes them into recordings: modules, structures, typedefs of arrays.
+
+Source: OMG IDL 4.2, 7.4; design.ros2.org/articles/idl_interface_definition.html; mcap.dev/spec/registry (``ros2idl``:
+the files of the type and of those that it uses, each after a line of ``=`` and ``IDL: package/msg/Type``). What else
+IDL has (unions, enumerations, maps, inheritance, wide characters, arrays of arrays) is refused.
+"""
+
+from __future__ import annotations
+
+import re
+
+from mapper.core.errors import ReadError
+from mapper.io.contents.definitions import DYNAMIC, MAX_BYTES, MAX_FIELDS, PRIMITIVES, STRING, Definitions, Field
+from mapper.io.logs.ros.ros_messages import plain_type
+
+MAX_DEPTH = 16  #: of modules in modules, of which ROS has three, and of typedefs of typedefs
+#: Basic types of IDL that are called otherwise in ROS.
+_BASIC = {
+    "boolean": "bool", "octet": "byte", "float": "float32", "double": "float64",
+    "short": "int16", "unsigned short": "uint16", "long": "int32", "unsigned long": "uint32",
+    "long long": "int64", "unsigned long long": "uint64",
+}  # fmt: skip
+#: Comments, lines for the preprocessor and those between files; or, as the group, a word. What is not closed goes on to
+#: the end, so that no text is searched twice.
+_WORD = re.compile(
+    r"""//[^\n]*|/\*(?:.*?\*/|.*)|^[ \t]*\#[^\n]*|^=+\s*$|^IDL:[^\n]*|"""
+    r"""("(?:[^"\\]|\\.)*"?|'(?:[^'\\]|\\.)*'?|(?:::)?[A-Za-z_]\w*(?:::\w+)*|[\d.][\w.]*|\S)""",
+    re.ASCII | re.DOTALL | re.MULTILINE,
+)
+_NAME = re.compile(r"(?:::)?[A-Za-z_]\w*(?:::\w+)*", re.ASCII)
+_NO_MEMBER = "structure_needs_at_least_one_member"  #: what ROS 2 puts into an empty message
+
+_Type = tuple[str, int | None]  #: a name, and the length as in :class:`Field`
+
+
+def definitions_in_idl(kind: str, text: str) -> Definitions:
+    """Return the fields of the type ``kind`` and of all types that its definition has.
+
+    Raises :class:`ReadError` for a text that is none, has more than is read, or a type that it does not define.
+    """
+    if len(text) > MAX_BYTES:
+        raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} characters.")
+    parser = _Parser([word for word in _WORD.findall(text) if word])
+    parser.definitions("", 0, "")
+    found: Definitions = {}
+    for name, members in parser.structures.items():
+        scope = name.rpartition("::")[0]
+        fields = tuple(Field(one, *parser.resolved(scope, of)) for one, of in members)
+        found[plain_type(name)] = () if [field.name for field in fields] == [_NO_MEMBER] else fields
+    if plain_type(kind) not in found:
+        raise ReadError("message.definition", f"The recording does not define the type {kind!r:.100}.")
+    return found
+
+
+def _refused(word: str) -> ReadError:
+    return ReadError("message.definition", f"The recording's definition has {word!r:.100}, which is not read of IDL.")
+
+
+class _Parser:
+    """Takes the structures and the typedefs of a text; constants and annotations are passed over."""
+
+    def __init__(self, tokens: list[str]) -> None:
+        self.structures: dict[str, list[tuple[str, _Type]]] = {}
+        self._typedefs: dict[str, _Type] = {}
+        self._tokens = tokens
+        self._at = 0
+        self._members = 0
+
+    def definitions(self, scope: str, depth: int, end: str) -> None:
+        """Take what is in a module, or in the whole text, up to ``end``."""
+        if depth > MAX_DEPTH:
+            raise _refused("module")
+        while (word := self._next(end)) != end:
+            if word == "@":
+                self._annotation()
+                continue
+            if word == "module":
+                name = self._name(scope)
+                self._expect("{")
+                self.definitions(name, depth + 1, "}")
+            elif word == "struct":
+                name = self._name(scope)
+                self._expect("{")
+                self.structures[name] = self._structure()
+            elif word == "typedef":
+                of = self._type(self._next())
+                for name, declared in self._declarators(of):
+                    self._typedefs[_within(scope, name)] = declared
+                continue
+            elif word == "const":
+                while self._next() != ";":
+                    pass
+                continue
+            else:
+                raise _refused(word)
+            self._expect(";")
+
+    def resolved(self, scope: str, of: _Type) -> _Type:
+        """Return a type whose name is one of ROS, in whose place no typedef stands.
+
+        A name is looked for in ``scope``, then in each scope around it.
+        """
+        name, length = of
+        for _ in range(MAX_DEPTH):
+            if name in PRIMITIVES or name == STRING:
+                return name, length
+            found = next((one for one in _scoped(scope, name) if one in self.structures or one in self._typedefs), None)
+            if found is None:
+                raise ReadError("message.definition", f"The recording does not define every type: {name!r:.200}.")
+            if found in self.structures:
+                return plain_type(found), length
+            scope = found.rpartition("::")[0]
+            name, own = self._typedefs[found]
+            if own is not None:
+                if length is not None:
+                    raise _refused(found)
+                length = own
+        raise _refused(name)
+
+    def _structure(self) -> list[tuple[str, _Type]]:
+        members: list[tuple[str, _Type]] = []
+        while (word := self._next()) != "}":
+            if word == "@":
+                self._annotation()
+                continue
+            declared = self._declarators(self._type(word))
+            members += declared
+            self._members += len(declared)
+            if self._members > MAX_FIELDS:
+                raise ReadError("message.definition", f"The recording's definition has over {MAX_FIELDS} fields.")
+        return members
+
+    def _type(self, word: str) -> _Type:
+        if word == "sequence":
+            self._expect("<")
+            if self._peek() == "sequence":
+                raise _refused("sequence<sequence>")
+            name, _ = self._type(self._next())
+            self._bound(self._next())
+            return name, DYNAMIC
+        if word == STRING:
+            if self._peek() == "<":
+                self._next()
+                self._next()
+                self._expect(">")
+            return STRING, None
+        words = word
+        while word in ("unsigned", "long") and self._peek() in ("short", "long"):
+            word = self._next()
+            words += f" {word}"
+        name = _BASIC.get(words, words)
+        if name not in PRIMITIVES and not _NAME.fullmatch(name):
+            raise _refused(words)
+        return name, None
+
+    def _bound(self, word: str) -> None:
+        if word == ",":
+            self._next()
+            word = self._next()
+        if word != ">":
+            raise _refused(word)
+
+    def _declarators(self, of: _Type) -> list[tuple[str, _Type]]:
+        """Return the names that are declared of a type, up to the semicolon, with its type, which may be an array."""
+        found: list[tuple[str, _Type]] = []
+        while True:
+            name, declared = self._name(""), of
+            if self._peek() == "[":
+                self._next()
+                size = self._next()
+                self._expect("]")
+                if of[1] is not None or not size.isascii() or not size.isdecimal() or self._peek() == "[":
+                    raise _refused(f"{name}[{size}]")
+                declared = of[0], int(size)
+            found.append((name, declared))
+            word = self._next()
+            if word == ";":
+                return found
+            if word != ",":
+                raise _refused(word)
+
+    def _annotation(self) -> None:
+        """Pass over an annotation's name and what is in its parentheses."""
+        self._name("")
+        if self._peek() != "(":
+            return
+        depth = 0
+        while True:
+            word = self._next()
+            depth += (word == "(") - (word == ")")
+            if depth == 0:
+                return
+
+    def _name(self, scope: str) -> str:
+        word = self._next()
+        if not _NAME.fullmatch(word):
+            raise _refused(word)
+        return _within(scope, word)
+
+    def _peek(self) -> str:
+        return self._tokens[self._at] if self._at < len(self._tokens) else ""
+
+    def _next(self, end: str | None = None) -> str:
+        """Return the next word; at the end of the text nothing, where that is the ``end`` that is waited for."""
+        if self._at == len(self._tokens):
+            if end == "":
+                return ""
+            raise ReadError("message.definition", "The recording's definition ends early.")
+        self._at += 1
+        return self._tokens[self._at - 1]
+
+    def _expect(self, word: str) -> None:
+        found = self._next()
+        if found != word:
+            raise _refused(found)
+
+
+def _within(scope: str, name: str) -> str:
+    return f"{scope}::{name}" if scope else name
+
+
+def _scoped(scope: str, name: str) -> list[str]:
+    """Return the full names that a name may stand for in a scope, the nearest first."""
+    if name.startswith("::"):
+        return [name[2:]]
+    found = [name]
+    parts = scope.split("::") if scope else []
+    for n in range(1, len(parts) + 1):
+        found.insert(0, "::".join([*parts[:n], name]))
+    return found
