@@ -24,7 +24,8 @@ RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels 
 # pools, are left as they are, and all others are loaded once. import_all.py fails where something that is used was
 # removed. Licences stay.
 FROM ${BASE} AS environment
-RUN apt-get update && apt-get install --yes --no-install-recommends binutils && rm -r /var/lib/apt/lists
+RUN apt-get update && apt-get install --yes --no-install-recommends binutils libpango-1.0-0 libpangoft2-1.0-0 \
+        libharfbuzz-subset0 && rm -r /var/lib/apt/lists
 COPY requirements/runtime.txt requirements/
 RUN python -m venv --without-pip /opt/gridbloom \
     && pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-compile --require-hashes \
@@ -44,8 +45,10 @@ RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
     pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-compile --no-deps /wheels/gridbloom-*.whl \
     && PYTHONDONTWRITEBYTECODE= /opt/gridbloom/bin/python deploy/import_all.py
 
-# What runs: no compiler, no Node.
+# What runs: no compiler, no Node. Pango and a font are for reports as PDF.
 FROM ${BASE} AS runtime
+RUN apt-get update && apt-get install --yes --no-install-recommends libpango-1.0-0 libpangoft2-1.0-0 \
+        libharfbuzz-subset0 fonts-dejavu-core && rm -r /var/lib/apt/lists
 RUN useradd --system --create-home --uid 10001 gridbloom \
     && install --directory --owner gridbloom --group gridbloom /data /blobs /var/cache/gridbloom
 COPY --from=environment /opt/gridbloom /opt/gridbloom

@@ -50,7 +50,7 @@ $(VENV)/.installed: $(VENV)/.command requirements/dev.txt
 lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
 	$(PIP) uv
 	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
-	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres pyproject.toml --output-file requirements/runtime.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres --extra pdf pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
 

@@ -1,4 +1,4 @@
-"""``report`` writes the report on a log as one page, which a browser prints."""
+"""``report`` writes the report on a log as one page of HTML, or as PDF."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @with_parameter_options("mount_upside_down", "time_offset", "resolution")
 def report(
     log: LogPath,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="The page to write.")] = Path("report.html"),
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="HTML, or a .pdf.")] = Path("report.html"),
     topic: TopicNames = None,
     trajectory: Annotated[
         str | None,
@@ -50,7 +50,7 @@ def report(
     """Write a report on a log: facts, events, findings, maps, drift, a picture, parameters and versions."""
     from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from server.report import make_report, report_page  # noqa: PLC0415 - start-up
+    from server.report import make_report, report_page, report_pdf  # noqa: PLC0415 - start-up
 
     given = given_parameters(parameters, mount)
     config = configured(given)
@@ -61,8 +61,10 @@ def report(
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
         shown = config.with_values(recorded_defaults(scans.beam_width, given))
         made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events))
+        page = report_page(made)
+        data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()
     try:
-        out.write_text(report_page(made), encoding="utf-8")
+        out.write_bytes(data)
     except OSError as error:
         fail(f"{out}: {error.strerror}")
     typer.echo(f"{out} written")

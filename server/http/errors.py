@@ -60,6 +60,7 @@ _STATUS_OF_CODE = {
     "session.full": 503,
     "session.memory": 503,
     "session.not_yours": 403,
+    "report.no_pdf": 501,
     "library.busy": 503,
     "library.full": 507,
     "library.too_many": 409,

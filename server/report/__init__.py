@@ -10,8 +10,9 @@ from mapper.core.lazy_imports import attributes_from
 if TYPE_CHECKING:
     from server.report.content import Picture, PlacedNote, Report, make_report
     from server.report.page import report_page
+    from server.report.pdf import report_pdf
 
-__all__ = ["Picture", "PlacedNote", "Report", "make_report", "report_page"]
+__all__ = ["Picture", "PlacedNote", "Report", "make_report", "report_page", "report_pdf"]
 
 __getattr__ = attributes_from(
     __name__,
@@ -21,5 +22,6 @@ __getattr__ = attributes_from(
         "Report": "server.report.content",
         "make_report": "server.report.content",
         "report_page": "server.report.page",
+        "report_pdf": "server.report.pdf",
     },
 )

@@ -29,7 +29,7 @@ table { border-collapse: collapse; width: 100%; font-size: 9.5pt; } td, th { pad
 tr { break-inside: avoid; } .parameters { columns: 2; column-gap: 8mm; font-size: 9.5pt; break-inside: avoid; } .parameters div { display: flex; justify-content: space-between; gap: 3mm; break-inside: avoid; }
 .parameters .changed { font-weight: 600; }
 button { font: inherit; padding: 1.5mm 4mm; } header { display: flex; justify-content: space-between; align-items: start; gap: 4mm; }
-@media (max-width: 90mm) { .parameters { columns: 1; } .maps { grid-template-columns: 1fr; } }
+@media screen and (max-width: 90mm) { .parameters { columns: 1; } .maps { grid-template-columns: 1fr; } }
 @media print { body { padding: 0; max-width: none; } button { display: none; } * { print-color-adjust: exact; } }
 """  # noqa: E501 - one line for each group of rules
 #: Kinds of events in words.

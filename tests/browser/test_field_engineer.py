@@ -196,7 +196,7 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
     expect(page.get_by_label("Address of the link of")).to_have_count(1)
     by.open_tab(page, "Download")
     with page.expect_popup() as opened:
-        by.press(page.get_by_role("link", name="Report"))
+        by.press(page.get_by_role("link", name="Report", exact=True))
     report = opened.value
     expect(report.get_by_role("heading", level=1)).to_have_text("robot.mcap")
     expect(report.get_by_role("main")).to_contain_text("pushed here")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from pypdf import PdfReader
 from typer.testing import CliRunner
 
 from server.cli.common import app
@@ -58,6 +59,16 @@ def check(page: str) -> list[str]:
     return text
 
 
+def check_pdf(data: bytes) -> None:
+    """Check by another tool's reader that a PDF has the report on pages of A4, with its pictures."""
+    pages = PdfReader(io.BytesIO(data)).pages
+    assert [round(float(side)) for side in pages[0].mediabox[2:]] == [595, 842]
+    text = " ".join(page.extract_text() for page in pages)
+    for part in ("robot.mcap", "Facts", "Drift", "Parameters of the map", "30, 10."):
+        assert part in text
+    assert sum(len(page.images) for page in pages) >= 2, "the map and the camera's picture"
+
+
 def test_the_command_writes_a_page_that_needs_nothing_else(tmp_path: Path) -> None:
     log, out = tmp_path / "robot.mcap", tmp_path / "report.html"
     log.write_bytes(recording())
@@ -65,6 +76,9 @@ def test_the_command_writes_a_page_that_needs_nothing_else(tmp_path: Path) -> No
     assert done.exit_code == 0, done.output
     text = _Page(out.read_text("utf-8")).texts
     assert text[text.index("resolution") + 1] == "0.1 m"
+    as_pdf = tmp_path / "report.pdf"
+    assert CliRunner().invoke(app, ["report", str(log), "-o", str(as_pdf), "--resolution", "0.1"]).exit_code == 0
+    check_pdf(as_pdf.read_bytes())
     refused = CliRunner().invoke(app, ["report", str(log), "-o", str(tmp_path / "none" / "report.html")])
     assert refused.exit_code == 2
     assert "No such file or directory" in refused.output
@@ -85,6 +99,9 @@ def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> N
         assert answer.headers["content-type"].startswith("text/html")
         assert "default-src 'none'" in answer.headers["content-security-policy"]
         text = check(answer.text)
+        as_pdf = service.http.get(f"/api/sessions/{session}/report.pdf")
+        assert as_pdf.headers["content-type"] == "application/pdf"
+        check_pdf(as_pdf.content)
         assert "The door <b>sticks</b> " in "".join(text)
         assert "at 0:01.000, at x 1.00 m, y 0.50 m" in text
         assert "at x 1.17 m, y -0.33 m, 1.00 m²" in text  # of the triangle: the mean of its corners, and half 1 m × 2 m

@@ -1,11 +1,11 @@
-"""``/api/sessions/{id}/report``: the report on a session's log as one page, which a browser prints."""
+"""``/api/sessions/{id}/report``: the report on a session's log as one page, and ``report.pdf`` as PDF."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, Response
 
 import server.report
 from mapper.core.errors import MapperError
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 #: The page has no scripts and asks nothing of any host.
+HEADERS = {"Cache-Control": "private, no-store"}
 CSP = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; frame-ancestors 'self'"
 
 
@@ -34,6 +35,24 @@ async def report(
 
     The log is examined for it, where that has not been done, which can take a while.
     """
+    page = await _page(request, sessions, library, visitor, work, session_id)
+    return HTMLResponse(page, headers=HEADERS | {"Content-Security-Policy": CSP})
+
+
+@router.get("/{session_id}/report.pdf", response_class=Response, responses={200: {"content": {"application/pdf": {}}}})
+async def report_as_pdf(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> Response:
+    """Return the report as PDF; 501 where the service lacks what that needs."""
+    page = await _page(request, sessions, library, visitor, work, session_id)
+    pdf = await in_turn(request, work, visitor, lambda: server.report.report_pdf(page))
+    named = {"Content-Disposition": 'inline; filename="report.pdf"'}
+    return Response(pdf, media_type="application/pdf", headers=HEADERS | named)
+
+
+async def _page(
+    request: Request, sessions: Sessions, library: Logs, visitor: Visitor, work: RequestWork, session_id: str
+) -> str:
     of_log = session_of_log(sessions, session_id)
     recording = of_log.recording
     record = library.get(of_log.owner, of_log.log_id)
@@ -52,7 +71,7 @@ async def report(
         )
         for note in await library.notes.of(record.id)
     ]
-    page = await in_turn(
+    return await in_turn(
         request,
         work,
         visitor,
@@ -62,7 +81,6 @@ async def report(
             )
         ),
     )
-    return HTMLResponse(page, headers={"Content-Security-Policy": CSP, "Cache-Control": "private, no-store"})
 
 
 async def _picture(

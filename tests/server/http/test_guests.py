@@ -121,6 +121,7 @@ NEVER = {
     ("GET", "/api/sessions/{session_id}/edited-map/{name}"),
     ("GET", "/api/sessions/{session_id}/story"),
     ("GET", "/api/sessions/{session_id}/report"),
+    ("GET", "/api/sessions/{session_id}/report.pdf"),
     ("GET", "/api/sessions/{session_id}/run.mcap"),
     ("GET", "/api/sessions/{session_id}/trajectory.tum"),
     ("GET", "/api/sessions/{session_id}/links"),

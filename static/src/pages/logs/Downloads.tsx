@@ -27,9 +27,14 @@ export function Downloads({
           </Button>
         ))}
         {!isGuest && (
-          <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report`} target="_blank">
-            Report
-          </Button>
+          <>
+            <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report`} target="_blank">
+              Report
+            </Button>
+            <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report.pdf`} target="_blank">
+              Report as PDF
+            </Button>
+          </>
         )}
         {!isGuest && <EditMap session={session} name={title} />}
       </div>
