@@ -8,6 +8,7 @@ octomap issues 67 and 272 (coloured octrees); plyfile and Open3D (order of eleme
 from __future__ import annotations
 
 import json
+import shutil
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -79,6 +80,9 @@ TEXTS: dict[str, bytes] = {
         "7,{:.3f},{:.3f},{:.3f}", head="scan id,X Coordinate,Y Coordinate,Z Coordinate\n"
     ),
     "names of two words": lines("7,{:.3f},{:.3f},{:.3f}", head="Point ID,Point X,Point Y,Point Z\n"),
+    "exponents of Fortran": lines("{:.6E} {:.6e} {:.6E}").replace(b"E", b"D").replace(b"e", b"d"),
+    "exponents of Fortran below names": lines("{:.6E},{:.6E},{:.6E}", head="x,y,z\n").replace(b"E", b"D"),
+    "exponents of Fortran, decimal commas": lines("{:.6E} {:.6E} {:.6E}").replace(b"E", b"D").replace(b".", b","),
     "two scans": lines("{:.3f} {:.3f} {:.3f}", POINTS[:11], "11\n")
     + lines("{:.3f} {:.3f} {:.3f}", POINTS[11:], "19\n"),
 }
@@ -88,6 +92,18 @@ TEXTS: dict[str, bytes] = {
 def test_texts(tmp_path: Path, case: str) -> None:
     points, _ = read(tmp_path, TEXTS[case])
     np.testing.assert_allclose(points, POINTS, atol=2e-6)
+
+
+@pytest.mark.parametrize("word", ["1.#QNAN", "-1.#IND", "1.#INF00", "-1.#IND000"])
+@pytest.mark.parametrize("row", [0, 7])
+def test_what_c_wrote_for_no_number_on_windows_is_no_comment(tmp_path: Path, word: str, row: int) -> None:
+    """A comment begins with the same sign: z was 1 or -1 there, without a word."""
+    rows = lines("{:.3f} {:.3f} {:.3f}").split(b"\n")
+    rows[row] = rows[row].rsplit(b" ", 1)[0] + b" " + word.encode()
+    points, notes = read(tmp_path, b"\n".join(rows))
+    assert np.isnan(points[row, 2])
+    np.testing.assert_allclose(np.delete(points, row, 0), np.delete(POINTS, row, 0), atol=2e-6)
+    assert notes == (f"1 of 30 points are not finite, the first at index {row}.",)
 
 
 PLY = b"ply\nformat ascii 1.0\nelement vertex 30\nproperty float x\nproperty float y\nproperty float z\n"
@@ -163,6 +179,14 @@ def test_files_of_other_formats_are_named_with_what_converts_them(tmp_path: Path
         read(tmp_path, OTHER_FORMATS[name])
     with pytest.raises(ReadError, match=said):
         open_log(tmp_path / "a.xyz")
+
+
+def test_archives_of_clouds_are_named(tmp_path: Path) -> None:
+    (tmp_path / "a.xyz").write_bytes(lines("{:.3f} {:.3f} {:.3f}"))
+    for form, what in (("zip", "zip"), ("tar", "tar"), ("gztar", "tar")):
+        packed = Path(shutil.make_archive(str(tmp_path / "packed"), form, tmp_path, "a.xyz"))
+        with pytest.raises(ReadError, match=rf"is a {what} archive \(unpack it, and open the file in it\)"):
+            read_cloud(packed)
 
 
 def test_a_las_file_whose_points_would_all_be_one_is_refused(tmp_path: Path) -> None:

@@ -31,6 +31,8 @@ from tests.reports.test_transforms import (
     back,
     drive,
     of,
+    replaced_mount,
+    replaced_places,
     seen,
     sensor_at,
     static,
@@ -250,3 +252,14 @@ def test_messages_count_by_when_they_were_recorded_not_by_where_they_are_stored(
     assert_places(log, sensor_at(), tolerance=0.03)
     assert (np.diff(log.stamps_ns) > 0).all()
     assert not any("begins again" in note or "backwards" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("name", ORDERS)
+def test_replaced_static_transforms_count_by_when_they_were_recorded(tmp_path: Path, name: str) -> None:
+    """As tf2 would have known them; the new one is stated twice, and the old one again in its first half."""
+    said = replaced_mount()
+    old, new = [one for one in said if one.topic == "/tf_static"][1:]
+    said.insert(4, replace(old, stamp_ns=said[3].stamp_ns))
+    said.append(replace(new, stamp_ns=said[-1].stamp_ns))
+    log = open_log(written(tmp_path, ORDERS[name](said), "mcap"))
+    assert_places(log, replaced_places(), tolerance=0.03)

@@ -15,6 +15,19 @@ from mapper.io.logs.names import printable
 _ROW = re.compile(r" at row (\d+)")
 CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
 
+_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]?\d+(?![\w.]))")  #: before the exponent of a number of double precision
+_WINDOWS = re.compile(rb"[-+]?1\.#\w+")  #: ``1.#QNAN``, ``-1.#IND``, ``1.#INF``, as C wrote them there until 2015
+
+
+def as_python_writes(text: bytes) -> bytes:
+    """Return a text with its numbers as Python reads them: ``1.0D+02`` of Fortran, and ``1.#QNAN`` of C on Windows.
+
+    What is not finite is ``nan`` then.
+    """
+    if b"D" in text or b"d" in text:
+        text = _FORTRAN.sub(b"e", text)
+    return _WINDOWS.sub(b"nan", text) if b".#" in text else text
+
 
 def table(
     text: bytes, separator: str | None, n: int | None, columns: int | None, limits: Limits, first_line: int = 1
@@ -28,6 +41,7 @@ def table(
     :class:`LimitError` for too many.
     """
     most = limits.max_points
+    text = as_python_writes(text)
     if n is not None and not text.endswith(b"\n") and text.count(b"\n") < n:
         lines = text.count(b"\n") + 1
         last = text[text.rfind(b"\n") + 1 :].split(separator.encode() if separator else None)

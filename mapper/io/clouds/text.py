@@ -19,7 +19,7 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.content import ended_early, made_cloud
 from mapper.io.clouds.degrees import metres_of_degrees
-from mapper.io.clouds.numbers import CONTENT, table
+from mapper.io.clouds.numbers import CONTENT, as_python_writes, table
 from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, layout_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
@@ -296,7 +296,7 @@ def _usual_names(rows: NDArray[np.float64]) -> list[str]:
 
 def _is_number(word: str) -> bool:
     try:
-        float(word)
+        float(as_python_writes(word.encode()))
     except ValueError:
         return False
     return True

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mapper.core.errors import ReadError
+from mapper.io.clouds.numbers import as_python_writes
 
 SAMPLE_LINES = 500  #: from which the layout is told
-_DECIMAL = re.compile(rb"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)", re.IGNORECASE)
+_DECIMAL = re.compile(rb"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[dDeE][-+]?\d+)?|[-+]?(?:nan|inf|1[.,]#\w+)", re.IGNORECASE)
 _WITH_BOTH = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+\.\d+|[-+]?\d{1,3}(?:\.\d{3})+,\d+")
 _THOUSANDS = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 _QUOTED = re.compile(rb'"([^"\n]*)"')
@@ -48,7 +49,7 @@ class Layout:
     def numbers(self, line: bytes) -> list[float] | None:
         """Return the numbers of one line; None where something in it is none."""
         try:
-            return [float(word) for word in self.plain(line).split()]
+            return [float(word) for word in as_python_writes(self.plain(line)).split()]
         except ValueError:
             return None
 

@@ -71,6 +71,13 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
 NPZ = re.compile(rb"PK\x03\x04.{26}[^/\0]{1,200}\.npy", re.DOTALL)  #: a zip archive whose first file is an array
+#: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
+ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
+    (0, b"PK\x03\x04", "a zip archive"),
+    (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
+    (0, b"Rar!", "a rar archive"),
+    (257, b"ustar", "a tar archive"),
+)
 MAP = "log.map"  #: of the error for the yaml of a map
 #: Lines of yaml files that belong to logs and are none, and what such a file is.
 YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
@@ -125,10 +132,18 @@ def _old_bag(head: bytes) -> ReadError:
     )
 
 
+def archive_of(head: bytes) -> str | None:
+    """Return what kind of archive begins with ``head``; None where none does."""
+    return next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+
+
 def what_else(head: bytes) -> str | None:
     """Return what a file is that begins with ``head`` and is neither a log nor a cloud; None where it is not known."""
     if NPZ.match(head):
         return f"an archive of arrays of NumPy ({AS_TEXT})"
+    archive = archive_of(head)
+    if archive is not None:
+        return f"{archive} (unpack it, and open the file in it)"
     known = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     return known or next((what for pattern, what in FOREIGN_TEXT if pattern.match(head)), None)
 

@@ -19,7 +19,7 @@ from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.containers.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.containers.kept_copies import journal_of
-from mapper.io.logs.foreign import NPZ, READ_HERE, not_a_log
+from mapper.io.logs.foreign import NPZ, READ_HERE, archive_of, not_a_log
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.text import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, sonar
@@ -31,14 +31,6 @@ from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
 
 HEAD = 1 << 16  #: bytes that the kind is read from
-
-#: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
-ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
-    (0, b"PK\x03\x04", "a zip archive"),
-    (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
-    (0, b"Rar!", "a rar archive"),
-    (257, b"ustar", "a tar archive within an archive"),
-)
 
 Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
 RobotReader = Callable[[Source, Limits, Progress | None, Selection], RobotLog]
@@ -273,7 +265,7 @@ def _kind_of(file: Source) -> Container | Reader:
     for magic, container in BINARY:
         if head.startswith(magic):
             return container
-    archive = next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
+    archive = archive_of(head)
     if NPZ.match(head):
         raise not_a_log(head)
     if archive is not None:  # it may contain the lines of a log

@@ -21,7 +21,7 @@ from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.cutting import CAMERA, IMAGE, Cutter
 from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recording.recorded_log import RecordedLog
-from mapper.io.logs.recording.runs import Track, are_parts_of_one, is_in_disorder, offsets_of_runs
+from mapper.io.logs.recording.runs import Track, are_parts_of_one, is_in_disorder, is_out_of_order, offsets_of_runs
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.stream import Stream
@@ -284,10 +284,13 @@ class Recording(MessageSink):
                 "Messages were not stored in the order in which they were recorded; they were sorted by recording time."
             )
         if offsets is None:
+            by_recording = is_out_of_order([*tracks, *taken.tf.static_tracks])
             for sensor in sensors:
-                sensor.put_in_order()
+                sensor.put_in_order(by_recording=by_recording)
             for _, line in lines:
-                line.put_together()
+                line.put_in_order(by_recording=by_recording)
+            if by_recording:
+                taken.tf.put_statics_in_order()
             return
         taken.run_offsets = tuple(int(one) for one in np.unique(np.concatenate(offsets)))
         for (_, line), own in zip(lines, offsets, strict=False):

@@ -67,6 +67,15 @@ def is_in_disorder(tracks: Sequence[Track]) -> bool:
     return bool(back > 1 and back > DISORDERED * len(recorded))
 
 
+def is_out_of_order(tracks: Sequence[Track]) -> bool:
+    """Return whether any message was recorded before one that is stored in front of it, as far as all this is known."""
+    if not all(track.recorded_ns is not None and track.recorded_ns.all() for track in tracks):
+        return False
+    positions = np.concatenate([track.positions for track in tracks])
+    recorded = np.concatenate([track.recorded_ns for track in tracks if track.recorded_ns is not None])
+    return bool((np.diff(recorded[np.argsort(positions, kind="stable")]) < 0).any())
+
+
 def are_parts_of_one(tracks: Sequence[Track], offsets: Sequence[Int64Array]) -> bool:
     """Return whether runs, by what is added to the stamps of each track, are parts of one recording in another order.
 

@@ -87,9 +87,14 @@ class SensorScans:
             self.clock.add(stamp, stamp)
         return len(np.unique(stamps))
 
-    def put_in_order(self) -> None:
-        """Put the scans into the order in which they were recorded, as far as that is known."""
+    def put_in_order(self, *, by_recording: bool) -> None:
+        """Put the scans into the order in which they were recorded, as far as that is known.
+
+        With ``by_recording`` their messages count by those times, not by where they are stored.
+        """
         recorded = self.clock.recorded(np.array(self.stamps))
+        if recorded is not None and by_recording:
+            self.positions = array("q", recorded.tobytes())
         if recorded is None or (np.diff(recorded) >= 0).all():
             return
         order = np.argsort(recorded, kind="stable")

@@ -73,15 +73,21 @@ class TfTopics:
         return [topic for topic in self._stated if not is_static(topic)]
 
     @property
-    def tracks(self) -> list[Track]:
-        """The stamps of each pair of frames of each topic."""
-        return [Track(topic, *line.track) for topic, line in self.timelines]
-
-    @property
     def timelines(self) -> list[tuple[str, Timeline]]:
         """The transforms of each pair of frames that are not static, with their topics."""
         lines = ((topic, each.values()) for topic, one in self._stated.items() for each in one.moving.values())
         return [(topic, line) for topic, each in lines for line in each]
+
+    @property
+    def static_tracks(self) -> list[Track]:
+        """The stamps of the static transforms of each frame of each topic."""
+        return [Track(topic, *line.track) for topic, one in self._stated.items() for line in one.static.values()]
+
+    def put_statics_in_order(self) -> None:
+        """Let the static transforms count by when they were recorded, not by where their messages are stored."""
+        for one in self._stated.values():
+            for line in one.static.values():
+                line.put_in_order()
 
     def tree_of(self, sensor: str, frame: str) -> FrameTree:
         """Return the transforms that say where the ``frame`` of the messages on a topic is."""

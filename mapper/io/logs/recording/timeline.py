@@ -30,8 +30,8 @@ _MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mou
 class Moments:
     """n times of a recording: ``stamps_ns`` (n,), counted on where the clock began again, see :mod:`.runs`.
 
-    ``positions`` (n,) are the numbers of the messages that the times are of, in the order of the recording; None where
-    they are not known, which is behind all messages.
+    ``positions`` (n,) are the numbers of the messages that the times are of, in the order of the recording, or when
+    these were recorded; None where they are not known, which is behind all messages.
     """
 
     stamps_ns: Int64Array
@@ -155,9 +155,18 @@ class Timeline:
         self._offsets, self._in_order, self._run_from, self._is_ascending = offsets, None, 0, False
         self._moves = None
 
-    def put_together(self) -> None:
-        """Put all poses in order, also where their stamps stepped back: the clock of the recording did not."""
-        if self._run_from:
+    def put_in_order(self, *, by_recording: bool) -> None:
+        """Put all poses in order, also where their stamps stepped back: the clock of the recording did not.
+
+        With ``by_recording`` their messages count by when they were recorded, not by where they are stored.
+        """
+        if by_recording:
+            order = np.argsort(np.array(self._recorded), kind="stable")
+            self._stamps = array("q", np.array(self._stamps)[order].tobytes())
+            self._recorded = array("q", np.array(self._recorded)[order].tobytes())
+            self._values = array("d", np.array(self._values).reshape(-1, 7)[order].tobytes())
+            self._positions = self._recorded[:]
+        if by_recording or self._run_from:
             self._in_order, self._run_from, self._is_ascending, self._moves = None, 0, False, None
 
     def _sorted(self) -> tuple[Int64Array, Poses3, Int64Array]:

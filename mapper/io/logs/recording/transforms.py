@@ -67,9 +67,30 @@ class _Statics:
     values: list[Pose7] = field(default_factory=list)
     positions: list[int] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)
+    recorded: list[int] = field(default_factory=list)  #: when each was recorded, 0 where that is not known
+    again: list[int] = field(default_factory=list)  #: when each was recorded for the last time in a row
+
+    @property
+    def track(self) -> tuple[Int64Array, Int64Array, Int64Array]:
+        """The stamps (n,), the numbers of their messages (n,) and when these were recorded (n,)."""
+        return np.array(self.stamps), np.array(self.positions), np.array(self.recorded)
+
+    def put_in_order(self) -> None:
+        """Put them into the order in which they were recorded; see :meth:`at`."""
+        ends = zip(self.recorded, self.again, strict=True)
+        times = sorted((time, index) for index, both in enumerate(ends) for time in both)
+        kept = [times[0], *(one for before, one in pairwise(times) if before[1] != one[1])]
+        which = [index for _, index in kept]
+        self.positions, self.recorded, self.again = ([time for time, _ in kept] for _ in range(3))
+        self.parents = [self.parents[index] for index in which]
+        self.values = [self.values[index] for index in which]
+        self.stamps = [self.stamps[index] for index in which]
 
     def at(self, positions: Int64Array | None) -> Int64Array:
-        """Return which of them hold at the messages of these numbers (n,); without numbers, the last (1,)."""
+        """Return which of them hold at the messages of these numbers (n,); without numbers, the last (1,).
+
+        Once they were :meth:`put_in_order`, the numbers are the times at which the messages were recorded.
+        """
         if positions is None or len(self.parents) == 1:
             return np.array([len(self.parents) - 1])
         return np.maximum(np.searchsorted(np.array(self.positions), positions, side="right") - 1, 0)
@@ -116,7 +137,8 @@ class Stated:
             return ""
         statics = self.static.setdefault(child, _Statics())
         if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, one.pose):
-            return ""  # stated again
+            statics.again[-1] = recorded_ns
+            return ""
         if len(statics.parents) >= limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {limits.max_messages} poses.")
         self.statics += 1
@@ -124,6 +146,8 @@ class Stated:
         statics.values.append(one.pose)
         statics.positions.append(position)
         statics.stamps.append(one.stamp_ns)
+        statics.recorded.append(recorded_ns)
+        statics.again.append(recorded_ns)
         return ""
 
     def knows(self, frame: str) -> bool:
