@@ -39,9 +39,10 @@ BAD = {
     "no octree": (b"P5\n4 3\n", "does not begin as an octree"),
     "no data": (b"# Octomap OcTree file\nid OcTree\n", "has no line 'data'"),
     "another tree": (
-        ot(ONE + b"\0").replace(b"id OcTree", b"id OcTreeStamped"),
-        "'OcTreeStamped'; OcTree and ColorOcTree",
+        ot(ONE + b"\0").replace(b"id OcTree", b"id CountingOcTree"),
+        "'CountingOcTree'; OcTree, OcTreeStamped, ColorOcTree are read",
     ),
+    "no tree": (bt(b"\0\0").replace(b"id OcTree\n", b""), "a tree of the kind 'unknown'"),
     "no size": (ot(ONE + b"\0").replace(b"size 1", b"size many"), "lines 'res' and 'size' with numbers"),
     "no resolution": (ot(ONE + b"\0", resolution=b"-1"), "resolution in x must be a positive number"),
     "resolution nan": (ot(ONE + b"\0", resolution=b"nan"), "resolution in x must be a positive number"),

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import laspy
 import numpy as np
+import pyoctomap
 import pytest
 from laspy.vlrs.vlr import VLR
 from numpy.typing import ArrayLike
@@ -27,7 +28,7 @@ from mapper.io.clouds.projection import units_of
 from mapper.io.logs import open_log
 from mapper.io.maps import load_map
 from mapper.volume import Octree, VolumeConfig, octree_file
-from mapper.volume.octree.files import octree_of_bytes
+from mapper.volume.octree.files import octree_of_bytes, read_octree
 from tests.server.cli.running import Run
 
 RNG = np.random.default_rng(12)
@@ -482,8 +483,29 @@ def test_a_coloured_octree_has_its_occupancy_and_bytes_after_a_tree_are_noted() 
     )
     again = octree_of_bytes(found.bytes(), "b.ot")
     assert (again.notes, again.tree.values.tolist()) == ((), values.tolist())
-    with pytest.raises(ReadError, match="OcTree and ColorOcTree are read"):
-        octree_of_bytes(header.replace(b"Color", b"Stamped") + nodes, "a.ot")
+
+
+@pytest.mark.parametrize(("kind", "end"), [("OcTreeStamped", ".ot"), ("ColorOcTree", ".bt")])
+def test_octrees_of_other_kinds_are_those_of_octomap(tmp_path: Path, kind: str, end: str) -> None:
+    """Binary trees of all kinds are alike (readBinary), and the times of a stamped one are in no file."""
+    written = tmp_path / f"a{end}"
+    for name, path in ((kind, written), ("OcTree", tmp_path / f"b{end}")):
+        tree = getattr(pyoctomap, name)(0.1)
+        for point in POINTS:
+            tree.updateNode(point, True)
+        (tree.writeBinary if end == ".bt" else tree.write)(str(path))
+    found, plain = read_octree(written), read_octree(path)
+    assert (found.tree.values.tolist(), found.notes) == (plain.tree.values.tolist(), ())
+    assert found.bytes() == written.read_bytes()
+
+
+def test_headers_of_octrees_are_read_word_by_word_as_octomap_does() -> None:
+    plain = octree_file(
+        Octree(0.1, np.array([0.4, 0.85], np.float32), np.array([4, 0], np.uint8)), ".ot", VolumeConfig()
+    )
+    head = b"# Octomap OcTree file of 2013\r\n#res 7\r\nid 1 size 2\r\nres 0.1 # metres\r\nframe map\r\ndata \r\n"
+    found = octree_of_bytes(head + plain.bytes()[len(plain.header) :], "a.ot")
+    assert (found.tree.resolution, found.tree.values.tolist()) == (0.1, plain.tree.values.tolist())
 
 
 def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Path, run: Run) -> None:

@@ -1,7 +1,7 @@
 """OctoMap's files of octrees: ``.bt``, which has free and occupied leaves, and ``.ot``, which has their log-odds.
 
 A file that was read and not changed is written byte for byte. Source: octomap's AbstractOcTree::read and
-AbstractOccupancyOcTree::readBinary.
+AbstractOccupancyOcTree::readBinary, which reads the data of trees of all kinds, and AbstractOcTree::readHeader.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ _HEADER = (
 )
 _OFFSET = re.compile(rb"^# offset((?: -?[0-9][0-9.e+-]{0,30}){3})$", re.MULTILINE)
 _MOST_HEADER = 1 << 16  # bytes
-_TREES = {"OcTree": 5, "ColorOcTree": 8}  #: bytes of a node of a file .ot: log-odds, with three of its colour, children
+#: Bytes of a node of a file .ot: log-odds, with three of its colour, children. The times of OcTreeStamped are in none.
+_TREES = {"OcTree": 5, "OcTreeStamped": 5, "ColorOcTree": 8}
+_OLD_IDS = {"1": "OcTree"}  #: that OctoMap reads still
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +103,11 @@ def octree_of_bytes(content: bytes, name: str) -> OctreeFile:
     if kind is None:
         raise ReadError("octree.format", f"{name} does not begin as an octree of OctoMap, .bt or .ot, does.")
     resolution, size, begin, tree_kind = _read_header(content, name)
+    if not tree_kind or (kind == ".ot" and tree_kind not in _TREES):
+        raise ReadError(
+            "octree.id",
+            f"{name} holds a tree of the kind {tree_kind or 'unknown'!r:.40}; {', '.join(_TREES)} are read.",
+        )
     data = np.frombuffer(content, dtype=np.uint8)[begin:]
     if size == 0 and not len(data):
         return OctreeFile(kind, content, Octree(resolution, np.empty(0, np.float32), np.empty(0, np.uint8)))
@@ -111,11 +118,12 @@ def octree_of_bytes(content: bytes, name: str) -> OctreeFile:
     if tree.n_nodes != size:
         raise ReadError("octree.size", f"{name} says that it has {size} nodes, but its tree has {tree.n_nodes}.")
     notes = []
-    if tree_kind != "OcTree":
+    has_colours = kind == ".ot" and _TREES[tree_kind] > _TREES["OcTree"]
+    if has_colours:
         notes.append(f"{name} is a {tree_kind}: its occupancy is read, its colours are not.")
     if read < len(data):
         notes.append(f"{name} has {len(data) - read} bytes after its tree, which say nothing of it.")
-    header = content[:begin] if tree_kind == "OcTree" else _as_octree(content[:begin])
+    header = _as_octree(content[:begin]) if has_colours else content[:begin]
     return OctreeFile(kind, header, tree, tuple(notes))
 
 
@@ -140,15 +148,10 @@ def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
             raise ReadError("octree.header", f"The header of {name} has no line 'data'.")
         words = content[at:end].decode("ascii", "replace").split()
         at = end + 1
+        while words[:1] and words[0] in ("id", "size", "res"):
+            found[words[0]], words = "".join(words[1:2]), words[2:]
         if words[:1] == ["data"]:
             break
-        if len(words) == 2 and words[0] != "#":
-            found[words[0]] = words[1]
-    if found.get("id") not in _TREES:
-        raise ReadError(
-            "octree.id",
-            f"{name} holds a tree of the kind {found.get('id', 'unknown')!r:.40}; {' and '.join(_TREES)} are read.",
-        )
     try:
         resolution, size = float(found["res"]), int(found["size"])
     except (KeyError, ValueError):
@@ -157,7 +160,8 @@ def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
         ) from None
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise ReadError("octree.resolution", f"The resolution in {name} must be a positive number, not {resolution}.")
-    return resolution, size, at, found["id"]
+    kind = found.get("id", "")
+    return resolution, size, at, _OLD_IDS.get(kind, kind)
 
 
 def _read_ot(data: UInt8Array, resolution: float, name: str, begin: int, width: int) -> tuple[Octree, int]:
