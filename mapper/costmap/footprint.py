@@ -23,6 +23,7 @@ MAX_VERTICES = 200
 class Footprint:
     """A simple polygon around the robot's centre: its vertices in the frame of the robot, metres.
 
+    A vertex that is the next one again, as the last of a closed outline is the first, is left out.
     Raises :class:`ConfigError` for fewer than three or more than 200 vertices, values that are not finite, edges that
     cross, and an outline that does not hold the origin.
     """
@@ -34,6 +35,8 @@ class Footprint:
             points = np.asarray(self.vertices, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise ConfigError("footprint.vertices", "A footprint must be a list of points [x, y].") from error
+        if points.ndim == 2 and len(points):
+            points = points[(points != np.roll(points, -1, axis=0)).any(axis=1)]
         if points.ndim != 2 or points.shape[1:] != (2,) or not 3 <= len(points) <= MAX_VERTICES:
             raise ConfigError(
                 "footprint.vertices",

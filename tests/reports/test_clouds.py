@@ -84,6 +84,7 @@ TEXTS: dict[str, bytes] = {
     "exponents of Fortran": lines("{:.6E} {:.6e} {:.6E}").replace(b"E", b"D").replace(b"e", b"d"),
     "exponents of Fortran below names": lines("{:.6E},{:.6E},{:.6E}", head="x,y,z\n").replace(b"E", b"D"),
     "exponents of Fortran, decimal commas": lines("{:.6E} {:.6E} {:.6E}").replace(b"E", b"D").replace(b".", b","),
+    "remarks of MATLAB": lines("{:.3f} {:.3f} {:.3f}", head="% by a program\n% x y z\n"),
     "two scans": lines("{:.3f} {:.3f} {:.3f}", POINTS[:11], "11\n")
     + lines("{:.3f} {:.3f} {:.3f}", POINTS[11:], "19\n"),
 }
@@ -93,6 +94,29 @@ TEXTS: dict[str, bytes] = {
 def test_texts(tmp_path: Path, case: str) -> None:
     points, _ = read(tmp_path, TEXTS[case])
     np.testing.assert_allclose(points, POINTS, atol=2e-6)
+
+
+WORDS = {
+    "a class": ("{:.3f},{:.3f},{:.3f},wall,7", "x,y,z,kind,n\n", "kind"),
+    "a time": ("2024-01-01 10:00:00.5,{:.3f},{:.3f},{:.3f},7", "time,x,y,z,n\n", "time"),
+    "a colour": ("{:.3f};{:.3f};#ff0000;{:.3f};7", "x;y;colour;z;n\n", "colour"),
+    "decimal commas": ("{:.3f};{:.3f};a wall, a;{:.3f};7", "x;y;kind;z;n\n", "kind"),
+    "in quotes, with a separator": ('"a, b",{:.3f},{:.3f},{:.3f},7', "kind,x,y,z,n\n", "kind"),
+    "two": ("wall\t{:.3f}\t{:.3f}\t{:.3f}\t7\tno", "kind\tx\ty\tz\tn\tis it\n", "kind, is it"),
+}
+
+
+@pytest.mark.parametrize("case", WORDS)
+def test_columns_of_words_are_left_out(tmp_path: Path, case: str) -> None:
+    form, head, names = WORDS[case]
+    text = lines(form, head=head)
+    if case == "decimal commas":
+        text = text.replace(b".", b",")
+    (tmp_path / "a.csv").write_bytes(text.replace(b"\n", b"\n\n# a remark\n"))
+    cloud = read_cloud(tmp_path / "a.csv")
+    np.testing.assert_allclose(cloud.points, POINTS, atol=2e-6)
+    assert cloud.notes == (f"Columns with other things than numbers are left out: {names}.",)
+    assert {name: set(column) for name, column in cloud.fields.items()} == {"n": {7.0}}
 
 
 @pytest.mark.parametrize("word", ["1.#QNAN", "-1.#IND", "1.#INF00", "-1.#IND000"])

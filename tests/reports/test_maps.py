@@ -54,6 +54,15 @@ def test_an_image_that_is_named_elsewhere_is_the_one_beside_the_yaml(tmp_path: P
     assert loaded.notes == (f"The yaml names the image {image!r}; 'room.pgm' beside the yaml is read in its place.",)
 
 
+@pytest.mark.parametrize("head", [b"Pf\n2 1\n-1.0\n", b"P7\nWIDTH 2\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nENDHDR\n"])
+def test_images_that_only_begin_as_those_of_netpbm_are_refused(tmp_path: Path, head: bytes) -> None:
+    """Of floats, 0 … 1, all cells were occupied."""
+    path = written(tmp_path)
+    (tmp_path / "room.pgm").write_bytes(head + np.array([0.0, 1.0], "<f4").tobytes())
+    with pytest.raises(ReadError, match="is not a PGM, PNG or BMP image"):
+        load_map(path)
+
+
 @pytest.mark.parametrize("image", ["room.pgm", "./room.pgm", "../inside/room.pgm"])
 def test_an_image_of_the_folder_has_no_note(tmp_path: Path, image: str) -> None:
     assert load_map(written(tmp_path / "inside", image)).notes == ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from mapper.core.limits import Limits
 from mapper.io.clouds.content import ended_early, made_cloud
 from mapper.io.clouds.degrees import metres_of_degrees
 from mapper.io.clouds.numbers import CONTENT, as_python_writes, table
-from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, layout_of
+from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, columns_of_words, layout_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
@@ -122,7 +122,7 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     They stand between commas, semicolons or tabs where it has one, else between blanks; a unit in brackets is a part of
     the name before it.
     """
-    text = line.decode("utf-8", "replace").strip().lstrip("#/ \t").strip()
+    text = line.decode("utf-8", "replace").strip().lstrip("#/% \t").strip()
     separator = next((one for one in _NAME_SEPARATORS if one in text), None)
     if separator is None:
         text = re.sub(r"[ \t]+(?=[(\[])", "\0", text)
@@ -163,7 +163,7 @@ def _beginning(data: bytes) -> _Beginning:
         end = len(data) if end < 0 else end
         line = data[at : min(end, at + MOST_LINE_BYTES)]
         found = names_of(line)
-        is_remark = line.lstrip().startswith((b"#", b"//"))
+        is_remark = line.lstrip().startswith((b"#", b"//", b"%"))
         count = _COUNT.fullmatch(line)
         if found is not None and (columns_of(found) is not None or not (is_remark or names)):
             if names is not None and columns_of(found) is None:
@@ -187,7 +187,14 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
             "cloud.columns", f"The columns are named {has}; a cloud needs {WANTED}, and the file is not a log of scans."
         )
     text = data[begin.at :]
-    layout = layout_of([line for line in _first_lines(text) if not line.lstrip().startswith(b"#")])
+    sample = [line for line in _first_lines(text) if line.strip() and not line.lstrip().startswith(b"#")]
+    layout = layout_of(sample)
+    words: tuple[int, ...] = ()
+    if begin.names is not None and columns is not None:
+        if all(line.count(b"\t") == len(begin.names) - 1 for line in sample):
+            layout = replace(layout, separator="\t")
+        words = tuple(k for k in columns_of_words(sample, layout) if k not in columns.axes)
+        layout = replace(layout, words=words)
     rows, notes = _rows(text, begin, layout, limits)
     if len(rows) == 0:
         return made_cloud(np.zeros((0, 3)), {}, limits)
@@ -202,10 +209,13 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
     points = rows[:, list(columns.axes)] * columns.metres
     notes = (*notes, *columns.notes)
+    if words:
+        listed = ", ".join(printable(names[k][:100]) for k in words[:6])
+        notes = (*notes, f"Columns with other things than numbers are left out: {listed}.")
     if columns.in_degrees:
         points[:, :2], note = metres_of_degrees(points[:, :2], "The columns are longitude and latitude in degrees")
         notes = (*notes, note)
-    others = {printable(name[:100]): rows[:, k] for k, name in enumerate(names) if k not in columns.axes}
+    others = {printable(name[:100]): rows[:, k] for k, name in enumerate(names) if k not in (*columns.axes, *words)}
     return made_cloud(points, others, limits, notes=notes)
 
 

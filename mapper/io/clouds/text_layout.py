@@ -23,17 +23,26 @@ class Layout:
     """``separator`` stands between numbers: ``,``, ``;``, a tab, or a blank for any number of blanks.
 
     ``decimal_commas`` says that a comma within a number is its decimal point. ``quoted`` says that numbers are quoted.
+    ``words`` are the numbers of columns that hold something else.
     """
 
     separator: str
     decimal_commas: bool = False
     quoted: bool = False
+    words: tuple[int, ...] = ()
 
     def plain(self, text: bytes) -> bytes:
-        """Return lines of numbers with blanks between them and points for decimals; an empty field is ``nan``."""
+        """Return lines of numbers with blanks between them and points for decimals.
+
+        An empty field is ``nan``, and each of a column of :attr:`words`.
+        """
         if self.quoted:
             text = _unquoted(text)
         separator = self.separator.encode()
+        for column in self.words:
+            field = rb"[^\r\n%b]*" % separator
+            begin = rb"^(?![ \t]*#)(?=[^\n]*%b)((?:%b%b){%d})" % (separator, field, separator, column)
+            text = re.sub(begin + field, rb"\g<1>nan", text, flags=re.MULTILINE)
         if self.decimal_commas and self.separator == ",":  # a comma and blanks separate, a comma alone does not
             text = re.sub(rb",[ \t]+", b" ", text)
         if self.decimal_commas:
@@ -92,6 +101,21 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
     if _is_cut_by_commas([line.split(b",") for line in sample]):
         raise _decimal_commas("the numbers have decimal commas, and commas stand between them too")
     return Layout(",")
+
+
+def columns_of_words(lines: Sequence[bytes], layout: Layout) -> tuple[int, ...]:
+    """Return the numbers of the columns in which not all fields are numbers, or empty; none between blanks.
+
+    At most :data:`SAMPLE_LINES` are looked at.
+    """
+    found: set[int] = set()
+    if layout.separator == " ":
+        return ()
+    for line in lines[:SAMPLE_LINES]:
+        fields = (_unquoted(line) if layout.quoted else line).split(layout.separator.encode())
+        if len(layout.numbers(line) or ()) != len(fields):
+            found.update(k for k, field in enumerate(fields) if field.strip() and len(layout.numbers(field) or ()) != 1)
+    return tuple(sorted(found))
 
 
 def _thousands() -> ReadError:

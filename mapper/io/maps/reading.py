@@ -41,6 +41,7 @@ from mapper.io.maps.pixels import GREY_FREE, GREY_OCCUPIED, GREY_UNKNOWN
 
 MOST_HEADER_BYTES = 1 << 17  #: with its comments: Pillow reads a header byte by byte
 PLAIN = (b"P1", b"P2", b"P3")
+_NETPBM = (*PLAIN, b"P4", b"P5", b"P6")
 _BLOCK = 1 << 20
 _COMMENT = re.compile(rb"#[^\r\n]*[\r\n]?")
 
@@ -115,7 +116,7 @@ _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
     (b"BM", BmpImagePlugin.BmpImageFile),
 )
-_IMAGES = (*PLAIN, b"P4", b"P5", b"P6", *(first for first, _ in _READERS))  #: first bytes of the images of maps
+_IMAGES = (*_NETPBM, *(first for first, _ in _READERS))  #: first bytes of the images of maps
 _T = TypeVar("_T", bound=np.generic)
 _PIXELS_PER_BYTE = 8 * 1032  #: of one bit each, in a PNG that zlib cannot compress further
 _ROWS = 256
@@ -250,7 +251,7 @@ def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:
     for magic, reader in _READERS:
         if head.startswith(magic):
             return reader(file)
-    if head.startswith(b"P"):
+    if head.startswith(_NETPBM):
         return open_plain_image(file, named)
     raise ReadError("map.image", f"{named} is not a PGM, PNG or BMP image.")
 

@@ -24,6 +24,11 @@ def test_a_round_robot_is_sixteen_points_on_its_circle() -> None:
     assert shape.inscribed_radius == pytest.approx(0.5 * math.cos(math.pi / 16))
 
 
+def test_an_outline_may_be_closed_and_have_a_vertex_twice() -> None:
+    """As geometry_msgs/Polygon and parameter files have it; Nav2 takes both."""
+    assert Footprint((*SQUARE, SQUARE[0])) == Footprint(SQUARE) == Footprint((SQUARE[0], *SQUARE))
+
+
 def test_padding_moves_each_coordinate_away_from_zero() -> None:
     padded = Footprint(((0.3, 0.2), (-0.3, 0.2), (0.0, -0.2))).padded(0.01)
     np.testing.assert_allclose(padded.vertices, [(0.31, 0.21), (-0.31, 0.21), (0.0, -0.21)])
