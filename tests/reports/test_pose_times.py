@@ -7,6 +7,7 @@ so that nodes drop such scans. Where another source has the robot's motion there
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,7 @@ from tests.reports.test_transforms import (
     Pose,
     assert_places,
     back,
+    by_tf,
     drive,
     of,
     replaced_mount,
@@ -175,6 +177,60 @@ def test_a_localisers_corrections_count_from_when_they_were_made(tmp_path: Path,
     log = open_log(written(tmp_path, said, "mcap"))
     assert_places(log, sensor_at(), "tf/map", tolerance=0.03)
     assert any("ahead of the odometry recorded with it" in note for note in log.notes) == (ahead > 0)
+
+
+def legs(share: float = 1.0) -> list[Pose]:
+    """A drive of 4 s, 25 poses a second: 1 m ahead, a quarter turn on the spot, a rest, 1 m ahead.
+
+    The wheels measure ``share`` of each motion.
+    """
+    moves = [(0.04, 0.0, 0.0)] * 25 + [(0.0, 0.0, math.pi / 50)] * 25 + [(0.0, 0.0, 0.0)] * 25 + [(0.04, 0.0, 0.0)] * 25
+    poses: list[Pose] = [(0.0, 0.0, 0.0)]
+    for x, y, yaw in moves:
+        poses.append(of(poses[-1], (share * x, share * y, share * yaw)))
+    return poses
+
+
+HOW = {
+    "corrections": lambda at, true, measured: transform(at, "map", "odom", *of(true, back(measured))),
+    "transforms": lambda at, true, _: transform(at, "map", "base_link", *true),
+    "estimates": lambda at, true, _: recorded.estimate(at, *true),
+}
+
+
+def driven(how: str, share: float, made: list[int], wheels: str = "tf") -> list[Said]:
+    """Wheels that measure ``share`` of each motion of :func:`legs`, and what a localiser ``made`` of it at steps."""
+    said = [LASER]
+    for k, (pose, measured) in enumerate(zip(legs(), legs(share), strict=True)):
+        at = T0 + k * SECOND // 25
+        said.append(by_tf()(at, measured)[0] if wheels == "tf" else odometry(at, *measured))
+        said += [HOW[how](at, pose, measured)] if k in made else []
+        said += [seen(at)] if k % 5 == 0 else []
+    return said
+
+
+@pytest.mark.parametrize(("how", "wheels"), [(how, "tf") for how in HOW] + [("estimates", "odometry")])
+@pytest.mark.parametrize("made", [[0, 12, 37, 87, 100], [0, 40, 100]], ids=["in each leg", "three"])
+def test_between_two_corrections_the_robot_goes_the_odometrys_way(
+    tmp_path: Path, how: str, wheels: str, made: list[int]
+) -> None:
+    """By time, it would drive on the spot where it turned, and turn where it stood."""
+    log = open_log(written(tmp_path, driven(how, 1.1, made, wheels), "mcap"))
+    name = "amcl_pose" if how == "estimates" else "tf/map"
+    assert_places(log, [of(pose, MOUNT) for pose in legs()[::5]], name, tolerance=0.02)
+
+
+@pytest.mark.parametrize("how", ["transforms", "estimates"])
+def test_what_wheels_did_not_measure_is_interpolated_in_time(tmp_path: Path, how: str) -> None:
+    """Of a drive of 4 m the wheels measured the last metre alone: it says nothing of when the others were driven."""
+    said = [LASER]
+    for k in range(101):
+        at, pose = T0 + k * SECOND // 25, (0.04 * k, 0.0, 0.0)
+        measured = (max(0.0, 0.04 * k - 3.0), 0.0, 0.0)
+        said += [*by_tf()(at, measured), *([HOW[how](at, pose, measured)] if k % 100 == 0 else []), seen(at)]
+    log = open_log(written(tmp_path, said, "mcap"))
+    name = "amcl_pose" if how == "estimates" else "tf/map"
+    assert_places(log, [of((0.04 * k, 0.0, 0.0), MOUNT) for k in range(101)], name)
 
 
 def test_corrections_hold_where_odometry_is_set_back_by_them(tmp_path: Path) -> None:

@@ -8,10 +8,13 @@ is not what it meant, for three reasons:
   scan, slam_toolbox every 20 ms. What is stated again is one correction here, made when it was first stated.
 - AMCL and slam_toolbox stamp it ahead by ``transform_tolerance`` or ``transform_timeout``, so that others need not wait
   for the next one: tf2 looks up an older one then. Here it counts from the odometry that it was made of.
-- Between two corrections the wheels drifted as they drove, so that a scan there has the share of both that the robot
-  had driven by then; where the odometry is set back by what the correction steps, each correction holds until the
-  next. That is taken with which the robot moves more smoothly. A step far beyond any drift is the localiser's, as of a
-  closed loop or a pose that somebody set, and no scan is between its two sides.
+- Between two corrections the wheels drifted as they drove. Where the odometry is set back by what the correction steps,
+  each correction holds until the next; that is taken with which the robot moves more smoothly. A step far beyond any
+  drift is the localiser's, as of a closed loop or a pose that somebody set, and no scan is between its two sides.
+
+A drift is shared out along the odometry (:func:`shared_out`) as its usual model has it (Thrun, Burgard, Fox 2005,
+section 5.4): the heading goes wrong as the robot turns, and less as it drives, the position as it drives. Between two
+corrections the robot so goes the odometry's own way, bent to meet both.
 """
 
 from __future__ import annotations
@@ -24,50 +27,93 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import wrap_angle
-from mapper.io.logs.recording.poses3 import Poses3, interpolated
+from mapper.io.logs.recording.poses3 import Poses3, angles_between, interpolated, rotated
 from mapper.io.logs.recording.timeline import Moments, Timeline
-from mapper.io.logs.recording.transforms import DENSER, FrameTree, Path
+from mapper.io.logs.recording.transforms import FrameTree, Path
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
 LEAST_AHEAD_NS, MOST_AHEAD_NS = 50_000_000, 3_000_000_000  #: by which corrections are stamped ahead
+DENSER = 1.5  #: times as many poses: then odometry tells the motion between those of another source
 TURN_M = 0.5  #: metres of way that a turn of 1 rad counts as
 MOST_DRIFT = 0.5  #: of the way driven: a larger step is none of the wheels
+HEADING_PER_M = 0.1  #: radians of turning that a metre of way counts as, where a drift of the heading is shared out
 SAME_M = 1e-6  #: metres, and parts of quaternions: what differs by less is stated again
+
+Odometry = Callable[[Moments], Poses3]  #: the robot's poses at n times
 
 
 @dataclass(frozen=True, slots=True)
 class Corrections:
-    """The transform between two fixed frames as k values, each made at one of ``stamps_ns`` (k,).
+    """The transform between two fixed frames, interpolated between m ``values`` at ``stamps_ns`` (m,), ascending.
 
-    ``odometry_ns`` (m,) are the times at which the robot's odometry is known, and ``way`` (m,) the metres that it had
-    driven by then, turns included. Of the steps from each value to the next some are ``held`` (k − 1,): the earlier
-    value holds until the next. ``ahead_ns`` is by how much they were stamped ahead.
+    Of two values at one time the first holds before it, and the second from then on. ``ahead_ns`` is by how much the
+    corrections were stamped ahead.
     """
 
     stamps_ns: Int64Array
     values: Poses3
-    odometry_ns: Int64Array
-    way: Float64Array
-    held: NDArray[np.bool_]
-    ahead_ns: int
+    ahead_ns: int = 0
 
     def at(self, stamps_ns: Int64Array) -> Poses3:
         """Return the transform at n times; the first before all, the last after all."""
-        if len(self.held) == 0:
+        if len(self.stamps_ns) == 1:
             return self.values
-        low = np.clip(np.searchsorted(self.stamps_ns, stamps_ns, side="right") - 1, 0, len(self.held) - 1)
-        ends = self._driven(self.stamps_ns)
-        between = ends[low + 1] - ends[low]
+        low = np.clip(np.searchsorted(self.stamps_ns, stamps_ns, side="right") - 1, 0, len(self.stamps_ns) - 2)
+        spans = self.stamps_ns[low + 1] - self.stamps_ns[low]
         with np.errstate(divide="ignore", invalid="ignore"):
-            shares = np.where(between > 0.0, (self._driven(stamps_ns) - ends[low]) / between, 0.0)
-        shares = np.where(self.held[low], 0.0, np.clip(shares, 0.0, 1.0))
-        shares[stamps_ns >= self.stamps_ns[-1]] = 1.0
+            shares = np.where(spans > 0, np.clip((stamps_ns - self.stamps_ns[low]) / spans, 0.0, 1.0), 1.0)
         return interpolated(self.values[low], self.values[low + 1], shares)
 
-    def _driven(self, stamps_ns: Int64Array) -> Float64Array:
-        return np.interp(stamps_ns, self.odometry_ns, self.way)
+
+def shared_out(
+    stamps_ns: Int64Array, values: Poses3, odometry: Odometry, odometry_ns: Int64Array, held: NDArray[np.bool_]
+) -> Corrections:
+    """Return corrections between k values, each made at one of ``stamps_ns`` (k,), as the robot drifts between them.
+
+    ``odometry`` is known at ``odometry_ns`` (m,). Of the steps from each value to the next some are ``held`` (k − 1,):
+    the earlier value holds until the next.
+    """
+    steps = np.arange(len(stamps_ns) - 1)
+    if not len(steps):
+        return Corrections(stamps_ns, values)
+    inside = odometry_ns[(odometry_ns > stamps_ns[0]) & (odometry_ns < stamps_ns[-1])]
+    times = np.concatenate([inside, stamps_ns[:-1], stamps_ns[1:]])
+    step = np.concatenate([np.searchsorted(stamps_ns, inside, side="right") - 1, steps, steps])
+    order = np.lexsort((times, step))
+    times, step = times[order], step[order]
+    first = np.searchsorted(step, steps)
+    last = np.append(first[1:], len(step)) - 1
+    poses = odometry(Moments(times))
+    moved = np.diff(poses.positions, axis=0)
+    moved[step[1:] != step[:-1]] = 0.0
+    driven = np.linalg.norm(moved, axis=1)
+    turned = np.where(step[1:] == step[:-1], angles_between(poses[:-1], poses[1:]), 0.0)
+
+    def shares(passed: Float64Array) -> Float64Array:
+        """Return which share of each step's sum of these (m − 1,) has passed (m,): of the time, where there is none."""
+        total = np.append(0.0, np.cumsum(passed))
+        of_step = (total[last] - total[first])[step]
+        of_time = (times - times[first][step]) / (times[last] - times[first])[step]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.where(of_step > 0.0, (total - total[first][step]) / of_step, of_time)
+        return np.where(held[step], 0.0, found)
+
+    rotations = interpolated(values[step], values[step + 1], shares(turned + HEADING_PER_M * driven)).rotations
+    moved = 0.5 * (rotated(rotations[:-1], moved) + rotated(rotations[1:], moved))
+    way = np.append(np.zeros((1, 3)), np.cumsum(moved, axis=0), axis=0)
+    places = (values[:-1] @ poses[first]).positions[step] + way - way[first][step]
+    missing = (values[1:] @ poses[last]).positions - places[last]
+    places += shares(driven)[:, np.newaxis] * missing[step]
+    found = Poses3(places - rotated(rotations, poses.positions), rotations)
+    return Corrections(
+        np.append(times, stamps_ns[-1]),
+        Poses3(
+            np.append(found.positions, values.positions[-1:], axis=0),
+            np.append(found.rotations, values.rotations[-1:], axis=0),
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,16 +161,28 @@ def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odome
         return None
     ahead = _ahead_ns(line, odometry)
     stamps, values = when.stamps_ns[is_new] - ahead, values[is_new]
-    driven = tree.lookup(below, known).planar
-    way = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
-    found = Corrections(stamps, values, known.stamps_ns, way, np.zeros(len(stamps) - 1, dtype=np.bool_), ahead)
-    held = replace(found, held=np.ones(len(stamps) - 1, dtype=np.bool_))
-    poses = tree.lookup(below, known)
-    if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(found.at(known.stamps_ns) @ poses):
+    driven = partial(tree.lookup, below)
+    poses = driven(known)
+
+    def found(held: NDArray[np.bool_]) -> Corrections:
+        return replace(shared_out(stamps, values, driven, known.stamps_ns, held), ahead_ns=ahead)
+
+    held, none = found(np.ones(len(stamps) - 1, dtype=np.bool_)), np.zeros(len(stamps) - 1, dtype=np.bool_)
+    if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(found(none).at(known.stamps_ns) @ poses):
         return held
-    there = tree.lookup(below, Moments(stamps[1:]))
+    return found(are_no_drift(stamps, values, driven, known))
+
+
+def are_no_drift(stamps_ns: Int64Array, values: Poses3, odometry: Odometry, known: Moments) -> NDArray[np.bool_]:
+    """Return which steps between k values (k − 1,), each made at one of ``stamps_ns`` (k,), are larger than any drift.
+
+    ``known`` are the times at which the odometry is known.
+    """
+    driven = odometry(known).planar
+    way = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
+    there = odometry(Moments(stamps_ns[1:]))
     steps = _apart((values[1:] @ there).planar, (values[:-1] @ there).planar)
-    return replace(found, held=steps > MOST_DRIFT * np.diff(np.interp(stamps, found.odometry_ns, way)))
+    return np.asarray(steps > MOST_DRIFT * np.diff(np.interp(stamps_ns, known.stamps_ns, way)))
 
 
 def _ahead_ns(line: Timeline, odometry: Timeline) -> int:

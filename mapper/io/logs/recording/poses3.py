@@ -31,31 +31,31 @@ class Poses3:
     def __matmul__(self, other: Poses3) -> Poses3:
         """Return ``T_a_c`` for ``T_a_b @ T_b_c``; one of them may have n = 1."""
         return Poses3(
-            self.positions + _rotated(self.rotations, other.positions), _product(self.rotations, other.rotations)
+            self.positions + rotated(self.rotations, other.positions), _product(self.rotations, other.rotations)
         )
 
     @property
     def inverse(self) -> Poses3:
         """``T_b_a``."""
         back = self.rotations * np.array([-1.0, -1.0, -1.0, 1.0])
-        return Poses3(-_rotated(back, self.positions), back)
+        return Poses3(-rotated(back, self.positions), back)
 
     @property
     def planar(self) -> Float64Array:
         """The poses seen from above (n, 3): x, y and the heading of the x axis."""
-        ahead = _rotated(self.rotations, np.array([[1.0, 0.0, 0.0]]))
+        ahead = rotated(self.rotations, np.array([[1.0, 0.0, 0.0]]))
         return np.column_stack([self.positions[:, :2], np.arctan2(ahead[:, 1], ahead[:, 0])])
 
     @property
     def matrices(self) -> Float64Array:
         """The rotations as matrices (n, 3, 3)."""
-        axes = [_rotated(self.rotations, axis[np.newaxis]) for axis in np.eye(3)]
+        axes = [rotated(self.rotations, axis[np.newaxis]) for axis in np.eye(3)]
         return np.stack(axes, axis=-1)
 
     @property
     def up(self) -> Float64Array:
         """The z component of the z axis (n,): 1 upright, −1 upside-down."""
-        return np.asarray(_rotated(self.rotations, np.array([[0.0, 0.0, 1.0]]))[:, 2])
+        return np.asarray(rotated(self.rotations, np.array([[0.0, 0.0, 1.0]]))[:, 2])
 
 
 def identity() -> Poses3:
@@ -104,7 +104,14 @@ def _product(a: Float64Array, b: Float64Array) -> Float64Array:
     )
 
 
-def _rotated(q: Float64Array, v: Float64Array) -> Float64Array:
+def angles_between(a: Poses3, b: Poses3) -> Float64Array:
+    """Return by how much the orientations of ``a`` and ``b`` differ (n,), radians."""
+    dots = np.abs(np.sum(a.rotations * b.rotations, axis=1))
+    return np.asarray(2.0 * np.arccos(np.minimum(dots, 1.0)))
+
+
+def rotated(q: Float64Array, v: Float64Array) -> Float64Array:
+    """Return vectors (n, 3) turned by unit quaternions (n, 4); one of them may have n = 1."""
     u, w = q[:, :3], q[:, 3:]
     t = 2.0 * np.cross(u, v)
     return np.asarray(v + w * t + np.cross(u, t))

@@ -7,19 +7,19 @@ markers. tf gives the rest: ``T_odom_base = T_odom_child · T_child_base``.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.recording.corrections import Motion, motion_along
+from mapper.io.logs.recording.corrections import DENSER, Motion, are_no_drift, motion_along, shared_out
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
-from mapper.io.logs.recording.poses3 import Poses3, interpolated
+from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import namespaces
-from mapper.io.logs.recording.timeline import Moments, Timeline
+from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.recording.transforms import FrameTree, Path
 from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
 
@@ -85,7 +85,28 @@ class RobotPoses:
             base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
             if base is not None:
                 found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
-        return found
+        odometry = [source for source in found if source.is_odometry]
+        return [source if source.is_odometry else self._carried(source, odometry) for source in found]
+
+    def _carried(self, source: PoseSource, odometry: list[PoseSource]) -> PoseSource:
+        """Return a source that moves as ``odometry`` does between its poses, where that has more of them.
+
+        A localiser states a pose after so much motion, at a corner and after a rest as well. Where what it corrects is
+        more than a drift, its poses are interpolated in time.
+        """
+        sparse = source.stated()
+        if sparse is None or len(self.taken.run_offsets) > 1:
+            return source
+        for other in odometry:
+            dense = other.stated()
+            is_alike = (other.child_frame_id, other.ahead_ns) == (source.child_frame_id, source.ahead_ns)
+            if dense is None or not is_alike or len(dense.stamps_ns) <= DENSER * len(sparse.stamps_ns):
+                continue
+            made = Moments(sparse.counted_ns)
+            made = made[other.covers(made.stamps_ns)]
+            if len(made) > 1:
+                return _along(source, made, other, Moments(dense.counted_ns))
+        return source
 
     def _by_tf(self, topic: str, tree: FrameTree, base: str, worlds: list[Path]) -> list[PoseSource]:
         found: dict[str, PoseSource] = {}
@@ -94,23 +115,21 @@ class RobotPoses:
             name = f"{topic}/{world}"
             if name in found:
                 name = f"{name} via {path[-2]}"
-            denser = tree.denser(path)
-            motion = motion_along(tree, path) if denser is None else _continued(tree, path, denser)
+            motion = motion_along(tree, path)
             if motion.ahead_ns:
                 self.notes.append(
                     f"{topic} states where {path[-2]!r:.100} is in {world!r:.100} {motion.ahead_ns / 1e9:.2g} s ahead "
                     "of the odometry recorded with it, as AMCL does by its transform_tolerance: each counts from that "
                     "odometry's time."
                 )
-            between = "" if denser is None else ", and between its transforms as the frame moves in its other parent"
             found[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=base[:MAX_FRAME_NAME],
-                sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
+                sentence=f"{topic} from {world} to {base}, at the time of each scan",
                 at=motion.at,
                 covers=motion.covers,
-                stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser, motion),
+                stated=partial(self._stated_by_tf, (topic, *path), tree, path, motion),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
                 is_scans_clock_own=self.sensor.clock.is_own,
@@ -225,14 +244,11 @@ class RobotPoses:
         key: tuple[str, ...],
         tree: FrameTree,
         path: Path,
-        denser: Timeline | None,
         motion: Motion,
     ) -> StatedPoses | None:
         """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
         if key not in self.stated:
             when, stamps = tree.stated(path)
-            if denser is not None:
-                when, stamps = denser.in_order[0], denser.as_stated
             known = motion.covers(when.stamps_ns)
             when, stamps = when[known], stamps[known]
             poses = motion.at(when).planar if len(when) else None
@@ -250,37 +266,35 @@ class RobotPoses:
         return self.stated[key]
 
 
+def _along(source: PoseSource, made: Moments, odometry: PoseSource, known: Moments) -> PoseSource:
+    """Return a source, whose poses were ``made`` at some times, that moves as ``odometry`` between them.
+
+    That is ``known`` at its own times.
+    """
+    between = source.at(made) @ odometry.at(made).inverse
+    leaps = are_no_drift(made.stamps_ns, between, odometry.at, known)
+    corrections = shared_out(made.stamps_ns, between, odometry.at, known.stamps_ns, np.zeros_like(leaps))
+
+    def at(when: Moments) -> Poses3:
+        found = source.at(when)
+        step = np.searchsorted(made.stamps_ns, when.stamps_ns, side="right") - 1
+        inside = (step >= 0) & (step < len(leaps)) & odometry.covers(when.stamps_ns)
+        inside[inside] = ~leaps[step[inside]]
+        carried = corrections.at(when.stamps_ns[inside]) @ odometry.at(when[inside])
+        found.positions[inside], found.rotations[inside] = carried.positions, carried.rotations
+        return found
+
+    def stated() -> StatedPoses:
+        ends = made.stamps_ns[[0, -1]]
+        inside = (known.stamps_ns >= ends[0]) & (known.stamps_ns <= ends[1])
+        stamps = np.union1d(made.stamps_ns, known.stamps_ns[inside])
+        return StatedPoses(stamps, stamps, at(Moments(stamps)).planar)
+
+    return replace(
+        source, at=at, stated=stated, sentence=f"{source.sentence}, between its poses as {odometry.name} moves"
+    )
+
+
 def _is_wanted(topic: str) -> bool:
     """Return whether poses on a topic are, by its name, those at which a robot shall be."""
     return bool(WANTED & set(re.split(r"[^a-z]+", topic.lower())))
-
-
-def _continued(tree: FrameTree, path: Path, denser: Timeline) -> Motion:
-    """Return the motion along a path whose first frame is stated more often in another parent."""
-
-    def covers(stamps_ns: Int64Array) -> NDArray[np.bool_]:
-        return np.asarray(tree.covers(path, stamps_ns) | denser.covers(stamps_ns))
-
-    return Motion(partial(_carried_on, tree, path, denser), covers)
-
-
-def _carried_on(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
-    """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
-
-    That is as REP 105 has it: what is interpolated, and holds before the first and after the last, is the transform
-    between the two fixed frames, ``T_map_odom = T_map_base · T_odom_base⁻¹``, which changes slowly.
-    """
-    stated, _ = tree.stated(path)
-    stated = stated[tree.covers(path, stated.stamps_ns) & denser.covers(stated.stamps_ns)]
-    known = denser.covers(when.stamps_ns)
-    if len(stated) < 2 or not known.any():
-        return tree.lookup(path, when)
-    between = tree.lookup(path, stated) @ denser.at(stated.stamps_ns).inverse
-    low = np.clip(np.searchsorted(stated.stamps_ns, when.stamps_ns, side="right") - 1, 0, len(stated) - 2)
-    since = (when.stamps_ns - stated.stamps_ns[low]).astype(np.float64)
-    weights = np.clip(since / (stated.stamps_ns[low + 1] - stated.stamps_ns[low]), 0.0, 1.0)
-    carried = interpolated(between[low], between[low + 1], weights) @ denser.at(when.stamps_ns)
-    if not known.all():
-        own = tree.lookup(path, when[~known])
-        carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
-    return carried

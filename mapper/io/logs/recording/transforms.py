@@ -45,7 +45,6 @@ from mapper.sensors.robot_log import TransformEdge
 MAX_FRAMES = 5000
 MAX_DEPTH = 64  #: frames from a sensor's up to the root
 MAX_WORLDS = 8  #: fixed frames in which the robot's trajectory is given
-DENSER = 1.5  #: times as many poses: then one parent tells the motion between those in another
 MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
@@ -263,19 +262,6 @@ class FrameTree:
             if len(counts) > 1:
                 found.append((frame, counts))
         return found
-
-    def denser(self, path: Path) -> Timeline | None:
-        """Return the pose of the first frame of a path in another of its parents, where that is stated more often.
-
-        None where it is not, or where the frame has one parent.
-        """
-        own = self._moving.get(path[0], {})
-        line = own.get(path[1])
-        if line is None or len(own) < 2:
-            return None
-        others = [other for parent, other in own.items() if parent != path[1]]
-        best = max(others, key=len)
-        return best if len(best) > DENSER * len(line) and best.moves else None
 
     def replaced_statics(self, frames: Path) -> list[str]:
         """Return which of these frames have a static transform that was replaced by another."""
