@@ -494,12 +494,29 @@ def test_raw_lasers_have_the_poses_of_the_odometry(tmp_path):
     log = open_log(path)
     assert (log.format, list(log.trajectories)) == ("CARMEN RAWLASER1", ["wheel"])
     assert off_the_walls(ends(log)) < 2e-3
+    assert log.mount_assumed
+    assert any("RAWLASER1 lines do not say where the laser is on the robot" in note for note in log.notes)
+    path.write_text("\n".join(["PARAM robot_frontlaser_offset 0.0", *lines, ""]))
+    stated = open_log(path)
+    assert (stated.mount_assumed, stated.notes) == (False, ())
     path.write_text("\n".join([line for line in lines if line.startswith("RAW")] + [""]))
     without = open_log(path)
     assert without.trajectory().is_placeholder
     assert any("RAWLASER1 lines state no poses" in note for note in without.notes)
     given = with_trajectory(without, TimedPoses(without.stamps_ns, np.zeros((N, 3))))
     assert not any("no poses" in note for note in given.notes)
+
+
+@pytest.mark.parametrize(("resolution", "contradicts"), [(0.5, False), (0.5025, False), (0.25, True), (1.0, True)])
+def test_beams_whose_field_of_view_contradicts_their_resolution_are_named(tmp_path, resolution, contradicts):
+    """The resolution counts, as in CARMEN (carmen_laser: start_angle + i · angular_resolution)."""
+    fov, step = math.radians(180.0), math.radians(resolution)
+    line = f"ROBOTLASER1 0 {-0.5 * fov:.6f} {fov:.6f} {step:.6f} 81.9 0.01 0 361 {'1.0 ' * 361}0 {'0 ' * 11}0 h 0\n"
+    path = tmp_path / "a.log"
+    path.write_text(line * 3)
+    log = open_log(path)
+    assert log.angle_increment == pytest.approx(step, abs=1e-6)
+    assert any("and the field of view is 180°" in note for note in log.notes) == contradicts
 
 
 def test_what_gmapping_writes_has_the_poses_of_its_best_particle(tmp_path):

@@ -270,6 +270,7 @@ class CarmenReader:
             notes=tuple(notes),
             odometry=self._odometry(sensor, trajectories),
             angles_assumed=any(beams.is_assumed for beams in of_kinds),
+            mount_assumed=word in RAW and self._parameter(word, "offset") is None,
             limits=self.limits,
         )
         if is_even:
@@ -363,6 +364,10 @@ class CarmenReader:
         if ahead is not None:
             return (ahead, aside or 0.0, yaw if turned is None else turned)
         if sensor.word in RAW:
+            notes.append(
+                f"{sensor.word} lines do not say where the laser is on the robot, and no PARAM does: it is taken to be "
+                f"at its centre, looking {'back' if yaw else 'ahead'}. If it is not, set mount_x, mount_y, mount_yaw."
+            )
             return (0.0, 0.0, yaw)
         relative = compose(inverse(sensor.robot_poses), sensor.laser_poses)
         away = np.abs(relative - relative[0])

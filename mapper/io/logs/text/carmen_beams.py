@@ -115,7 +115,7 @@ def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beam
     """Check what a ROBOTLASER line states of its n beams: start angle, field of view, resolution, maximum range.
 
     The stated resolution has six digits, too few for a thousand beams; where it is the field of view in n or n − 1
-    steps, that quotient is taken.
+    steps, that quotient is taken. Where it is another, it counts as it does in CARMEN, with a note.
     """
     start, fov, resolution, range_max = stated
     if not (abs(start) <= 7.0 and 0.0 < fov <= 7.0 and 0.0 < resolution <= 7.0 and is_angle_step(resolution, n)):
@@ -128,6 +128,12 @@ def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beam
         raise ReadError("log.range_max", f"Line {line}: this {word} line states a maximum range of {range_max} m.")
     for steps in (n, n - 1):
         if steps > 0 and abs(fov / steps - resolution) < 1e-6:
-            resolution = fov / steps
-            break
-    return Beams(start, resolution, range_max)
+            return Beams(start, fov / steps, range_max)
+    if n == 1 or _agree(resolution * (n - 1), fov, resolution):
+        return Beams(start, resolution, range_max)
+    view, stated = math.degrees(resolution * (n - 1)), math.degrees(fov)
+    note = (
+        f"{word} lines contradict themselves: {n} beams {math.degrees(resolution):.4g}° apart are {view:.4g}°, and the "
+        f"field of view is {stated:.4g}°. The resolution counts here, as in CARMEN; if walls are bent, it is wrong."
+    )
+    return Beams(start, resolution, range_max, notes=(note,))
