@@ -8,6 +8,7 @@ so that nodes drop such scans. Where another source has the robot's motion there
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -258,6 +259,24 @@ def test_no_scan_is_between_the_two_sides_of_a_closed_loop(tmp_path: Path) -> No
     log = open_log(written(tmp_path, said, "bag"))
     wanted = [of((0.0 if i < 10 else 2.0, 0.0, 0.0), true(i + 0.6)) for i in range(N)]
     np.testing.assert_allclose(log.trajectory("tf/map").poses[:, :2], np.array(wanted)[:, :2], atol=5e-3)
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_a_pose_that_somebody_sets_is_named(tmp_path: Path, how: str) -> None:
+    """The localiser believed a robot at another place until then, which stood or drove."""
+    said = [LASER]
+    for k, pose in enumerate(legs()):
+        at = T0 + k * SECOND // 25
+        seen_by_it = pose if k >= 40 else of((3.0, 1.0, 0.5), pose)
+        said += [by_tf()(at, pose)[0], *([HOW[how](at, seen_by_it, pose)] if k % 5 == 0 else [])]
+        said += [seen(at)] if k % 5 == 0 else []
+    log = open_log(written(tmp_path, said, "mcap"))
+    name = "amcl_pose" if how == "estimates" else "tf/map"
+    (note,) = (note for note in log.notes if "leaps" in note)
+    assert re.match(rf"By {name} the robot leaps by up to \d\.\d\d m and 29° before scan 9, where", note)
+    poses = log.trajectory(name).poses
+    np.testing.assert_allclose(poses[8:, :2], np.array(legs()[40::5])[:, :2], atol=1e-3)
+    np.testing.assert_allclose(poses[:8, 2] - 0.5, np.array(legs()[:40:5])[:, 2], atol=1e-3)
 
 
 @pytest.mark.parametrize("first", [1, 3])

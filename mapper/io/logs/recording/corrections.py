@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,8 @@ DENSER = 1.5  #: times as many poses: then odometry tells the motion between tho
 TURN_M = 0.5  #: metres of way that a turn of 1 rad counts as
 MOST_DRIFT = 0.5  #: of the way driven: a larger step is none of the wheels
 HEADING_PER_M = 0.1  #: radians of turning that a metre of way counts as, where a drift of the heading is shared out
+FAR_M, FAR_RAD = 0.5, 0.3  #: a leap by more is named
+FEW_LEAPS, MOST_LEAPS = 3, 0.1  #: as many, or so large a share of all steps, are named
 SAME_M = 1e-6  #: metres, and parts of quaternions: what differs by less is stated again
 
 Odometry = Callable[[Moments], Poses3]  #: the robot's poses at n times
@@ -49,12 +52,13 @@ class Corrections:
     """The transform between two fixed frames, interpolated between m ``values`` at ``stamps_ns`` (m,), ascending.
 
     Of two values at one time the first holds before it, and the second from then on. ``ahead_ns`` is by how much the
-    corrections were stamped ahead.
+    corrections were stamped ahead, and ``leaps`` are those that are no drift.
     """
 
     stamps_ns: Int64Array
     values: Poses3
     ahead_ns: int = 0
+    leaps: tuple[Leap, ...] = ()
 
     def at(self, stamps_ns: Int64Array) -> Poses3:
         """Return the transform at n times; the first before all, the last after all."""
@@ -116,16 +120,26 @@ def shared_out(
     )
 
 
+class Leap(NamedTuple):
+    """A step of the robot, by ``metres`` and ``radians``, that its odometry did not make, at ``stamp_ns``."""
+
+    stamp_ns: int
+    metres: float
+    radians: float
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """The poses of the first frame of a path in the last: ``at`` n times, as far as they are known (``covers``, (n,)).
 
-    ``ahead_ns`` is by how much the corrections among its transforms are stamped ahead.
+    ``ahead_ns`` is by how much the corrections among its transforms are stamped ahead. ``leaps`` are those that are no
+    drift.
     """
 
     at: Callable[[Moments], Poses3]
     covers: Callable[[Int64Array], NDArray[np.bool_]]
     ahead_ns: int = 0
+    leaps: tuple[Leap, ...] = ()
 
 
 def motion_along(tree: FrameTree, path: Path) -> Motion:
@@ -147,7 +161,7 @@ def motion_along(tree: FrameTree, path: Path) -> Motion:
     def covers(stamps_ns: Int64Array) -> NDArray[np.bool_]:
         return tree.covers(below, stamps_ns) & tree.covers(edge, stamps_ns + found.ahead_ns)
 
-    return Motion(at, covers, found.ahead_ns)
+    return Motion(at, covers, found.ahead_ns, found.leaps)
 
 
 def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odometry: Timeline) -> Corrections | None:
@@ -170,19 +184,29 @@ def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odome
     held, none = found(np.ones(len(stamps) - 1, dtype=np.bool_)), np.zeros(len(stamps) - 1, dtype=np.bool_)
     if _roughness(held.at(known.stamps_ns) @ poses) < _roughness(found(none).at(known.stamps_ns) @ poses):
         return held
-    return found(are_no_drift(stamps, values, driven, known))
+    are_leaps, leaps = leaps_of(stamps, values, driven, known)
+    return replace(found(are_leaps), leaps=leaps)
 
 
-def are_no_drift(stamps_ns: Int64Array, values: Poses3, odometry: Odometry, known: Moments) -> NDArray[np.bool_]:
+def leaps_of(
+    stamps_ns: Int64Array, values: Poses3, odometry: Odometry, known: Moments
+) -> tuple[NDArray[np.bool_], tuple[Leap, ...]]:
     """Return which steps between k values (k − 1,), each made at one of ``stamps_ns`` (k,), are larger than any drift.
 
-    ``known`` are the times at which the odometry is known.
+    ``known`` are the times at which the odometry is known. Beside them are those by which the robot leaps far; none
+    where they are many, so that the odometry is no measure of them.
     """
     driven = odometry(known).planar
     way = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
     there = odometry(Moments(stamps_ns[1:]))
-    steps = _apart((values[1:] @ there).planar, (values[:-1] @ there).planar)
-    return np.asarray(steps > MOST_DRIFT * np.diff(np.interp(stamps_ns, known.stamps_ns, way)))
+    after, before = (values[1:] @ there).planar, (values[:-1] @ there).planar
+    between = np.diff(np.interp(stamps_ns, known.stamps_ns, way))
+    are_leaps = np.asarray(_apart(after, before) > MOST_DRIFT * between)
+    metres, radians = np.hypot(*(after - before)[:, :2].T), np.abs(wrap_angle(after[:, 2] - before[:, 2]))
+    far = np.flatnonzero(are_leaps & ((metres > FAR_M) | (radians > FAR_RAD)))
+    if len(far) > max(FEW_LEAPS, MOST_LEAPS * len(are_leaps)):
+        return are_leaps, ()
+    return are_leaps, tuple(Leap(int(stamps_ns[k + 1]), float(metres[k]), float(radians[k])) for k in far)
 
 
 def _ahead_ns(line: Timeline, odometry: Timeline) -> int:

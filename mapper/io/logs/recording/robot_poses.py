@@ -7,13 +7,14 @@ markers. tf gives the rest: ``T_odom_base = T_odom_child · T_child_base``.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.recording.corrections import DENSER, Motion, are_no_drift, motion_along, shared_out
+from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.sensor_scans import SensorScans
@@ -100,13 +101,45 @@ class RobotPoses:
         for other in odometry:
             dense = other.stated()
             is_alike = (other.child_frame_id, other.ahead_ns) == (source.child_frame_id, source.ahead_ns)
-            if dense is None or not is_alike or len(dense.stamps_ns) <= DENSER * len(sparse.stamps_ns):
+            if dense is None or not is_alike or not np.ptp(dense.poses, axis=0).any():
+                continue
+            if len(dense.stamps_ns) <= DENSER * len(sparse.stamps_ns):
                 continue
             made = Moments(sparse.counted_ns)
             made = made[other.covers(made.stamps_ns)]
             if len(made) > 1:
-                return _along(source, made, other, Moments(dense.counted_ns))
+                return self._along(source, made, other, Moments(dense.counted_ns))
         return source
+
+    def _along(self, source: PoseSource, made: Moments, odometry: PoseSource, known: Moments) -> PoseSource:
+        """Return a source, whose poses were ``made`` at some times, that moves as ``odometry`` between them.
+
+        That is ``known`` at its own times.
+        """
+        between = source.at(made) @ odometry.at(made).inverse
+        are_leaps, leaps = leaps_of(made.stamps_ns, between, odometry.at, known)
+        if leaps:
+            self.notes.append(self._said_of(source.name, leaps))
+        nowhere = np.zeros_like(are_leaps)
+        corrections = shared_out(made.stamps_ns, between, odometry.at, known.stamps_ns, nowhere)
+
+        def at(when: Moments) -> Poses3:
+            found = source.at(when)
+            step = np.searchsorted(made.stamps_ns, when.stamps_ns, side="right") - 1
+            inside = (step >= 0) & (step < len(are_leaps)) & odometry.covers(when.stamps_ns)
+            inside[inside] = ~are_leaps[step[inside]]
+            carried = corrections.at(when.stamps_ns[inside]) @ odometry.at(when[inside])
+            found.positions[inside], found.rotations[inside] = carried.positions, carried.rotations
+            return found
+
+        def stated() -> StatedPoses:
+            first, last = made.stamps_ns[[0, -1]]
+            inside = (known.stamps_ns >= first) & (known.stamps_ns <= last)
+            stamps = np.union1d(made.stamps_ns, known.stamps_ns[inside])
+            return StatedPoses(stamps, stamps, at(Moments(stamps)).planar)
+
+        sentence = f"{source.sentence}, between its poses as {odometry.name} moves"
+        return replace(source, at=at, stated=stated, sentence=sentence)
 
     def _by_tf(self, topic: str, tree: FrameTree, base: str, worlds: list[Path]) -> list[PoseSource]:
         found: dict[str, PoseSource] = {}
@@ -122,6 +155,8 @@ class RobotPoses:
                     "of the odometry recorded with it, as AMCL does by its transform_tolerance: each counts from that "
                     "odometry's time."
                 )
+            if motion.leaps:
+                self.notes.append(self._said_of(name, motion.leaps))
             found[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
@@ -135,6 +170,18 @@ class RobotPoses:
                 is_scans_clock_own=self.sensor.clock.is_own,
             )
         return list(found.values())
+
+    def _said_of(self, name: str, leaps: Sequence[Leap]) -> str:
+        """Return a note on leaps of a robot by poses of some name."""
+        stamps = self.sensor.moments.stamps_ns
+        first = [int(np.count_nonzero(stamps < leap.stamp_ns)) + 1 for leap in leaps[:3]]
+        more = f" and {len(leaps) - 3} more times" if len(leaps) > 3 else ""
+        by = f"{max(leap.metres for leap in leaps):.2f} m and {np.degrees(max(leap.radians for leap in leaps)):.0f}°"
+        scans = f"before scan {', '.join(map(str, first))}{more}"
+        return (
+            f"By {name} the robot leaps by up to {by} {scans}, where its odometry goes on, as where somebody sets its "
+            "pose or a loop is closed: what it saw before is drawn at another place."
+        )
 
     def _own_topics(self) -> list[str]:
         """Return the topics of poses that may be of this robot, in the order of preference: the nearest first.
@@ -264,35 +311,6 @@ class RobotPoses:
                 poses = poses @ self.tree.lookup(path, when)
             self.stated[key] = StatedPoses(timeline.as_stated, when.stamps_ns, poses.planar)
         return self.stated[key]
-
-
-def _along(source: PoseSource, made: Moments, odometry: PoseSource, known: Moments) -> PoseSource:
-    """Return a source, whose poses were ``made`` at some times, that moves as ``odometry`` between them.
-
-    That is ``known`` at its own times.
-    """
-    between = source.at(made) @ odometry.at(made).inverse
-    leaps = are_no_drift(made.stamps_ns, between, odometry.at, known)
-    corrections = shared_out(made.stamps_ns, between, odometry.at, known.stamps_ns, np.zeros_like(leaps))
-
-    def at(when: Moments) -> Poses3:
-        found = source.at(when)
-        step = np.searchsorted(made.stamps_ns, when.stamps_ns, side="right") - 1
-        inside = (step >= 0) & (step < len(leaps)) & odometry.covers(when.stamps_ns)
-        inside[inside] = ~leaps[step[inside]]
-        carried = corrections.at(when.stamps_ns[inside]) @ odometry.at(when[inside])
-        found.positions[inside], found.rotations[inside] = carried.positions, carried.rotations
-        return found
-
-    def stated() -> StatedPoses:
-        ends = made.stamps_ns[[0, -1]]
-        inside = (known.stamps_ns >= ends[0]) & (known.stamps_ns <= ends[1])
-        stamps = np.union1d(made.stamps_ns, known.stamps_ns[inside])
-        return StatedPoses(stamps, stamps, at(Moments(stamps)).planar)
-
-    return replace(
-        source, at=at, stated=stated, sentence=f"{source.sentence}, between its poses as {odometry.name} moves"
-    )
 
 
 def _is_wanted(topic: str) -> bool:
