@@ -279,6 +279,41 @@ def test_a_pose_that_somebody_sets_is_named(tmp_path: Path, how: str) -> None:
     np.testing.assert_allclose(poses[:8, 2] - 0.5, np.array(legs()[:40:5])[:, 2], atol=1e-3)
 
 
+def restarted(measured: Callable[[int, Pose], Pose], wheels: str) -> list[Said]:
+    """The drive of :func:`legs` with what the wheels ``measured`` at each step."""
+    said = [LASER]
+    for k, pose in enumerate(legs()):
+        at, own = T0 + k * SECOND // 25, measured(k, pose)
+        said.append(odometry(at, *own) if wheels == "odometry" else by_tf()(at, own)[0])
+        said += [seen(at + SECOND // 100)] if k % 5 == 0 and k < 100 else []
+    return said
+
+
+@pytest.mark.parametrize("wheels", ["tf", "odometry"])
+@pytest.mark.parametrize("steps", [(60,), (60, 90)], ids=["once", "twice"])
+def test_odometry_that_begins_again_is_counted_on(tmp_path: Path, steps: tuple[int, ...], wheels: str) -> None:
+    """The driver of the base is restarted: it states the way from there."""
+
+    def measured(k: int, pose: Pose) -> Pose:
+        begun = max((one for one in steps if one <= k), default=0)
+        return of(back(legs()[begun]), pose)
+
+    log = open_log(written(tmp_path, restarted(measured, wheels), "mcap"))
+    truth = [of(legs()[k], MOUNT) for k in range(0, 100, 5)]
+    assert_places(log, truth, tolerance=0.06)  # what was driven in between is not measured
+    (note,) = log.notes
+    first = ", ".join(str(one // 5 + 1) for one in steps)
+    assert re.search(rf"odom begins again at 0 before scan {first}, as where its driver is restarted", note)
+
+
+@pytest.mark.parametrize("lost", [1, 10])
+def test_a_tracker_that_states_0_for_a_while_does_not_begin_again(tmp_path: Path, lost: int) -> None:
+    said = restarted(lambda k, pose: (0.0, 0.0, 0.0) if 60 <= k < 60 + lost else pose, "odometry")
+    log = open_log(written(tmp_path, said, "mcap"))
+    np.testing.assert_allclose(log.trajectory().poses[15:, :2], np.array(legs()[75:100:5])[:, :2], atol=0.03)
+    assert log.notes == ()
+
+
 @pytest.mark.parametrize("first", [1, 3])
 def test_stamps_of_0_before_a_simulations_clock_has_come_have_its_time(tmp_path: Path, first: int) -> None:
     """With use_sim_time a node's time is 0 until /clock comes; a simulation also begins at 0 itself.

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
+from mapper.io.logs.recording.restarts import counted_on, restarts_of
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import namespaces
@@ -86,8 +87,28 @@ class RobotPoses:
             base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
             if base is not None:
                 found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
+        found = [self._counted_on(source) if source.is_odometry else source for source in found]
         odometry = [source for source in found if source.is_odometry]
         return [source if source.is_odometry else self._carried(source, odometry) for source in found]
+
+    def _counted_on(self, source: PoseSource) -> PoseSource:
+        """Return odometry that goes on where it begins again at 0, with a note."""
+        stated = source.stated()
+        restarts = np.zeros(0, dtype=np.int64) if stated is None else restarts_of(stated)
+        if stated is None or not len(restarts) or len(self.taken.run_offsets) > 1:
+            return source
+        scans = self._scans_after(stated.counted_ns[restarts].tolist())
+        self.notes.append(
+            f"The odometry of {source.name} begins again at 0 before scan {scans}, as where its driver is restarted: "
+            "it is counted on from where it was."
+        )
+        return counted_on(source, stated, restarts)
+
+    def _scans_after(self, stamps_ns: Sequence[int]) -> str:
+        """Return the numbers of the first scans after some times, the first three of them."""
+        stamps = self.sensor.moments.stamps_ns
+        first = [str(int(np.count_nonzero(stamps < one)) + 1) for one in stamps_ns[:3]]
+        return ", ".join(first) + (f" and {len(stamps_ns) - 3} more times" if len(stamps_ns) > 3 else "")
 
     def _carried(self, source: PoseSource, odometry: list[PoseSource]) -> PoseSource:
         """Return a source that moves as ``odometry`` does between its poses, where that has more of them.
@@ -173,11 +194,8 @@ class RobotPoses:
 
     def _said_of(self, name: str, leaps: Sequence[Leap]) -> str:
         """Return a note on leaps of a robot by poses of some name."""
-        stamps = self.sensor.moments.stamps_ns
-        first = [int(np.count_nonzero(stamps < leap.stamp_ns)) + 1 for leap in leaps[:3]]
-        more = f" and {len(leaps) - 3} more times" if len(leaps) > 3 else ""
         by = f"{max(leap.metres for leap in leaps):.2f} m and {np.degrees(max(leap.radians for leap in leaps)):.0f}°"
-        scans = f"before scan {', '.join(map(str, first))}{more}"
+        scans = f"before scan {self._scans_after([leap.stamp_ns for leap in leaps])}"
         return (
             f"By {name} the robot leaps by up to {by} {scans}, where its odometry goes on, as where somebody sets its "
             "pose or a loop is closed: what it saw before is drawn at another place."

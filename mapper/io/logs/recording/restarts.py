@@ -1,0 +1,68 @@
+"""Odometry that begins again at 0, as where the driver of a robot's base is restarted: it is counted on from there.
+
+A robot that drives back to where it began is not at 0 to a millimetre, and not at once; a tracker that loses its place
+states 0 for a while and then goes on where it was. Where the whole recording begins again, see
+:mod:`mapper.io.logs.recording.runs`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, wrap_angle
+from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
+from mapper.io.logs.recording.poses3 import Poses3
+from mapper.io.logs.recording.timeline import Moments
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+EXACT = 1e-3  #: metres and radians from 0: only odometry that begins is there
+NEAR = 0.02  #: the same, where the robot would have come there faster than it ever moves
+LEAST_AWAY = 0.3  #: metres or radians, from which it would have come
+FASTEST, FASTER = 3.0, 3.0  #: m/s and rad/s, and times as fast as in nineteen steps of twenty: so no robot moves
+
+
+def restarts_of(stated: StatedPoses) -> Int64Array:
+    """Return the indices of the poses (n, 3) with which odometry begins again at 0; none where it leaps otherwise."""
+    poses, seconds = stated.poses, np.diff(stated.counted_ns) * 1e-9
+    if len(poses) < 3:
+        return np.zeros(0, dtype=np.int64)
+    from_zero = np.maximum(np.hypot(poses[:, 0], poses[:, 1]), np.abs(wrap_angle(poses[:, 2])))
+    steps = np.diff(poses, axis=0)
+    sizes = np.maximum(np.hypot(steps[:, 0], steps[:, 1]), np.abs(wrap_angle(steps[:, 2])))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speeds = np.where(seconds > 0.0, sizes / seconds, 0.0)
+    is_fast = speeds > max(FASTEST, FASTER * float(np.quantile(speeds, 0.95)))
+    begins = ((from_zero[1:] < EXACT) | (is_fast & (from_zero[1:] < NEAR))) & (from_zero[:-1] > LEAST_AWAY)
+    if (is_fast & (sizes > LEAST_AWAY) & ~begins).any():
+        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(begins) + 1
+
+
+def counted_on(source: PoseSource, stated: StatedPoses, restarts: Int64Array) -> PoseSource:
+    """Return a source whose poses go on where they begin again, those with indices ``restarts``."""
+    before, begins = stated.counted_ns[restarts - 1], stated.counted_ns[restarts]
+    ends, starts = source.at(Moments(before)), source.at(Moments(begins))
+    ahead = Poses3(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    frames = [ahead]
+    for k in range(len(restarts)):
+        ahead = ahead @ ends[k : k + 1] @ starts[k : k + 1].inverse
+        frames.append(ahead)
+    moved = Poses3(
+        np.concatenate([frame.positions for frame in frames]), np.concatenate([frame.rotations for frame in frames])
+    )
+
+    def at(when: Moments) -> Poses3:
+        number = np.searchsorted(begins, when.stamps_ns, side="right")
+        following = np.minimum(number, len(begins) - 1)
+        is_between = (number < len(begins)) & (when.stamps_ns > before[following])
+        held = np.where(is_between, before[following], when.stamps_ns)
+        return moved[number] @ source.at(Moments(held, when.positions))
+
+    number = np.searchsorted(restarts, np.arange(len(stated.poses)), side="right")
+    poses = compose(moved.planar[number], stated.poses)
+    return replace(source, at=at, stated=lambda: replace(stated, poses=poses))
