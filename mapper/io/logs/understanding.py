@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.sweeps import contradicted_sweep
 from mapper.sensors.joint_log import each_part, sensors_of, with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
@@ -23,7 +24,7 @@ PAUSE = 5.0  #: times between scans that are longer than so many usual ones are 
 
 
 def understood(robot: RobotLog) -> RobotLog:
-    """Return a log without sweeps that cannot be, and with notes on what its readings lack."""
+    """Return a log without sweeps that cannot be or that its readings contradict, with notes on what these lack."""
     sensors = {name: _understood(log) for name, log in robot.sensors.items()}
     return replace(robot, sensors=sensors)
 
@@ -33,6 +34,9 @@ def _understood(log: ScanLog) -> ScanLog:
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
     if any(why):
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
+    contradicted = contradicted_sweep(max(sensors_of(log), key=lambda part: part.n_scans))
+    if contradicted:
+        log, why = each_part(log, _at_once), [*why, contradicted]
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
 
 
