@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.recording.clocks import AHEAD_NS
 from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
@@ -121,7 +122,8 @@ class RobotPoses:
             return source
         for other in odometry:
             dense = other.stated()
-            is_alike = (other.child_frame_id, other.ahead_ns) == (source.child_frame_id, source.ahead_ns)
+            has_one_clock = abs(other.ahead_ns - source.ahead_ns) < AHEAD_NS
+            is_alike = has_one_clock and other.child_frame_id == source.child_frame_id
             if dense is None or not is_alike or not np.ptp(dense.poses, axis=0).any():
                 continue
             if len(dense.stamps_ns) <= DENSER * len(sparse.stamps_ns):
