@@ -76,6 +76,7 @@ TEXTS: dict[str, bytes] = {
     ),
     "surveyors' names": lines("{1:.3f},{0:.3f},{2:.3f}", head="Northing,Easting,Height\n"),
     "units in the names": lines("{:.1f};{:.1f};{:.1f}", 1000.0 * POINTS, head="x [mm];y [mm];z [mm]\n"),
+    "units below the names": lines("{:.1f},{:.1f},{:.1f}", 1000.0 * POINTS, head="x,y,z\n[mm],[mm],[mm]\n"),
     "units after the names": lines("{:.3f} {:.3f} {:.3f}", 100.0 * POINTS, head="x_cm y_cm z_cm\n"),
     "names with blanks, and a number": lines(
         "7,{:.3f},{:.3f},{:.3f}", head="scan id,X Coordinate,Y Coordinate,Z Coordinate\n"

@@ -165,7 +165,9 @@ def _beginning(data: bytes) -> _Beginning:
         found = names_of(line)
         is_remark = line.lstrip().startswith((b"#", b"//", b"%"))
         count = _COUNT.fullmatch(line)
-        if found is not None and (columns_of(found) is not None or not (is_remark or names)):
+        if found is not None and names is not None and len(found) == len(names) and _are_units(found):
+            names = tuple(f"{name} ({unit.strip('()[]')})" for name, unit in zip(names, found, strict=True))
+        elif found is not None and (columns_of(found) is not None or not (is_remark or names)):
             if names is not None and columns_of(found) is None:
                 break
             names = found
@@ -175,6 +177,11 @@ def _beginning(data: bytes) -> _Beginning:
             break
         at, number = end + 1, number + 1
     return _Beginning(min(at, len(data)), number, names, claimed)
+
+
+def _are_units(words: Sequence[str]) -> bool:
+    """Return whether words are units of lengths and angles, as some programs write them below the names of columns."""
+    return all(word.strip("()[] ").lower() in _UNITS for word in words)
 
 
 def read_text(data: bytes, limits: Limits) -> PointCloud:
