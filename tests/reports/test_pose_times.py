@@ -192,7 +192,7 @@ def legs(share: float = 1.0) -> list[Pose]:
     return poses
 
 
-HOW = {
+HOW: dict[str, Callable[[int, Pose, Pose], Said]] = {
     "corrections": lambda at, true, measured: transform(at, "map", "odom", *of(true, back(measured))),
     "transforms": lambda at, true, _: transform(at, "map", "base_link", *true),
     "estimates": lambda at, true, _: recorded.estimate(at, *true),

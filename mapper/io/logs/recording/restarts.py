@@ -23,6 +23,7 @@ Int64Array = NDArray[np.int64]
 EXACT = 1e-3  #: metres and radians from 0: only odometry that begins is there
 NEAR = 0.02  #: the same, where the robot would have come there faster than it ever moves
 LEAST_AWAY = 0.3  #: metres or radians, from which it would have come
+MOST_BETWEEN_S = 10.0  #: from the pose before; it may have driven there meanwhile, or a clock was set
 FASTEST, FASTER = 3.0, 3.0  #: m/s and rad/s, and times as fast as in nineteen steps of twenty: so no robot moves
 
 
@@ -37,7 +38,8 @@ def restarts_of(stated: StatedPoses) -> Int64Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         speeds = np.where(seconds > 0.0, sizes / seconds, 0.0)
     is_fast = speeds > max(FASTEST, FASTER * float(np.quantile(speeds, 0.95)))
-    begins = ((from_zero[1:] < EXACT) | (is_fast & (from_zero[1:] < NEAR))) & (from_zero[:-1] > LEAST_AWAY)
+    begins = (from_zero[1:] < EXACT) | (is_fast & (from_zero[1:] < NEAR))
+    begins &= (from_zero[:-1] > LEAST_AWAY) & (seconds < MOST_BETWEEN_S)
     if (is_fast & (sizes > LEAST_AWAY) & ~begins).any():
         return np.zeros(0, dtype=np.int64)
     return np.flatnonzero(begins) + 1

@@ -149,8 +149,8 @@ class RobotPoses:
         def at(when: Moments) -> Poses3:
             found = source.at(when)
             step = np.searchsorted(made.stamps_ns, when.stamps_ns, side="right") - 1
-            inside = (step >= 0) & (step < len(are_leaps)) & odometry.covers(when.stamps_ns)
-            inside[inside] = ~are_leaps[step[inside]]
+            is_leap = np.append(are_leaps, False)[np.clip(step, -1, len(are_leaps))]
+            inside = odometry.covers(when.stamps_ns) & ~is_leap
             carried = corrections.at(when.stamps_ns[inside]) @ odometry.at(when[inside])
             found.positions[inside], found.rotations[inside] = carried.positions, carried.rotations
             return found

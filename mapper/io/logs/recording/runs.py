@@ -69,7 +69,7 @@ def is_in_disorder(tracks: Sequence[Track]) -> bool:
 
 def is_out_of_order(tracks: Sequence[Track]) -> bool:
     """Return whether any message was recorded before one that is stored in front of it, as far as all this is known."""
-    if not all(track.recorded_ns is not None and track.recorded_ns.all() for track in tracks):
+    if not tracks or not all(track.recorded_ns is not None and track.recorded_ns.all() for track in tracks):
         return False
     positions = np.concatenate([track.positions for track in tracks])
     recorded = np.concatenate([track.recorded_ns for track in tracks if track.recorded_ns is not None])

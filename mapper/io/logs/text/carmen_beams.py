@@ -131,9 +131,10 @@ def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beam
             return Beams(start, fov / steps, range_max)
     if n == 1 or _agree(resolution * (n - 1), fov, resolution):
         return Beams(start, resolution, range_max)
-    view, stated = math.degrees(resolution * (n - 1)), math.degrees(fov)
+    view = math.degrees(resolution * (n - 1))
     note = (
         f"{word} lines contradict themselves: {n} beams {math.degrees(resolution):.4g}° apart are {view:.4g}°, and the "
-        f"field of view is {stated:.4g}°. The resolution counts here, as in CARMEN; if walls are bent, it is wrong."
+        f"field of view is {math.degrees(fov):.4g}°. The resolution counts here, as in CARMEN; if walls are bent, it "
+        "is wrong."
     )
     return Beams(start, resolution, range_max, notes=(note,))
