@@ -46,7 +46,9 @@ export function yamlOf(value: Tree, indent = ""): string {
     .map(([name, part]) => {
       const isNested = isBranch(part) && partsOf(part).length > 0;
       if (!isList)
-        return isNested ? `${indent}${key(name)}:\n${yamlOf(part, `${indent}  `)}` : `${indent}${key(name)}: ${scalar(part)}\n`;
+        return isNested
+          ? `${indent}${key(name)}:\n${yamlOf(part, `${indent}  `)}`
+          : `${indent}${key(name)}: ${scalar(part)}\n`;
       return isNested
         ? `${indent}- ${yamlOf(part, `${indent}  `).slice(indent.length + 2)}`
         : `${indent}- ${scalar(part)}\n`;
