@@ -42,7 +42,7 @@ from server.library.processing.localization import LocalizationKind
 from server.library.processing.log_jobs import LogJobs
 from server.library.processing.merging import MergeKind
 from server.library.processing.moment_pictures import MomentPicture, MomentPictures
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Reader, Readers
 from server.library.processing.reading_jobs import Jobs
 from server.library.processing.reference_maps import ReferenceMaps
 from server.library.processing.relation_scores import RelationScores
@@ -75,16 +75,16 @@ class Library:
     """The logs of one server. Making it opens its stores and may take a while; then call :meth:`start`, and in the end
     :meth:`close`.
 
-    ``reader`` is one that outlives the library; without it the library has its own. Raises :class:`StorageError` where
-    the stores cannot be opened.
+    ``readers`` are some that outlive the library; without them the library has its own. Raises :class:`StorageError`
+    where the stores cannot be opened.
     """
 
-    def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
+    def __init__(self, settings: Settings, limits: LibraryLimits | None = None, readers: Readers | None = None) -> None:
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
         self._slots = UploadSlots(
             self._limits.max_uploads_at_once, self._limits.max_uploads_of_owner, self._limits.idle_s
         )
-        self._own_reader = reader is None
+        self._own_readers = readers is None
         self._cache = LogCache(self._limits.cache_bytes)
         root = settings.data_dir / "library"
         scratch = root / "incoming"
@@ -95,13 +95,11 @@ class Library:
         def new_worker() -> Worker:
             return worker_at(settings.executor, memory, scratch)
 
-        self._reader = reader or Reader(
-            timeout_s=self._limits.read_timeout_s,
-            memory_bytes=memory,
-            cpu_s=self._limits.read_cpu_s,
-            worker=new_worker(),
-            scratch=scratch,
-        )
+        def new_reader() -> Reader:
+            timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
+            return Reader(timeout_s=timeout_s, memory_bytes=memory, cpu_s=cpu_s, worker=new_worker(), scratch=scratch)
+
+        self._readers = readers or Readers(small=new_reader(), large=new_reader())
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root, of_workers=settings.workers > 1)
         self._known_paths = KnownPaths([root, scratch, *([self._database.file] if self._database.file else [])])
@@ -117,7 +115,7 @@ class Library:
         common = CommonFiles(leases, None if settings.blobs is None else blobs)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, common, self._forgotten)
         self._sample = Sample(self._cache, self._catalogue.picture(SAMPLE_ID))
-        self._jobs = Jobs(self._catalogue, self._reader, self._room, leases)
+        self._jobs = Jobs(self._catalogue, self._readers, self._room, leases)
         places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         rows = JobRowsOfLogs(self._database, self.get)
@@ -141,15 +139,15 @@ class Library:
             ended_sign_ins=self.sign_in_ends.follow,
         )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
-        reading, added = (self._jobs, self._reader), (self.tags, self.trajectories)
+        reading, added = (self._jobs, self._readers), (self.tags, self.trajectories)
         self._visible = VisibleLogs(self._catalogue, self._folder, self._sample, reading, added)
         timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
         self._fields = FieldLookups(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s)
-        scans = Scans(self._catalogue, self._reader, self._cache, scratch)
-        self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
+        scans = Scans(self._catalogue, self._readers, self._cache, scratch)
+        self._loading = Loading(self.get, self._catalogue, self._jobs, self._readers, self._sample, scans, self._cache)
 
     async def start(self) -> None:
         """Load the records of an earlier run, and handle its unfinished jobs and uploads.
@@ -176,7 +174,7 @@ class Library:
         await self._slots.close()
 
     async def close(self) -> None:
-        """End the jobs and the reading process, and close the stores."""
+        """End the jobs and the reading processes, and close the stores."""
         await self._changes.close()
         await self._folder.close()
         for queue in self._job_queues:
@@ -189,8 +187,8 @@ class Library:
         await self.scores.close()
         await self._pictures.close()
         await self._fields.close()
-        if self._own_reader:
-            await self._reader.close()
+        if self._own_readers:
+            await self._readers.close()
         await asyncio.to_thread(self._database.close)
 
     async def _expire(self) -> None:

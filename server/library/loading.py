@@ -20,7 +20,7 @@ from server.library.logs.sample import Sample
 from server.library.packs.costmaps import read_costmap_pack
 from server.library.packs.log import StalePackError
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Readers
 from server.library.processing.reading_jobs import Jobs, unstored
 from server.library.scans import Scans
 
@@ -39,7 +39,7 @@ class Loading:
     get: Callable[[str, str], Record]
     catalogue: Catalogue
     jobs: Jobs
-    reader: Reader
+    readers: Readers
     sample: Sample
     scans: Scans
     cache: LogCache
@@ -168,9 +168,9 @@ class Loading:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         record = self.catalogue.get(log_id)
         if record is not None and record.state == "reading":
-            return "Reading the log", self.reader.progress
-        if self.scans.read_now == log_id:
-            return "Reading the sensor's scans", self.reader.progress
+            return "Reading the log", self.readers.of(record.bytes).progress
+        if record is not None and log_id in self.scans.read_now:
+            return "Reading the sensor's scans", self.readers.of(record.bytes).progress
         if record is not None and record.state == "queued":
             return "Waiting until other logs are read", None
         return "Loading the log", None

@@ -17,7 +17,7 @@ from server.library.logs.cache import LogCache
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
 from server.library.packs.log import NotPackedError, StalePackError, read_pack
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Readers
 from server.library.processing.reading_jobs import unstored, without_paths
 
 if TYPE_CHECKING:
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 class Scans:
     """The scans of the catalogue's logs; ``scratch`` is a folder for temporary packs."""
 
-    def __init__(self, catalogue: Catalogue, reader: Reader, cache: LogCache, scratch: Path) -> None:
+    def __init__(self, catalogue: Catalogue, readers: Readers, cache: LogCache, scratch: Path) -> None:
         self._catalogue = catalogue
-        self._reader = reader
+        self._readers = readers
         self._cache = cache
         self._scratch = scratch
         self._unpacking = asyncio.Lock()
-        self.read_now: str | None = None  #: the log whose file is read for one of its sensors
+        self.read_now: set[str] = set()  #: the logs whose files are read for one of their sensors
 
     async def packed(self, record: Record) -> ScanLog:
         """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
@@ -56,7 +56,7 @@ class Scans:
         """
         from server.library.packs.volume import read_volume_pack  # noqa: PLC0415 - few logs have clouds
 
-        async with self._reader.turn(record.owner):
+        async with self._readers.of(record.bytes).turn(record.owner):
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
                 await self._read_now(record, pack, topic, volume=True)
@@ -72,13 +72,13 @@ class Scans:
     ) -> None:
         """Have a log read into ``pack``; the caller holds the reader's turn."""
         async with self._catalogue.source(record) as source:
-            self.read_now = record.id
+            self.read_now.add(record.id)
             try:
-                await self._reader.read(source, pack, topic, cut, volume=volume)
+                await self._readers.of(record.bytes).read(source, pack, topic, cut, volume=volume)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
             finally:
-                self.read_now = None
+                self.read_now.discard(record.id)
 
     async def of_sensor(self, record: Record, topic: str, cut: PlanarCut | None = None) -> ScanLog:
         """Return one of several sensors: of the pack, else read on request, and then kept in memory only.
@@ -97,7 +97,7 @@ class Scans:
                     log = replace(log, name=record.name)
                     self._cache.put(key, log)
                     return log
-        async with self._reader.turn(record.owner):
+        async with self._readers.of(record.bytes).turn(record.owner):
             kept = self._cache.get(key)
             if kept is not None:
                 return kept

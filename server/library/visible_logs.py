@@ -11,7 +11,7 @@ from server.library.logs.catalogue import Catalogue
 from server.library.logs.errors import LogNotFoundError
 from server.library.logs.records import Record
 from server.library.logs.sample import SAMPLE_ID, Sample
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Readers
 from server.library.processing.reading_jobs import Jobs
 from server.library.shared_folder import SharedFolder
 
@@ -28,11 +28,11 @@ class VisibleLogs:
         catalogue: Catalogue,
         folder: SharedFolder,
         sample: Sample,
-        reading: tuple[Jobs, Reader],
+        reading: tuple[Jobs, Readers],
         added: tuple[Tags, Trajectories],
     ) -> None:
         self._catalogue, self._folder, self._sample = catalogue, folder, sample
-        self._jobs, self._reader = reading
+        self._jobs, self._readers = reading
         self._tags, self._trajectories = added
 
     async def list(self, owner: str) -> Sequence[Record]:
@@ -68,8 +68,8 @@ class VisibleLogs:
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
         is_read = record.state == "reading"
-        progress = self._jobs.progress(record.id) if is_read else record.progress
-        reading_s = self._reader.elapsed_s if is_read else None
+        progress = self._jobs.progress(record) if is_read else record.progress
+        reading_s = self._readers.of(record.bytes).elapsed_s if is_read else None
         added = tuple(one.public() for one in self._trajectories.of(owner, record.id))
         has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
         tags = self._tags.of(owner, record.id)

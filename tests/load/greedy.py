@@ -39,9 +39,10 @@ PATIENCE_S = 300.0
 ADDRESS, VISITOR = "198.51.100.7", "greedy".ljust(24, "_")
 HEADERS = {"X-Forwarded-For": ADDRESS, "Cookie": f"gridbloom_visitor={VISITOR}"}
 SESSIONS, KEPT, SCENES = 12, 8, 4  #: sessions that are asked for; that one visitor may have; 3D views of each
-KINDS = ("commands", "3D views", "pictures", "slow uploads", "SLAM", "")  #: "": all at once
+KINDS = ("commands", "3D views", "pictures", "slow uploads", "slow reading", "SLAM", "")  #: "": all at once
 COMMANDS_PER_S = 200.0  #: of each session
 PICTURES, UPLOADS, LOGS = 64, 200, 20
+LARGE, LARGE_BYTES = 3, 40_000_000  #: logs that take seconds to read, and about how large each is
 AGAIN_S = 1.0  #: after which what was refused is asked for again
 QUIET_S, BEGUN_S, WATCHED_S = 10.0, 15.0, 40.0  #: alone; from the first greedy request; beside it
 STREAM = [Subprotocol("gridbloom.v3")]
@@ -72,6 +73,7 @@ class Greedy:
             "3D views": (self._scene, sessions * SCENES),
             "pictures": (self._picture, [sessions[n % len(sessions)] for n in range(PICTURES)]),
             "slow uploads": (self._trickle, [str(n) for n in range(UPLOADS)]),
+            "slow reading": (self._large, [str(n) for n in range(LARGE)]),
             "SLAM": (self._slam, [str(n) for n in range(LOGS)]),
         }
         await asyncio.gather(
@@ -144,6 +146,15 @@ class Greedy:
             raise EOFError(answer.result())
         finally:
             writer.close()
+
+    async def _large(self, name: str) -> None:
+        """Upload a large log, another one each time, and delete it once it was read."""
+        content = f"# {name} {self.done['large logs']}\n".encode() + self._log * (LARGE_BYTES // len(self._log))
+        answer = await self._http.put("/api/logs", params={"name": f"large {name}"}, content=content)
+        place = f"/api/logs/{answer.raise_for_status().json()['id']}"
+        await self._poll(place, ("queued", "reading"))
+        self.done["large logs"] += 1
+        await self._http.delete(place)
 
     async def _slam(self, name: str) -> None:
         """Upload a log, and have its poses corrected again and again."""

@@ -1,4 +1,7 @@
-"""Reads logs in a worker: one at a time, owners in rotation, with a deadline and an error if the process dies."""
+"""Reads logs in workers, small ones and large ones: one at a time in each, owners in rotation, with a deadline.
+
+A process that dies is an error of the log that it read.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import tempfile
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -22,6 +26,8 @@ from server.work.fair_lock import FairLock
 
 LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, a second for this number of bytes
 LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
+
+SMALL_BYTES = 4_000_000  #: of a file that is read in seconds: it does not wait for a large one
 
 T = TypeVar("T")
 
@@ -116,6 +122,26 @@ class Reader:
     async def close(self) -> None:
         """Cancel the running job and wait until it has ended."""
         await asyncio.to_thread(self._worker.close)
+
+
+@dataclass(frozen=True, slots=True)
+class Readers:
+    """The two places in which logs are read: files up to :data:`SMALL_BYTES` have one of their own.
+
+    So a small log is not kept waiting by large ones of other visitors, each of which may take minutes.
+    """
+
+    small: Reader
+    large: Reader
+
+    def of(self, size: int) -> Reader:
+        """Return the place for a log of ``size`` bytes."""
+        return self.small if size <= SMALL_BYTES else self.large
+
+    async def close(self) -> None:
+        """Cancel the running jobs and wait until they have ended."""
+        await self.small.close()
+        await self.large.close()
 
 
 def _size_of(source: Path) -> int:

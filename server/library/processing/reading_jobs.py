@@ -16,7 +16,7 @@ from server.jobs.record import Failure
 from server.library.logs.catalogue import INTERRUPTED, UNSTORED, Catalogue
 from server.library.logs.records import Record
 from server.library.packs.arrays import halves_of
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Readers
 from server.storage import StorageError
 
 _log = structlog.get_logger(__name__)
@@ -26,13 +26,13 @@ MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interr
 
 
 class Jobs:
-    """The logs that are queued for ``reader`` or being read; ``room`` returns how many more bytes are allowed."""
+    """The logs that are queued for ``readers`` or being read; ``room`` returns how many more bytes are allowed."""
 
-    def __init__(self, catalogue: Catalogue, reader: Reader, room: Callable[[], int], leases: Leases) -> None:
+    def __init__(self, catalogue: Catalogue, readers: Readers, room: Callable[[], int], leases: Leases) -> None:
         self._leases = leases
         self._closing = False
         self._catalogue = catalogue
-        self._reader = reader
+        self._readers = readers
         self._room = room
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._retries: dict[str, tuple[float, asyncio.TimerHandle]] = {}  #: by log, with the pause before it, seconds
@@ -42,9 +42,9 @@ class Jobs:
         """The ids of the logs that are queued or being read."""
         return list(self._jobs)
 
-    def progress(self, log_id: str) -> float:
+    def progress(self, record: Record) -> float:
         """Return how much of a log has been read that is being read, here or by another service."""
-        return self._leases.elsewhere.get(f"read {log_id}", self._reader.progress)
+        return self._leases.elsewhere.get(f"read {record.id}", self._readers.of(record.bytes).progress)
 
     def queue(self, record: Record, *, pack: bool = True) -> Record:
         """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
@@ -115,7 +115,7 @@ class Jobs:
 
     async def _read(self, record: Record, pack: Path | None, *, adopted: bool = False) -> None:
         """The job: wait for the reader, read, and store the outcome."""
-        log_id = record.id
+        log_id, reader = record.id, self._readers.of(record.bytes)
 
         def is_open() -> bool:
             known = self._catalogue.get(log_id)
@@ -125,8 +125,8 @@ class Jobs:
             await self._read_here(self._catalogue.get(log_id) or record, pack, lease)
 
         once = Once(
-            f"read {log_id}", lambda: self._reader.turn(record.owner), is_open,
-            lambda: self._catalogue.is_due(log_id), lambda: self._reader.progress,
+            f"read {log_id}", lambda: reader.turn(record.owner), is_open,
+            lambda: self._catalogue.is_due(log_id), lambda: reader.progress,
         )  # fmt: skip
         try:
             await self._leases.done_once(once, work, adopted=adopted)
@@ -143,10 +143,11 @@ class Jobs:
 
     async def _pack(self, record: Record, pack: Path | None) -> None:
         """Read a log again whose record is complete, for its pack: another service has read it."""
+        reader = self._readers.of(record.bytes)
         try:
-            async with self._reader.turn(record.owner), self._catalogue.source(record) as source:
+            async with reader.turn(record.owner), self._catalogue.source(record) as source:
                 try:
-                    await self._reader.read(source, pack, picture=self._catalogue.picture(record.id))
+                    await reader.read(source, pack, picture=self._catalogue.picture(record.id))
                 except MapperError as error:
                     raise without_paths(error, source, record.name) from None
             await self._catalogue.publish(record.id)
@@ -167,7 +168,8 @@ class Jobs:
             self._catalogue.save(replace(record, state="reading"))
             async with self._catalogue.source(record) as source:
                 try:
-                    summary = await self._reader.read(source, pack, picture=self._catalogue.picture(record.id))
+                    picture = self._catalogue.picture(record.id)
+                    summary = await self._readers.of(record.bytes).read(source, pack, picture=picture)
                 except MapperError as error:
                     raise without_paths(error, source, record.name) from None
             await self._catalogue.publish(record.id)

@@ -12,7 +12,7 @@ import pytest_asyncio
 from mapper.simulation import sample_log
 from server.library.library import Library
 from server.library.limits import LibraryLimits
-from server.library.processing.reader import Reader
+from server.library.processing.reader import Reader, Readers
 from server.settings import Settings
 from tests.server.library.postgresql import Cluster, running_postgresql
 from tests.server.service import PATIENCE_S
@@ -56,8 +56,8 @@ async def make_library(settings: Settings, reader: Reader) -> AsyncIterator[Make
     made: list[Library] = []
 
     def make(*, own_reader: bool = False, **limits: float) -> Library:
-        shared = None if own_reader or limits else reader
-        library = Library(settings, LibraryLimits(**limits), reader=shared)  # type: ignore[arg-type]
+        shared = None if own_reader or limits else Readers(reader, reader)
+        library = Library(settings, LibraryLimits(**limits), readers=shared)  # type: ignore[arg-type]
         made.append(library)
         return library
 

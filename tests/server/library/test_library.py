@@ -57,7 +57,7 @@ async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Cal
     second = make_library(own_reader=True)
     await second.start()
     again = await second.load("ann", record.id)
-    assert second._reader.worker_pid == 0, "nothing had to be read"
+    assert second._readers.small.worker_pid == 0, "nothing had to be read"
     np.testing.assert_array_equal(again.ranges, log.ranges)
     np.testing.assert_array_equal(again.stamps_ns, log.stamps_ns)
 
@@ -198,9 +198,9 @@ async def test_a_killed_worker_fails_its_own_job_only(
     await library.start()
     first = await library.put("ann", "first", in_pieces(bad_readers.BAD))
     second = await library.put("ann", "second", in_pieces(carmen(4)))
-    await eventually(lambda: library._reader.worker_pid > 0)
+    await eventually(lambda: library._readers.small.worker_pid > 0)
     assert library.get("ann", first.id).state == "reading"
-    os.kill(library._reader.worker_pid, signal.SIGKILL)
+    os.kill(library._readers.small.worker_pid, signal.SIGKILL)
     failed = await settled(library, "ann", first.id)
     assert failed.error is not None
     assert failed.error.code == "log.reader_died"
@@ -215,8 +215,8 @@ async def test_a_killed_worker_fails_its_own_job_only(
 async def test_a_worker_that_dies_idle_fails_no_job(library: Library) -> None:
     record = await library.put("ann", "a", in_pieces(carmen(2)))
     await library.load("ann", record.id)
-    os.kill(library._reader.worker_pid, signal.SIGKILL)
-    await eventually(lambda: library._reader._worker._pool._broken)  # type: ignore[attr-defined]
+    os.kill(library._readers.small.worker_pid, signal.SIGKILL)
+    await eventually(lambda: library._readers.small._worker._pool._broken)  # type: ignore[attr-defined]
     record = await library.put("ann", "b", in_pieces(carmen(3)))
     assert (await library.load("ann", record.id)).n_scans == 3
 
@@ -233,7 +233,7 @@ async def test_reading_has_a_memory_limit(make_library: Callable[..., Library]) 
     library = make_library(read_memory_bytes=600 << 20)
     record = await library.put("ann", "a", in_pieces(carmen(2)))
     await library.load("ann", record.id)
-    assert str(600 << 20) in address_space_limit(library._reader.worker_pid)
+    assert str(600 << 20) in address_space_limit(library._readers.small.worker_pid)
 
 
 async def test_a_job_that_a_stop_interrupts_is_done_after_the_next_start(

@@ -96,7 +96,9 @@ async def test_what_one_service_reads_the_other_opens_without_reading_it(two: Tw
     assert known(two.second, "bob", record.id) == ""
     ours, theirs = [await one.load("ann", record.id) for one in (two.first, two.second)]
     assert (ours.ranges == theirs.ranges).all()
-    assert two.second._reader.worker_pid * two.first._reader.worker_pid == 0, "one of them has read it, and only one"
+    assert two.second._readers.small.worker_pid * two.first._readers.small.worker_pid == 0, (
+        "one of them has read it, and only one"
+    )
     assert await two.second.map_picture("ann", record.id) == await two.first.map_picture("ann", record.id)
     # Uploaded again there it is the same log, and its pack is not made again.
     assert (await two.second.put("ann", "again.log", chunks(carmen(12)))).id == record.id
@@ -112,8 +114,8 @@ async def test_what_one_service_reads_the_other_opens_without_reading_it(two: Tw
 
 
 async def test_a_log_whose_service_vanishes_is_read_by_the_other(two: Two) -> None:
-    turn = two.first._reader.turn("nobody")
-    async with two.second._reader.turn("nobody"):  # so that it is queued with the first
+    turn = two.first._readers.small.turn("nobody")
+    async with two.second._readers.small.turn("nobody"):  # so that it is queued with the first
         async with turn:
             record = await two.first.put("ann", "a.log", chunks(carmen(9)))
             await eventually(lambda: known(two.second, "ann", record.id) == "queued")
@@ -122,7 +124,7 @@ async def test_a_log_whose_service_vanishes_is_read_by_the_other(two: Two) -> No
             held = "INSERT INTO leases SELECT 'read ' || id, 'gone', extract(epoch from now()) + 0.3, 0.5 FROM logs"
             two.now(lambda c: c.execute(text(held)))
             two.now(lambda c: c.execute(text("UPDATE logs SET state = 'reading', attempts = 1")))
-        await eventually(lambda: two.second._jobs.progress(record.id) == 0.5)
+        await eventually(lambda: two.second._jobs.progress(record) == 0.5)
     assert (await settled(two.second, "ann", record.id)).state == "ready"
     stored = two.now(lambda c: [(row.state, row.attempts) for row in c.execute(select(logs))])
     assert stored == [("ready", 0)]
@@ -231,7 +233,7 @@ async def test_a_job_is_cancelled_where_it_runs(two: Two, monkeypatch: pytest.Mo
         await asyncio.Event().wait()
 
     for library in (two.first, two.second):
-        monkeypatch.setattr(library._reader, "read", endless)
+        monkeypatch.setattr(library._readers.small, "read", endless)
     record = await two.first.put("ann", "a.log", chunks(carmen(9)))
     await begun.wait()
     await eventually(lambda: known(two.second, "ann", record.id) == "reading")

@@ -115,7 +115,7 @@ def be_killed_by_a_reading(folder: Path) -> None:
             await library._catalogue._store.load()  # what was asked of the database before is done
             os.kill(os.getpid(), signal.SIGKILL)
 
-        with patch.object(library._reader, "read", kill):
+        with patch.object(library._readers.small, "read", kill):
             await library.start()
             await asyncio.Event().wait()
 

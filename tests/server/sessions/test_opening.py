@@ -60,7 +60,7 @@ async def test_the_library_says_what_a_log_waits_for(tmp_path: Path) -> None:
     library = Library(settings_for(tmp_path))
     await library.start()
     assert library.opening(SAMPLE_ID) == ("Loading the log", None)
-    held = library._reader.turn("somebody")  # another log is being read
+    held = library._readers.small.turn("somebody")  # another log is being read
     async with held:
         record = await library.put("me", "run.log", _pieces(b"FLASER 1 1.0 0 0 0 0 0 0 0 h 0\n" * 50), None)
         assert record is not None

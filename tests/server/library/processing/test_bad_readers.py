@@ -63,7 +63,7 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     await eventually(lambda: not list((settings.data_dir / "library" / "incoming").iterdir()))  # removed on a thread
     assert not [name for name in os.listdir(tempfile.gettempdir()) if name.startswith(bad_readers.LEFT)]  # noqa: PTH208
     if good is None:  # on a slow machine it takes longer to begin a process
-        library._reader._timeout_s = PATIENCE_S
+        library._readers.small._timeout_s = PATIENCE_S
         good = await library.put("ben", "good", in_pieces(carmen(4)))
     assert (await library.load("ben", good.id)).n_scans == 4
     # With a reader that behaves, the same log is read after all.
@@ -91,6 +91,20 @@ async def test_a_job_is_stopped_and_run_again(
         assert done.state == "ready", done.error
         assert (await library.cancel("ann", log.id)).state == "ready", "what is done stays done"
         assert library.read_again("ann", log.id).state == "ready"
+
+
+async def test_a_small_log_does_not_wait_for_a_large_one(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    monkeypatch.setattr("server.library.processing.reader.SMALL_BYTES", len(bad_readers.BAD) - 1)
+    library = make_library(own_reader=True)
+    await library.start()
+    large = await library.put("ann", "large", in_pieces(bad_readers.BAD))
+    await eventually(lambda: library.get("ann", large.id).state == "reading")
+    small = await library.put("ben", "small", in_pieces(carmen(1)))
+    assert (await settled(library, "ben", small.id)).state == "ready"
+    assert library.get("ann", large.id).state == "reading"
 
 
 async def test_only_ones_own_uploads_are_stopped_or_read_again(library: Library) -> None:
