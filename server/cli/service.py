@@ -38,7 +38,8 @@ def serve(
     data_dir: Annotated[
         Path | None,
         typer.Option(
-            help="Folder for uploaded logs. [gridbloom in the folder XDG_DATA_HOME, by default ~/.local/share]"
+            readable=False,  # it may not exist yet, and what is wrong with it is said below
+            help="Folder for uploaded logs. [gridbloom in the folder XDG_DATA_HOME, by default ~/.local/share]",
         ),
     ] = None,
     blobs: Annotated[str | None, typer.Option(help="Store of the logs' files: a folder or s3://BUCKET/PREFIX.")] = None,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import signal
 import socket
 import sqlite3
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +21,14 @@ from server.storage import claimed
 from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
+NOBODY = 65_534  #: an account that owns nothing
+#: It may not be allowed to read the interpreter, so the program is loaded before it becomes that account's.
+SERVE_AS_NOBODY = f"""
+import os, server.app, server.serving
+from server.cli import main
+os.setgroups([]), os.setgid({NOBODY}), os.setuid({NOBODY})
+main()
+"""
 SERVE = [sys.executable, "-c", "from server.cli import main; main()", "serve", "--port", "0", "--data-dir"]
 
 UPGRADE = (
@@ -97,6 +108,63 @@ def test_a_folder_in_use_by_another_service_gives_one_sentence(tmp_path: Path) -
         f"gridbloom: cannot keep data in {tmp_path}: another Gridbloom is using it. "
         "Choose another folder with --data-dir.\n"
     )
+
+
+@pytest.fixture
+def roots_folder() -> Iterator[Path]:
+    """A folder of root that other accounts may enter, as they may not those of pytest."""
+    if os.geteuid() != 0:
+        pytest.skip("only root can begin a process of another account")
+    with tempfile.TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        yield Path(name)
+
+
+def _closed(folder: Path) -> Path:
+    folder.chmod(0o700)
+    return folder
+
+
+def _of_an_earlier_service(folder: Path) -> Path:
+    (folder / "library").mkdir()
+    Database.open(None, folder / "library").close()
+    return folder
+
+
+def _with_roots_records(folder: Path) -> Path:
+    data = folder / "data"
+    (data / "library").mkdir(parents=True)
+    Database.open(None, data / "library").close()
+    for one in (data, data / "library"):
+        os.chown(one, NOBODY, NOBODY)
+    for one in (data / "library").iterdir():
+        one.chmod(0o600)
+    return data
+
+
+@pytest.mark.parametrize(
+    ("make", "begins"),
+    [
+        (lambda folder: folder, "gridbloom: cannot keep data in "),
+        (lambda folder: folder / "below", "gridbloom: cannot keep data in "),
+        (_closed, "gridbloom: cannot keep data in "),
+        (_of_an_earlier_service, "gridbloom: "),
+        (_with_roots_records, "gridbloom: "),
+    ],
+    ids=["only to read", "below one only to read", "closed", "of an earlier service", "own, with root's records"],
+)
+def test_the_folder_of_another_account_gives_one_sentence(
+    roots_folder: Path, make: Callable[[Path], Path], begins: str
+) -> None:
+    data = make(roots_folder)
+    done = subprocess.run(
+        [sys.executable, "-c", SERVE_AS_NOBODY, *SERVE[3:], str(data)], cwd=ROOT, capture_output=True, text=True,
+        timeout=PATIENCE_S, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (1, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith(begins)
+    assert str(data) in done.stderr
 
 
 def test_unusable_records_give_one_sentence(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import sqlite3
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -57,6 +58,11 @@ class Database:
         """
         engine = _engine(url, folder)
         opened = cls(engine, of_workers=of_workers)
+        if opened.file is not None and opened.file.exists() and not os.access(opened.file, os.R_OK | os.W_OK):
+            raise StorageError(
+                "library.closed",
+                f"The records in {folder} are another account's: the account of this service may not write them.",
+            )
         try:
             _attempt(engine, _check)
             _attempt(engine, bring_up_to_date)
