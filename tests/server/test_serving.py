@@ -29,6 +29,17 @@ ROOT = Path(__file__).parents[2]
 RUN = "from server.serving import run; from server.settings import Settings; run(Settings())"
 
 
+@pytest.mark.parametrize(("cores", "workers"), [(1, 1), (2, 1), (3, 3), (4, 4)])
+def test_auto_is_a_worker_for_each_of_more_than_two_cores(
+    monkeypatch: pytest.MonkeyPatch, cores: int, workers: int
+) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)), raising=False)
+    monkeypatch.setenv("GRIDBLOOM_WORKERS", "auto")
+    assert Settings().workers == workers
+    monkeypatch.setenv("GRIDBLOOM_WORKERS", "2")
+    assert Settings().workers == 2
+
+
 def environment(folder: Path, **settings: str) -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if not name.startswith("GRIDBLOOM_")}
     own = {f"GRIDBLOOM_{name.upper()}": value for name, value in settings.items()}
