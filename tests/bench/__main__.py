@@ -34,10 +34,11 @@ from tests.bench.fleet import fleet
 from tests.bench.hard import hard
 from tests.bench.held_out import held_out
 from tests.bench.inspecting import inspecting
+from tests.bench.limits import mapping_limit, page_faults
 from tests.bench.localization import localization
 from tests.bench.matching import matching
 from tests.bench.opening import opening
-from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
+from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms, versions
 from tests.bench.reading import reading
 from tests.bench.sensors import sensors
 from tests.bench.service_start import service_start
@@ -91,12 +92,6 @@ def best_ms(work: Callable[[], object], repeats: int) -> float:
     return 1e3 * best
 
 
-def memory_limit_ms(updates: int) -> float:
-    """Milliseconds for as many read-modify-writes on contiguous int8 as there were cell updates, best of five."""
-    cells = np.zeros(max(updates, 1), dtype=np.int8)
-    return best_ms(partial(np.add, cells, 1, out=cells), 5)
-
-
 def side_by_side() -> None:
     """Print each log's times and their ratio to the peer's."""
     with tempfile.TemporaryDirectory() as folder:
@@ -107,7 +102,7 @@ def side_by_side() -> None:
             print(f"MRPT is left out: {absent}", file=sys.stderr)
         columns = (
             "log", "scans × beams", "cell updates", "per beam", "updates a second", "per scan", "MRPT",
-            "per beam, ratio", "per scan, ratio", "memory's limit, updates a second",
+            "per beam, ratio", "per scan, ratio",
         )  # fmt: skip
         print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
         for name, log, resolution in logs():
@@ -117,12 +112,28 @@ def side_by_side() -> None:
                 beam, scan = min(beam, ours["per_beam_ms"]), min(scan, ours["per_scan_ms"])
                 cells = int(ours["cells"])
                 theirs = min(theirs, mrpt_ms(peer, log, RANGE_MAX, resolution)) if peer else np.inf
-            limit = memory_limit_ms(cells)
             against = f"{theirs:.1f} ms | {theirs / beam:.2f} × | {theirs / scan:.2f} ×" if peer else "– | – | –"
             print(
                 f"| {name} | {log.n_scans} × {log.n_beams} | {cells / 1e6:.1f} M | {beam:.1f} ms | "
-                f"{1e-6 * cells / beam:.1f} G | {scan:.1f} ms | {against} | {1e-6 * cells / limit:.1f} G |"
+                f"{1e-6 * cells / beam:.1f} G | {scan:.1f} ms | {against} |"
             )
+
+
+def beside_the_limit() -> None:
+    """Print each log's times beside the limit, and what else takes time: planning, and first touches of memory."""
+    print("\n| log | update | entries | time | limit | ratio | planning of beams | pages touched first |")
+    print(f"|{'---|' * 8}")
+    for (name, log, resolution), update in itertools.product(logs(), ("per_beam", "per_scan")):
+        config = MappingConfig(update=update, range_max=RANGE_MAX, resolution=resolution)
+        limit, planning, entries = mapping_limit(log, config)
+        ours = bench_map(log, config, repeats=5 * ROUNDS)[f"{update}_ms"]
+        faults, faults_ms = page_faults(partial(integrate_log, grid_for(log, config), log, config))
+        planned = "–" if np.isnan(planning) else f"{planning:.1f} ms"
+        print(
+            f"| {name} | {update} | {entries / 1e6:.1f} M | {ours:.1f} ms | {limit:.1f} ms | {ours / limit:.2f} | "
+            f"{planned} | {faults}, {faults_ms:.2f} ms |",
+            flush=True,
+        )
 
 
 def cost_against_size(rounds: int = 40) -> None:
@@ -203,6 +214,7 @@ def cost_of_starting(processes: int = 10) -> None:
 def mapping() -> None:
     """Print the times of mapping beside the peer's, and on grids of several sizes."""
     side_by_side()
+    beside_the_limit()
     cost_against_size()
 
 
@@ -248,12 +260,14 @@ def main() -> int:
     After ``match`` come the names of logs.
     """
     if sys.argv[1:2] == ["match"]:
+        print(versions())
         matching(sys.argv[2:])
         return 0
     unknown = [name for name in sys.argv[1:] if name not in BENCHES]
     if unknown:
         print(f"There is no benchmark {unknown[0]!r}; there are {', '.join(BENCHES)}.", file=sys.stderr)
         return 2
+    print(versions())
     for name in sys.argv[1:] or BENCHES:
         BENCHES[name]()
     return 0

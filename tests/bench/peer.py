@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import subprocess
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,30 @@ class PeerAbsentError(Exception):
 
 def peers_dir() -> Path:
     return Path(os.environ.get("GRIDBLOOM_PEERS", "../shared/peers"))
+
+
+def versions() -> str:
+    """Return the versions of Python, of what the kernels stand on, and of the peers that are installed, in one line."""
+    found = {name: _package(name) for name in ("numpy", "numba", "small_gicp", "pyoctomap", "rosbags", "mcap")}
+    found["Open3D"] = _answer(os.environ.get("GRIDBLOOM_OPEN3D", ""), "-c", "import open3d; print(open3d.__version__)")
+    found["MRPT"] = _answer("dpkg-query", "--show", "--showformat=${Version}", "libmrpt-maps-dev")
+    return ", ".join([f"Python {platform.python_version()}", *(f"{name} {one}" for name, one in found.items())])
+
+
+def _package(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _answer(*command: str) -> str:
+    """Return the last line that a program prints; "absent" where there is none, or where it fails."""
+    if shutil.which(command[0]) is None:
+        return "absent"
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    lines = done.stdout.split()
+    return lines[-1] if done.returncode == 0 and lines else "absent"
 
 
 def build_mrpt(into: Path) -> Path:
