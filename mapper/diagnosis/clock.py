@@ -1,7 +1,6 @@
 """The stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate.
 
-Many logs hold a scan for each half metre of the robot's way rather than for each tenth of a second. Their intervals are
-uneven, and long where the robot stood: so the way beside the time decides whether something is missing.
+Which intervals are gaps says :mod:`mapper.diagnosis.events.gaps`.
 """
 
 from __future__ import annotations
@@ -9,25 +8,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined
+from mapper.diagnosis.events.gaps import MOVED_M, driven_ways, least_gap_s, recording_gaps
 from mapper.diagnosis.finding import MOST_SCANS, Finding
 from mapper.sensors.scan import ScanLog
 
-GAP_S = 2.0  #: and at least five times the usual interval
 JITTER = 0.35  #: half of the intervals differ from the usual one by more than this share of it
 DROPPED_SHARE = 0.005  #: of all intervals: fewer are an accident
 REGULAR = 0.6  #: share of intervals within a quarter of the usual one, from which those of twice it are noticed
 #: The same where the robot does not move, or not enough to say how far it came while a scan was missing.
 REGULAR_STILL = 0.8
-TURN_M = 0.3  #: metres of way that a turn by one radian counts
-MOVED_M = 0.02  #: of way, from which a robot moved
 FEWEST_MOVED = 3  #: intervals in which it moved, to judge by its way
 #: Share of the way that the longer interval would have, at the usual speed, from which it was driven: while scans are
 #: missing a robot drives on, but where scans are recorded each time it has come some way, that way is always the same.
 DROVE_ON = 0.7
-CLOCK_SET_S = 86_400.0  #: a jump of the stamps that is no pause of a robot, however little it moved
-FARTHER = 1.5  #: times nearly the longest usual way, from which the robot moved during a gap
 #: Correlation of the speed from one interval to the next, from which stamps are those of measurement: a robot has mass,
 #: and by the stamps of arrival its speed would jump. It is 0.5 to 0.6 of logs that are recorded by distance, and 0 to
 #: 0.1 where stamps are irregular by themselves.
@@ -40,14 +34,6 @@ def _places(where: NDArray[np.bool_]) -> tuple[int, ...]:
 
 def _times(n: int) -> str:
     return "once" if n == 1 else f"{n} times"
-
-
-def _driven(log: ScanLog, seen: Examined) -> NDArray[np.float64] | None:
-    """Return the robot's way (n - 1,) from scan to scan, metres, with its turns; None where no poses tell it."""
-    along = log.trajectory(seen.trajectory)
-    moved = np.diff(along.poses, axis=0)
-    driven = np.hypot(moved[:, 0], moved[:, 1]) + TURN_M * np.abs(wrap_angle(moved[:, 2]))
-    return None if along.is_placeholder or not (driven > MOVED_M).any() else driven
 
 
 def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], driven: NDArray[np.float64] | None) -> bool:
@@ -85,7 +71,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     if not steps.any():
         return []
-    driven = _driven(log, seen)
+    driven = driven_ways(log, seen.trajectory)
     found = []
     back = steps < 0.0
     if back.any():
@@ -113,17 +99,14 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     if not forward.size:
         return found
     usual = float(np.median(forward))
-    gap = steps > max(GAP_S, 5.0 * usual)
-    if driven is not None and (~gap).any():
-        # A robot that stood, or whose scans are recorded by distance, has missed nothing.
-        gap &= (driven > max(MOVED_M, FARTHER * float(np.quantile(driven[~gap], 0.95)))) | (steps > CLOCK_SET_S)
+    gap = recording_gaps(steps, driven)
     if gap.any():
         found.append(
             Finding(
                 "clock.gap",
                 f"Nothing was recorded for {steps.max():.1f} s"
                 + (
-                    f", and {_times(int(gap.sum()))} for more than {max(GAP_S, 5.0 * usual):.1f} s."
+                    f", and {_times(int(gap.sum()))} for more than {least_gap_s(steps):.1f} s."
                     if gap.sum() > 1
                     else "."
                 ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from mapper.diagnosis.events import CLOCK, Event, clock_time, find_events
+from mapper.diagnosis.events import DISPLACED, Event, find_events
 from mapper.diagnosis.examination import examine
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.mounting import CHANGING
@@ -46,7 +46,7 @@ def diagnose(
     events = find_events(_remedied(log, findings), wanted, part(EXAMINED, 1.0))
     # Where clocks differ, wheels seem to miss each turn, and where the mount changes, each change.
     if any(finding.check in (DELAY, CHANGING) for finding in findings):
-        events = [event for event in events if event.kind == CLOCK]
+        events = [event for event in events if event.kind not in DISPLACED]
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
     if is_own:
@@ -75,10 +75,10 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
     """Return a finding of drift with the events that displaced the robot, its cause; others as they are."""
-    moved = [event for event in events if event.kind != CLOCK]
+    moved = [event for event in events if event.kind in DISPLACED]
     if finding.check != DRIFT or not moved:
         return finding
-    at = [clock_time(one.seconds, 1) for one in moved[:TOLD]]
+    at = [one.time for one in moved[:TOLD]]
     said = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
     more = f" and {len(moved) - TOLD} times later" if len(moved) > TOLD else ""
     return replace(

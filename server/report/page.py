@@ -33,7 +33,7 @@ button { font: inherit; padding: 1.5mm 4mm; } header { display: flex; justify-co
 @media print { body { padding: 0; max-width: none; } button { display: none; } * { print-color-adjust: exact; } }
 """  # noqa: E501 - one line for each group of rules
 #: Kinds of events in words.
-KINDS = {"pushed": "Pushed", "slipped": "Slipped", "lifted": "Lifted", "clock": "Clock set"}
+KINDS = {"pushed": "Pushed", "slipped": "Slipped", "lifted": "Lifted", "clock": "Clock set", "gap": "Nothing recorded"}
 
 
 def report_page(report: Report) -> str:
@@ -85,15 +85,16 @@ def _parameter(report: Report, name: str, value: str) -> str:
 
 def _events(report: Report) -> str:
     if not report.events:
-        return "<p>None: no push, slip, lift or step of the clock was found.</p>"
+        return "<p>None: no push, slip, lift, step of the clock or gap was found.</p>"
     rows = []
     for event in report.events:
         utc = "" if event.utc is None else f" <span class=quiet>({escape(event.utc)})</span>"
         side = f" {event.direction}" if event.direction and event.kind != "slipped" else ""  # of its wheels
         distance = "" if event.distance_m is None else f" {event.distance_m:.2f} m{side}"
         step = f" {event.step_s:+.2f} s" if event.step_s else ""
+        lasted = f" for {event.until_s - event.seconds:.2f} s" if event.kind == "gap" else ""
         rows.append(
-            f"<li><b>{KINDS.get(event.kind, escape(event.kind))}{distance}{step}</b> at "
+            f"<li><b>{KINDS.get(event.kind, escape(event.kind))}{distance}{step}{lasted}</b> at "
             f"<span class=number>{escape(event.time)}</span>{utc}<p>{escape(event.sentence)}</p></li>"
         )
     return f"<ol>{''.join(rows)}</ol><p class=quiet>The numbers are those on the map.</p>"

@@ -9,8 +9,9 @@ from typing import Any
 
 from mapper.core.time_units import EPOCH_S
 
-PUSHED, SLIPPED, LIFTED, CLOCK = "pushed", "slipped", "lifted", "clock"
-KINDS = (PUSHED, SLIPPED, LIFTED, CLOCK)
+PUSHED, SLIPPED, LIFTED, CLOCK, GAP = "pushed", "slipped", "lifted", "clock", "gap"
+DISPLACED = (PUSHED, SLIPPED, LIFTED)  #: kinds of events that moved the robot as its wheels did not measure
+KINDS = (*DISPLACED, CLOCK, GAP)
 
 SMALL_SHARE = 0.4  #: of the greater component of a displacement, below which the smaller one is not told
 TOLD_M, TOLD_RAD = 0.05, math.radians(4.0)  #: smaller displacements and turns are not told
@@ -19,7 +20,7 @@ LONG_S = 1.0  #: an event that lasts longer is told with its end
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened to the robot while the log was recorded.
+    """Something that happened to the robot, its clock or its recorder while the log was recorded.
 
     ``kind`` is one of :data:`KINDS`. ``seconds`` and ``until_s`` are its begin and end in recorded time, seconds since
     the log's first scan, as :func:`mapper.io.logs.summary.recorded_seconds`; ``stamp_ns`` is the begin on the log's
@@ -27,7 +28,8 @@ class Event:
     ``ahead_m``, ``left_m`` and ``turned_rad`` are the robot's motion by the scans less that by the wheels, in the
     robot's own frame at the time (REP 103): of a push where the robot was moved to, of a slip what the wheels
     measured too much, with the opposite sign. None where the scans do not tell. ``step_s`` is by how much the clock
-    was set, seconds, and 0 for what is no event of the clock.
+    was set, seconds, and 0 for what is no event of the clock. ``moved_m`` is how far the robot came meanwhile by its
+    poses, metres, straight; of a gap of the recording only, and None where no poses tell it.
     """
 
     kind: str
@@ -40,6 +42,7 @@ class Event:
     left_m: float | None = None
     turned_rad: float | None = None
     step_s: float = 0.0
+    moved_m: float | None = None
 
     @property
     def distance_m(self) -> float | None:
@@ -72,22 +75,29 @@ class Event:
 
     @property
     def sentence(self) -> str:
-        """What happened, as one sentence."""
-        at = f"At {clock_time(self.seconds, 1)}"
-        if self.kind == CLOCK:
-            return f"{at} the clock was set {'back' if self.step_s < 0.0 else 'forward'} by {abs(self.step_s):.2f} s."
+        """What happened and when, as one sentence."""
+        lasts = self.kind in (PUSHED, SLIPPED) and self.until_s - self.seconds > LONG_S
+        return f"{f'From {self.time} to {clock_time(self.until_s)}' if lasts else f'At {self.time}'} {self.what}"
+
+    @property
+    def what(self) -> str:
+        """What happened, as the rest of a sentence that begins with its time."""
         lasted = self.until_s - self.seconds
+        if self.kind == CLOCK:
+            return f"the clock was set {'back' if self.step_s < 0.0 else 'forward'} by {abs(self.step_s):.2f} s."
+        if self.kind == GAP:
+            if self.moved_m is None:
+                return f"nothing was recorded for {lasted:.2f} s; how far the robot moved meanwhile is not known."
+            return f"nothing was recorded for {lasted:.2f} s; the robot moved {self.moved_m:.2f} m meanwhile."
         if self.kind == LIFTED:
-            said = f"{at} the robot was lifted or carried: for {lasted:.1f} s no scan fits those before."
+            said = f"the robot was lifted or carried: for {lasted:.1f} s no scan fits those before."
             if self.distance_m is None:
                 return f"{said} Where it was set down is not known."
             return f"{said} It was set down {self._displacement()}."
-        if lasted > LONG_S:
-            at = f"From {clock_time(self.seconds, 1)} to {clock_time(self.until_s, 1)}"
         if self.kind == SLIPPED:
-            return f"{at} the wheels measured {self._displacement(-1.0)} that the robot did not move: a slip."
+            return f"the wheels measured {self._displacement(-1.0)} that the robot did not move: a slip."
         verb = "moved" if self._moved() else "was"
-        return f"{at} the robot {verb} {self._displacement()}, which the wheels did not measure."
+        return f"the robot {verb} {self._displacement()}, which the wheels did not measure."
 
     def _moved(self) -> bool:
         return (self.distance_m or 0.0) >= TOLD_M
@@ -118,17 +128,17 @@ class Event:
             **asdict(self),
             **{
                 name: rounded(getattr(self, name))
-                for name in ("seconds", "until_s", "ahead_m", "left_m", "turned_rad", "step_s", "distance_m")
+                for name in ("seconds", "until_s", "ahead_m", "left_m", "turned_rad", "step_s", "moved_m", "distance_m")
             },
             "direction": self.direction,
             "time": self.time,
             "utc": self.utc,
             "sentence": self.sentence,
+            "what": self.what,
         }
 
 
-def clock_time(seconds: float, digits: int = 3) -> str:
-    """Return a time of a recording as m:ss with so many digits after the point, at least one."""
-    units = round(seconds * 10**digits)
-    minutes, rest = divmod(units, 60 * 10**digits)
-    return f"{minutes}:{rest // 10**digits:02d}.{rest % 10**digits:0{digits}d}"
+def clock_time(seconds: float) -> str:
+    """Return a time of a recording as m:ss.mmm."""
+    minutes, rest = divmod(round(seconds * 1000), 60_000)
+    return f"{minutes}:{rest // 1000:02d}.{rest % 1000:03d}"

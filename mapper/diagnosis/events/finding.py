@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
-from mapper.diagnosis.events.event import CLOCK, LIFTED, PUSHED, SLIPPED, Event
+from mapper.diagnosis.events.event import CLOCK, GAP, LIFTED, PUSHED, SLIPPED, Event
+from mapper.diagnosis.events.gaps import driven_ways, recording_gaps
+from mapper.diagnosis.finding import MOST_SCANS
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import by_sensor, sensors_of
 from mapper.sensors.scan import ScanLog
@@ -48,7 +50,8 @@ def find_events(
 ) -> list[Event]:
     """Return the events of a log in the order of their times; of several sensors by the first lidar.
 
-    A log without times has none. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the
+    A log without times has none. How far the robot came in a gap is told by its wheels, or by the log's default
+    trajectory. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the
     robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where ``wanted`` says
     False.
     """
@@ -62,7 +65,7 @@ def find_events(
         return []
     wheels = wheels_of(sensor)
     steps = clock_steps(sensor, wheels)
-    events = _of_clock(sensor, steps)
+    events = [*_of_clock(sensor, steps), *_of_gaps(sensor, wheels, {step.scan for step in steps})]
     if lidars and wheels is not None and sensor.n_scans >= LEAST_SCANS:
         motions = aligned_motions(sensor, wheels, wanted, progress)
         untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
@@ -101,6 +104,21 @@ def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
             int(log.stamps_ns[step.scan]) + round(1e9 * usual), step.scan, step.scan + 1, step_s=step.step_s,
         )
         for step in steps
+    ]  # fmt: skip
+
+
+def _of_gaps(log: ScanLog, wheels: str | None, set_at: set[int]) -> list[Event]:
+    """Return the gaps of the recording, but those behind the scans ``set_at``, where the clock was set."""
+    driven = driven_ways(log, wheels)
+    poses = log.trajectory(wheels).poses
+    seconds = recorded_seconds(log)
+    gaps = np.flatnonzero(recording_gaps(np.diff(log.stamps_ns.astype(np.float64)) * 1e-9, driven)).tolist()
+    return [
+        Event(
+            GAP, float(seconds[scan]), float(seconds[scan + 1]), int(log.stamps_ns[scan]), scan, scan + 1,
+            moved_m=None if driven is None else float(np.hypot(*(poses[scan + 1] - poses[scan])[:2])),
+        )
+        for scan in gaps[:MOST_SCANS] if scan not in set_at
     ]  # fmt: skip
 
 

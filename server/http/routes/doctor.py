@@ -19,7 +19,7 @@ from server.sessions.parts import Recording
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
-EventKind = Literal["pushed", "slipped", "lifted", "clock"]
+EventKind = Literal["pushed", "slipped", "lifted", "clock", "gap"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class FindingAnswer:
 
 @dataclass(frozen=True, slots=True)
 class LogEvent:
-    """An event of a log: the robot was moved as its wheels did not measure, or its clock was set."""
+    """An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded."""
 
     kind: EventKind
     seconds: Annotated[float, Field(description="begin in recorded time, s")]
@@ -61,7 +61,11 @@ class LogEvent:
         Literal["ahead", "behind", "left", "right"] | None, Field(description="side of the robot to which it went")
     ]
     step_s: Annotated[float, Field(description="by how much the clock was set, s")]
-    sentence: Annotated[str, Field(description="what happened, in words")]
+    moved_m: Annotated[
+        float | None, Field(description="how far the robot came in a gap by its poses, m; null where they do not tell")
+    ]
+    sentence: Annotated[str, Field(description="when and what happened, in words")]
+    what: Annotated[str, Field(description="the same without the time, with which the sentence begins")]
 
 
 @dataclass(frozen=True, slots=True)

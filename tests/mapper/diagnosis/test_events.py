@@ -85,7 +85,31 @@ def test_a_clock_that_is_set(step: float) -> None:
 
 def test_a_gap_of_a_recording_is_no_step_of_the_clock() -> None:
     log = drive(WORLD, N, seed=SEED)
-    assert find_events(log.take(np.r_[:200, 230:N])) == []
+    cut = log.take(np.r_[:200, 230:N])
+    event = the(find_events(cut))
+    assert (event.kind, event.scan, event.until_scan, event.step_s) == ("gap", 199, 200, 0.0)
+    assert (event.seconds, event.until_s) == pytest.approx((199 / RATE_HZ, 230 / RATE_HZ), abs=1e-6)
+    assert event.stamp_ns == log.stamps_ns[199]
+    poses = log.trajectory("odom").poses
+    way = np.hypot(*(poses[230] - poses[199])[:2])
+    assert event.moved_m == pytest.approx(way)
+    assert event.distance_m is None, "no displacement that the wheels did not measure"
+    assert event.sentence == (f"At 0:39.800 nothing was recorded for 6.20 s; the robot moved {way:.2f} m meanwhile.")
+    assert [one.check for one in diagnose(cut, "odom").findings if one.check.startswith("clock")] == ["clock.gap"]
+
+
+def test_how_far_a_robot_came_in_a_gap_is_not_known_without_poses() -> None:
+    log = drive(WORLD, N, seed=SEED)
+    still = {"none": replace(log.trajectory("odom"), poses=np.zeros((N, 3)), is_placeholder=True)}
+    event = the(find_events(replace(log, trajectories=still).take(np.r_[:200, 230:N])))
+    assert (event.kind, event.moved_m) == ("gap", None)
+    assert event.sentence.endswith("how far the robot moved meanwhile is not known.")
+
+
+def test_a_step_of_the_clock_is_no_gap() -> None:
+    log = drive(WORLD, N, seed=SEED)
+    late = log.stamps_ns + np.where(np.arange(N) >= 200, 7_000_000_000, 0)
+    assert [one.kind for one in find_events(replace(log, stamps_ns=late))] == ["clock"]
 
 
 def test_people_and_a_false_mount_are_no_events() -> None:
@@ -103,7 +127,7 @@ def test_drift_after_a_push_names_it_and_remains_one_finding() -> None:
     found = diagnose(drive(WORLD, N, happenings, seed=SEED, drift=0.0))
     assert [one.kind for one in found.events] == ["pushed"]
     assert [one.check for one in found.findings] == ["walls.drift"]
-    assert f"what happened at {clock_time(found.events[0].seconds, 1)}" in found.findings[0].sentence
+    assert f"what happened at {found.events[0].time}" in found.findings[0].sentence
     assert found.findings[0].scans[0] == found.events[0].scan
 
 
@@ -116,11 +140,11 @@ def test_logs_that_do_not_tell_have_no_events() -> None:
 
 
 @pytest.mark.parametrize(
-    ("seconds", "digits", "text"),
-    [(73.36, 3, "1:13.360"), (59.96, 1, "1:00.0"), (0.0, 3, "0:00.000"), (3671.5, 1, "61:11.5")],
+    ("seconds", "text"),
+    [(73.36, "1:13.360"), (59.9996, "1:00.000"), (0.0, "0:00.000"), (3671.5, "61:11.500")],
 )
-def test_times_are_minutes_and_seconds(seconds: float, digits: int, text: str) -> None:
-    assert clock_time(seconds, digits) == text
+def test_times_are_minutes_and_seconds(seconds: float, text: str) -> None:
+    assert clock_time(seconds) == text
 
 
 def test_the_bench_has_cases_of_each_kind() -> None:

@@ -25,7 +25,9 @@ const PUSH: LogEvent = {
   distance_m: 0.4,
   direction: "left",
   step_s: 0,
-  sentence: "The robot moved 0.40 m to its left, which the wheels did not measure.",
+  moved_m: null,
+  sentence: "At 1:13.400 the robot moved 0.40 m to its left, which the wheels did not measure.",
+  what: "the robot moved 0.40 m to its left, which the wheels did not measure.",
 };
 
 test("going to an event pauses a log that plays", () => {
@@ -36,12 +38,23 @@ test("going to an event pauses a log that plays", () => {
   expect(sent).toEqual([{ type: "pause" }, { type: "seek", index: 367 }]);
 });
 
+test("an event is told with its end where it lasts", () => {
+  const store = new Store(() => true);
+  const slip: LogEvent = { ...PUSH, kind: "slipped", until_s: 75.25, what: "the wheels measured 0.40 m." };
+  act(() => render(<Events events={[PUSH, slip]} store={store} />, document.body));
+  expect([...document.querySelectorAll("p .quiet")].map((one) => one.textContent)).toEqual([
+    "The robot moved 0.40 m to its left, which the wheels did not measure.",
+    "Until 1:15.250 the wheels measured 0.40 m.",
+  ]);
+});
+
 test("an event is measured in metres, degrees or seconds", () => {
   const of = (change: Partial<LogEvent>): string => measureOf({ ...PUSH, ...change });
   expect(of({})).toBe("0.40 m left");
   expect(of({ direction: null, distance_m: 0.01, turned_rad: -Math.PI / 6 })).toBe("30°");
   expect(of({ kind: "slipped", direction: "behind" })).toBe("0.40 m");
   expect(of({ kind: "clock", step_s: -1.5 })).toBe("−1.50 s");
+  expect(of({ kind: "gap", until_s: 77.65 })).toBe("4.25 s");
   expect(of({ kind: "lifted", distance_m: null })).toBe("");
 });
 

@@ -65,11 +65,12 @@ type State =
   | { readonly kind: "done"; readonly examination: DoctorAnswer };
 
 const IDLE_MS = 2000;
+const LASTS_S = 1; // an event that lasts longer is shown with its end
 const FIRST_NOTES = 3; // number of notes that are shown without unfolding
 
 const CHECKED =
   "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
-  "poses, drift, moving objects, and events: pushes, slips, lifts, and steps of the clock";
+  "poses, drift, moving objects, and events: pushes, slips, lifts, steps of the clock, and gaps";
 
 /** The examination of a log, which goes on while the doctor's group is closed. */
 export interface DoctorState {
@@ -213,11 +214,14 @@ const EVENTS: Readonly<Record<LogEvent["kind"], string>> = {
   slipped: "Slipped",
   lifted: "Lifted",
   clock: "Clock set",
+  gap: "Gap",
 };
 
-/** How far an event moved the robot, or set the clock, in a word or two; "" where that is not known. */
-export function measureOf({ kind, distance_m, direction, turned_rad, step_s }: LogEvent): string {
-  if (kind === "clock") return `${signed(step_s, 2)} s`;
+/** How far an event moved the robot, set the clock, or how long it lasted, in a word or two; "" if not known. */
+export function measureOf(event: LogEvent): string {
+  const { kind, distance_m, direction, turned_rad } = event;
+  if (kind === "clock") return `${signed(event.step_s, 2)} s`;
+  if (kind === "gap") return `${written(event.until_s - event.seconds, 2)} s`;
   if (distance_m === null) return "";
   if (kind === "slipped") return `${written(distance_m, 2)} m`; // of its wheels, not of the robot
   if (direction === null && turned_rad !== null) return `${written((Math.abs(turned_rad) * 180) / Math.PI, 0)}°`;
@@ -226,6 +230,12 @@ export function measureOf({ kind, distance_m, direction, turned_rad, step_s }: L
 
 /** An event in a few words. */
 export const eventLabel = (event: LogEvent): string => [EVENTS[event.kind], measureOf(event)].filter(Boolean).join(" ");
+
+/** What an event was, as a sentence; its begin is on the button beside it. */
+function sentenceOf(store: Store, { what, seconds, until_s }: LogEvent): string {
+  if (until_s - seconds > LASTS_S) return `Until ${shownTime(store, until_s)} ${what}`;
+  return what.charAt(0).toUpperCase() + what.slice(1);
+}
 
 /** What happened while the log was recorded, each with a button that goes to the scan before it. */
 export function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
@@ -240,7 +250,7 @@ export function Events({ events, store }: { readonly events: readonly LogEvent[]
               <span class="finding-sure">
                 {EVENTS[event.kind]} <span class="number">{measureOf(event)}</span>
               </span>
-              <span class="quiet">{event.sentence}</span>
+              <span class="quiet">{sentenceOf(store, event)}</span>
             </p>
           </li>
         ))}
