@@ -38,3 +38,12 @@ def from_euler(translation: Sequence[float], roll: float, pitch: float, yaw: flo
     ]
     pose[:3, 3] = translation
     return pose
+
+
+def to_euler(x: float, y: float, z: float, w: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a unit quaternion, radians: the angles of :func:`from_euler`."""
+    return (
+        math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+        math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),
+        math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
+    )

@@ -16,7 +16,9 @@ import numpy as np
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se3 import to_euler
 from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.frame_names import frames_in, frames_of_type
 from mapper.io.contents.model import Column, Series
 from mapper.io.contents.raw_message import Decoder, decoder_of
 from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
@@ -25,6 +27,7 @@ from mapper.io.contents.units import unit_of
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
+from mapper.io.logs.containers.mcap_file import ENCODINGS
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
 from mapper.io.logs.recording.sink import MessageSink
@@ -68,12 +71,7 @@ def _angles(quaternion: dict[str, Any]) -> tuple[float, float, float]:
     length = math.sqrt(x * x + y * y + z * z + w * w)
     if not 0.5 < length < 2.0:  # also of NaN
         return math.nan, math.nan, math.nan
-    x, y, z, w = x / length, y / length, z / length, w / length
-    return (
-        math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-        math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),
-        math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
-    )
+    return to_euler(x / length, y / length, z / length, w / length)
 
 
 def stated_ns(tree: Tree) -> int:
@@ -89,12 +87,16 @@ def stated_ns(tree: Tree) -> int:
 
 @dataclass(frozen=True, slots=True)
 class TopicFields:
-    """The paths of the numbers in the first message of a topic; ``why`` there are none, a sentence, else empty."""
+    """The paths of the numbers in the first message of a topic; ``why`` there are none, a sentence, else empty.
+
+    ``frames`` are the coordinate frames that the message names.
+    """
 
     topic: str
     type: str
     fields: tuple[str, ...]
     why: str = ""
+    frames: tuple[str, ...] = ()
 
 
 def fields_of(
@@ -103,7 +105,7 @@ def fields_of(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> list[TopicFields]:
-    """Return the fields of each of ``topics``, of names and types, by the first message of each; it is read once.
+    """Return fields and frames of each of ``topics``, of names and types, by its first message; it is read once.
 
     Raises as reading the recording does.
     """
@@ -113,15 +115,21 @@ def fields_of(
     firsts = first_messages(path, names_of_all, limits, progress)
     found = []
     for topic, kind in all_topics:
+        frames: tuple[str, ...] = ()
         try:
             first = firsts.get(topic)
             if first is None:
                 raise no_messages(topic)
             first = unpacked(first, limits)
-            names = tuple(numbers_in(decoder_of(topic, stated.get(topic))(first.data)))[:MAX_COLUMNS]
-            found.append(TopicFields(topic, kind, names, "" if names else "Its messages have no numbers."))
+            said = stated.get(topic)
+            if said is None or said.message_encoding in ENCODINGS:
+                frames = frames_of_type(first.type, first.data, cdr=first.cdr)
+            tree = decoder_of(topic, said)(first.data)
+            names = tuple(numbers_in(tree))[:MAX_COLUMNS]
+            why = "" if names else "Its messages have no numbers."
+            found.append(TopicFields(topic, kind, names, why, frames_in(tree)))
         except MapperError as error:
-            found.append(TopicFields(topic, kind, (), error.message))
+            found.append(TopicFields(topic, kind, (), error.message, frames))
     return found
 
 

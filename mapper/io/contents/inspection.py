@@ -37,6 +37,8 @@ from mapper.sensors.streams import CloudStream, ImuStream
 
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
 MAX_EDGES = 5000  #: pairs of frames
+MAX_POSES = 1 << 19  #: poses of all moving transforms together; beyond, every second one of the longest is dropped
+MAX_PUBLISHERS = 8  #: nodes that are named of one transform
 MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
 KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
 LAST_NS = 1 << 62  #: a time beyond this is a defect
@@ -65,6 +67,48 @@ class _Topic:
         return self.plotted is not None or (self.readable and self.type in _READ)
 
 
+@dataclass(slots=True)
+class _Edge:
+    """The transforms from one frame to another: all their times, and each ``every``-th pose of those that move."""
+
+    pose: Pose7
+    stamps: array[int] = field(default_factory=lambda: array("q"))
+    pose_stamps: array[int] = field(default_factory=lambda: array("q"))
+    poses: array[float] = field(default_factory=lambda: array("d"))
+    every: int = 1
+    publishers: set[str] = field(default_factory=set)
+
+    def keep(self, at_ns: int, pose: Pose7) -> None:
+        self.pose_stamps.append(at_ns)
+        self.poses.extend(pose)
+
+    def thin(self) -> int:
+        """Drop every second pose, and return how many that are."""
+        before = len(self.pose_stamps)
+        self.pose_stamps = self.pose_stamps[::2]
+        self.poses = array("d", np.frombuffer(self.poses).reshape(-1, 7)[::2].tobytes())
+        self.every *= 2
+        return before - len(self.pose_stamps)
+
+    def named(self, topic: str, parent: str, child: str) -> FrameEdge:
+        stamps = np.frombuffer(self.stamps, dtype=np.int64)
+        if self.pose_stamps and (len(stamps) - 1) % self.every:
+            self.keep(int(stamps[-1]), self.pose)
+        times = np.frombuffer(self.pose_stamps, dtype=np.int64)
+        order = np.argsort(times, kind="stable")
+        return FrameEdge(
+            parent,
+            child,
+            is_static(topic),
+            np.sort(stamps),
+            topic,
+            self.pose,
+            times[order],
+            np.frombuffer(self.poses).reshape(-1, 7)[order],
+            tuple(sorted(self.publishers)),
+        )
+
+
 class Inspector(MessageSink):
     """Takes a recording, and makes no log of it but its :class:`Contents`."""
 
@@ -73,8 +117,9 @@ class Inspector(MessageSink):
         self.notes = []
         self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
         self._counted_by_key: dict[int, _Topic] = {}
-        self._stamps_of_edge: dict[tuple[str, str, str], array[int]] = {}
-        self._pose_of_edge: dict[tuple[str, str, str], Pose7] = {}
+        self._edges: dict[tuple[str, str, str], _Edge] = {}
+        self._n_poses = 0
+        self._publisher_by_key: dict[int, str] = {}
         self._cameras: dict[str, CameraContents] = {}
         self._lines = LineReader()
         self._n_messages = 0
@@ -95,9 +140,14 @@ class Inspector(MessageSink):
             self._counted[stream] = _Topic(name, kind, cdr, PLOTTED.get(kind) if readable else None, readable)
         self._counted_by_key[key] = self._counted[stream]
 
+    def published_by(self, key: int, node: str) -> None:
+        """Take the name of the node that published a stream."""
+        self._publisher_by_key[key] = printable(node[:MAX_NAME])
+
     def next_file(self) -> None:
         """Go on with another file of the same recording."""
         self._counted_by_key.clear()
+        self._publisher_by_key.clear()
 
     def wants(self, key: int) -> bool:
         """Return whether this stream's messages are to be read; of the others the sizes are enough."""
@@ -132,7 +182,7 @@ class Inspector(MessageSink):
             if topic.plotted is not None:
                 self._take_row(topic, topic.plotted, stamp_ns, data)
             elif topic.type in TRANSFORMS:
-                self._take_transforms_of(topic, stamp_ns, data)
+                self._take_transforms_of(topic, self._publisher_by_key.get(key, ""), stamp_ns, data)
             elif topic.type == CAMERA:
                 self._take_camera(topic, data)
             else:
@@ -151,18 +201,27 @@ class Inspector(MessageSink):
         topic.stamps.append(at)
         topic.values.extend(_float32(value) for value in row)
 
-    def _take_transforms_of(self, topic: _Topic, stamp_ns: int, data: bytes) -> None:
+    def _take_transforms_of(self, topic: _Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
         for one in TRANSFORMS[topic.type](data, cdr=topic.cdr):
             if why_ignored(one.frame, one.child, one.pose):
                 continue
-            edge = (topic.name, printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
-            if edge not in self._stamps_of_edge:
-                if len(self._stamps_of_edge) >= MAX_EDGES:
+            name = (topic.name, printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
+            edge = self._edges.get(name)
+            if edge is None:
+                if len(self._edges) >= MAX_EDGES:
                     raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_EDGES} edges.")
-                self._stamps_of_edge[edge] = array("q")
-            self._pose_of_edge[edge] = one.pose
+                edge = self._edges[name] = _Edge(one.pose)
+            edge.pose = one.pose
+            if publisher and len(edge.publishers) < MAX_PUBLISHERS:
+                edge.publishers.add(publisher)
             at = one.stamp_ns if 0 < one.stamp_ns < LAST_NS else stamp_ns
-            self._stamps_of_edge[edge].append(max(0, min(at, LAST_NS)))
+            at = max(0, min(at, LAST_NS))
+            if not is_static(topic.name) and len(edge.stamps) % edge.every == 0:
+                edge.keep(at, one.pose)
+                self._n_poses += 1
+                if self._n_poses > MAX_POSES:
+                    self._n_poses -= max(self._edges.values(), key=lambda other: len(other.pose_stamps)).thin()
+            edge.stamps.append(at)
 
     def _take_camera(self, topic: _Topic, data: bytes) -> None:
         if topic.name not in self._cameras:
@@ -184,14 +243,8 @@ class Inspector(MessageSink):
         return Contents(
             topics=tuple(sorted(counted.values(), key=lambda one: (one.name, one.type))),
             edges=tuple(
-                FrameEdge(
-                    *edge[1:],
-                    is_static(edge[0]),
-                    np.sort(np.frombuffer(stamps, dtype=np.int64)),
-                    edge[0],
-                    self._pose_of_edge[edge],
-                )
-                for edge, stamps in sorted(self._stamps_of_edge.items(), key=lambda one: (*one[0][1:], one[0][0]))
+                edge.named(*name)
+                for name, edge in sorted(self._edges.items(), key=lambda one: (*one[0][1:], one[0][0]))
             ),
             series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
             notes=tuple(notes),

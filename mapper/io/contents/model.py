@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.io.contents.log_lines import LogLine
+from mapper.io.logs.recording.poses3 import interpolated, poses_of
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.sensors.camera import Intrinsics
-
-Int64Array = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,9 @@ class FrameEdge:
     """The transforms from ``child`` to ``parent`` on a topic: the times that they state, ascending, (n,) int64 ns.
 
     ``is_static`` where they were published on a topic of static transforms: such a transform is valid at all times.
-    ``pose`` is the last that was recorded, ``T_parent_child``: x, y, z, metres, and the quaternion x, y, z, w.
+    ``pose`` is the last that was recorded, ``T_parent_child``: x, y, z, metres, and the quaternion x, y, z, w. Of one
+    that moves, ``poses`` (m, 7) are those at ``pose_stamps_ns`` (m,), ascending; in a long recording not all of them.
+    ``publishers`` are the nodes that published it, where the recording names them.
     """
 
     parent: str
@@ -56,6 +58,9 @@ class FrameEdge:
     stamps_ns: Int64Array
     topic: str = "/tf"
     pose: Pose7 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    pose_stamps_ns: Int64Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    poses: Float64Array = field(default_factory=lambda: np.zeros((0, 7)))
+    publishers: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.stamps_ns.ndim != 1 or len(self.stamps_ns) == 0 or (np.diff(self.stamps_ns) < 0).any():
@@ -76,6 +81,36 @@ class FrameEdge:
             return 0.0
         index = int(np.searchsorted(self.stamps_ns, at_ns, side="right")) - 1
         return None if index < 0 else (at_ns - int(self.stamps_ns[index])) * 1e-9
+
+    def pose_at(self, at_ns: int) -> Pose7 | None:
+        """Return ``T_parent_child`` at a moment; None before the first transform.
+
+        Between two transforms it is interpolated, as tf2 does; after the last, and of a static edge, it is the last.
+        """
+        stamps, poses = self.pose_stamps_ns, self.poses
+        if self.is_static:
+            stamps, poses = np.array([at_ns]), np.array([self.pose])
+        index = int(np.searchsorted(stamps, at_ns, side="right")) - 1
+        if index < 0:
+            return None
+        after = min(index + 1, len(stamps) - 1)
+        pause = int(stamps[after]) - int(stamps[index])
+        weight = (at_ns - int(stamps[index])) / pause if pause else 0.0
+        around = poses_of(poses[[index, after]])
+        pose = interpolated(around[slice(0, 1)], around[slice(1, 2)], np.array([weight]))
+        x, y, z = (float(one) for one in pose.positions[0])
+        qx, qy, qz, qw = (float(one) for one in pose.rotations[0])
+        return (x, y, z, qx, qy, qz, qw)
+
+    def ages(self, until_ns: int) -> Series:
+        """Return the age over time, seconds, of a transform that moves: it grows up to each, the last to ``until_ns``.
+
+        Two rows for each transform, just before it came and as it came.
+        """
+        stamps = np.append(self.stamps_ns, max(until_ns, int(self.stamps_ns[-1])))
+        before = np.diff(stamps, prepend=stamps[0]).astype(np.float64) * 1e-9
+        ages = np.stack([before, np.zeros(len(stamps))], axis=-1).ravel()[1:-1]
+        return Series(self.topic, "age", (Column("age", "s", "age"),), np.repeat(stamps, 2)[1:-1], ages[:, np.newaxis])
 
 
 @dataclass(frozen=True, slots=True)

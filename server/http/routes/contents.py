@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -10,9 +11,10 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError, ReadError
+from mapper.core.se3 import to_euler
 from mapper.io.contents.camera_pose import map_projection
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
-from mapper.io.contents.model import Contents, Series, TopicContents
+from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
@@ -179,7 +181,7 @@ async def contents(
             )
             for one in found.series
         ],
-        frames=len({name for edge in found.edges for name in (edge.parent, edge.child)}),
+        frames=len(_frames_of(found.edges)),
         pictures=[topic.name for topic in found.topics if topic.type in PICTURED],
         notes=list(found.notes),
     )
@@ -394,21 +396,31 @@ async def message(
 class FrameEdgeAnswer:
     """The transforms between two frames; ``age_s`` is that of the newest at the moment, null before the first.
 
+    ``offset`` x, y, z, metres, and ``angles`` roll, pitch, yaw, radians (REP 103), are those of the child in the parent
+    at the moment, interpolated between two transforms as tf2 does; after the last they are its, before the first null.
+    ``publishers`` are nodes, where the recording names them: a ROS 1 bag, or an MCAP file that was made of one.
     ``used`` is false for a second parent of the same frame, which is not followed.
     """
 
+    topic: str
     parent: str
     child: str
     static: bool
     count: int
     rate_hz: float | None
     age_s: float | None
+    offset: tuple[float, float, float] | None
+    angles: tuple[float, float, float] | None
+    publishers: list[str]
     used: bool
 
 
 @dataclass(frozen=True, slots=True)
 class FramesAnswer:
-    """The transforms on the topic ``tf``, one of ``trees``, ``at`` seconds; ``faults`` are sentences."""
+    """The transforms on the topic ``tf``, one of ``trees``, ``at`` seconds; ``faults`` are sentences.
+
+    ``elsewhere`` are the frames of the other trees.
+    """
 
     at: float
     tf: str
@@ -416,6 +428,7 @@ class FramesAnswer:
     fixed: str
     sensor: str
     frames: list[str]
+    elsewhere: list[str]
     edges: list[FrameEdgeAnswer]
     faults: list[str]
 
@@ -449,7 +462,7 @@ async def frames(
     topic = tree_for(trees, sensor, log.frame_id) if tf is None else tf
     edges = trees.get(topic, [])
     at_ns = held.origin_ns + round(at * 1e9)
-    names = sorted({name for edge in edges for name in (edge.parent, edge.child)})
+    names = sorted(_frames_of(edges))
     parents = parents_of(edges)
     if fixed is None:
         fixed = log.trajectories[held.recording.trajectory].frame_id
@@ -463,17 +476,61 @@ async def frames(
         fixed=fixed,
         sensor=log.frame_id,
         frames=names,
-        edges=[
-            FrameEdgeAnswer(
-                parent=edge.parent,
-                child=edge.child,
-                static=edge.is_static,
-                count=len(edge.stamps_ns),
-                rate_hz=edge.rate_hz,
-                age_s=edge.age_s(at_ns),
-                used=parents.get(edge.child) == edge.parent,
-            )
-            for edge in edges
-        ],
+        elsewhere=sorted(_frames_of(held.contents.edges) - set(names)),
+        edges=[_edge(edge, at_ns, is_used=parents.get(edge.child) == edge.parent) for edge in edges],
         faults=faults(edges, [log.frame_id], fixed) if edges else [],
+    )
+
+
+def _frames_of(edges: Iterable[FrameEdge]) -> set[str]:
+    return {name for edge in edges for name in (edge.parent, edge.child)}
+
+
+def _edge(edge: FrameEdge, at_ns: int, *, is_used: bool) -> FrameEdgeAnswer:
+    pose = edge.pose_at(at_ns)
+    return FrameEdgeAnswer(
+        topic=edge.topic,
+        parent=edge.parent,
+        child=edge.child,
+        static=edge.is_static,
+        count=len(edge.stamps_ns),
+        rate_hz=edge.rate_hz,
+        age_s=edge.age_s(at_ns),
+        offset=None if pose is None else pose[:3],
+        angles=None if pose is None else to_euler(*pose[3:]),
+        publishers=list(edge.publishers),
+        used=is_used,
+    )
+
+
+@router.get("/{session_id}/contents/frame_age", response_model=SeriesAnswer)
+@guests_may(GuestRight.LINKED_SESSION)
+async def frame_age(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    work: RequestWork,
+    session_id: str,
+    tf: Annotated[str, Query(max_length=400, description="The topic of the transforms.")],
+    parent: Annotated[str, Query(max_length=200)],
+    child: Annotated[str, Query(max_length=200)],
+    buckets: Buckets = BUCKETS,
+) -> Response:
+    """Return the age of a transform that moves over the time of the log, seconds: it grows until the next one comes."""
+    held = await look_into(request, sessions, library, visitor, session_id)
+    wanted = (tf, parent, child)
+    edge = next((one for one in held.contents.edges if (one.topic, one.parent, one.child) == wanted), None)
+    if edge is None or edge.is_static:
+        raise MapperError("contents.no_edge", f"No transforms from {child!r} to {parent!r} move on {tf!r:.200}.")
+    until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))
+
+    # No gaps: the line over a pause of the transforms is the age that is asked for.
+    return await in_turn(
+        request,
+        work,
+        visitor,
+        lambda: json_answer(
+            replace(SeriesAnswer.of(edge.ages(until_ns), held.origin_ns, None, None, buckets), gaps=[])
+        ),
     )

@@ -38,12 +38,14 @@ class TopicFieldsAnswer:
     """The numbers that can be plotted of a topic, by the paths of their fields; ``why`` there are none, else empty.
 
     ``computed`` says that they are no topic's: they are computed of the log's scans, its map or its pose graph.
+    ``frames`` are the coordinate frames that its first message names (``frame_id`` and ``child_frame_id``).
     """
 
     topic: str
     type: str
     fields: list[str]
     why: str
+    frames: list[str]
     computed: bool = False
 
 
@@ -60,7 +62,7 @@ class FieldsAnswer:
 async def fields(
     request: Request, response: Response, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str
 ) -> FieldsAnswer | ContentsReading:
-    """Return every number in the first message of each topic, and those that are computed of the log.
+    """Return every number and every frame in the first message of each topic, and what is computed of the log.
 
     202 with ``progress`` while they are looked up.
     """
@@ -78,7 +80,7 @@ async def fields(
     ready = {one.topic: [_ready_name(column) for column in one.columns] for one in held.contents.series}
     named = {one.topic: one for one in found}
     computed = [
-        TopicFieldsAnswer(topic, "computed", list(names), "", computed=True)
+        TopicFieldsAnswer(topic, "computed", list(names), "", [], computed=True)
         for topic, names in computed_fields(library, sessions.get(session_id), owner).items()
     ]
     return FieldsAnswer(
@@ -89,6 +91,7 @@ async def fields(
                 kind,
                 list(named[name].fields) if name in named and named[name].fields else ready.get(name, []),
                 named[name].why if name in named and name not in ready else "",
+                list(named[name].frames) if name in named else [],
             )
             for name, kind in topics
         ]

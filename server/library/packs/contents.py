@@ -18,7 +18,7 @@ from mapper.io.contents.model import CameraContents, Column, Contents, FrameEdge
 from mapper.sensors.camera import Intrinsics
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
-VERSION = 4
+VERSION = 5
 
 
 class StaleContentsError(Exception):
@@ -31,8 +31,15 @@ def write_contents(contents: Contents, path: Path) -> None:
         "version": VERSION,
         "topics": [asdict(topic) for topic in contents.topics],
         "edges": [
-            {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic, "pose": e.pose}
-            for e in contents.edges
+            {
+                "parent": edge.parent,
+                "child": edge.child,
+                "is_static": edge.is_static,
+                "topic": edge.topic,
+                "pose": edge.pose,
+                "publishers": edge.publishers,
+            }
+            for edge in contents.edges
         ],
         "series": [
             {
@@ -48,7 +55,9 @@ def write_contents(contents: Contents, path: Path) -> None:
         "lines_left_out": contents.lines_left_out,
         "cameras": [asdict(camera) for camera in contents.cameras],
     }
-    arrays: dict[str, NDArray[Any]] = {f"edge{n}": edge.stamps_ns for n, edge in enumerate(contents.edges)}
+    arrays: dict[str, NDArray[Any]] = {}
+    for n, edge in enumerate(contents.edges):
+        arrays |= {f"edge{n}": edge.stamps_ns, f"pose_times{n}": edge.pose_stamps_ns, f"poses{n}": edge.poses}
     for n, one in enumerate(contents.series):
         arrays |= {f"times{n}": one.stamps_ns, f"values{n}": one.values}
     write_arrays(path, json.dumps(about), arrays)
@@ -64,7 +73,12 @@ def read_contents(path: Path) -> Contents:
             return Contents(
                 topics=tuple(TopicContents(**one) for one in about["topics"]),
                 edges=tuple(
-                    FrameEdge(**one | {"pose": tuple(one["pose"])}, stamps_ns=arrays[f"edge{n}"])
+                    FrameEdge(
+                        **one | {"pose": tuple(one["pose"]), "publishers": tuple(one["publishers"])},
+                        stamps_ns=arrays[f"edge{n}"],
+                        pose_stamps_ns=arrays[f"pose_times{n}"],
+                        poses=arrays[f"poses{n}"],
+                    )
                     for n, one in enumerate(about["edges"])
                 ),
                 series=tuple(

@@ -299,20 +299,30 @@ export interface FootprintAnswer {
 }
 
 /**
- * The transforms between two frames; `age_s` is that of the newest at the moment, null before the first. `used` is
- * false for a second parent of the same frame, which is not followed.
+ * The transforms between two frames; `age_s` is that of the newest at the moment, null before the first. `offset` x, y,
+ * z, metres, and `angles` roll, pitch, yaw, radians (REP 103), are those of the child in the parent at the moment,
+ * interpolated between two transforms as tf2 does; after the last they are its, before the first null. `publishers` are
+ * nodes, where the recording names them: a ROS 1 bag, or an MCAP file that was made of one. `used` is false for a
+ * second parent of the same frame, which is not followed.
  */
 export interface FrameEdgeAnswer {
+  readonly topic: string;
   readonly parent: string;
   readonly child: string;
   readonly static: boolean;
   readonly count: number;
   readonly rate_hz: number | null;
   readonly age_s: number | null;
+  readonly offset: readonly [number, number, number] | null;
+  readonly angles: readonly [number, number, number] | null;
+  readonly publishers: readonly string[];
   readonly used: boolean;
 }
 
-/** The transforms on the topic `tf`, one of `trees`, `at` seconds; `faults` are sentences. */
+/**
+ * The transforms on the topic `tf`, one of `trees`, `at` seconds; `faults` are sentences. `elsewhere` are the frames of
+ * the other trees.
+ */
 export interface FramesAnswer {
   readonly at: number;
   readonly tf: string;
@@ -320,6 +330,7 @@ export interface FramesAnswer {
   readonly fixed: string;
   readonly sensor: string;
   readonly frames: readonly string[];
+  readonly elsewhere: readonly string[];
   readonly edges: readonly FrameEdgeAnswer[];
   readonly faults: readonly string[];
 }
@@ -439,9 +450,9 @@ export interface LogAnswer {
   readonly notes: readonly string[];
 }
 
-/** An event of a log: the robot was moved as its wheels did not measure, or its clock was set. */
+/** An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded. */
 export interface LogEvent {
-  readonly kind: "pushed" | "slipped" | "lifted" | "clock";
+  readonly kind: "pushed" | "slipped" | "lifted" | "clock" | "gap";
   /** begin in recorded time, s */
   readonly seconds: number;
   /** end in recorded time, s */
@@ -468,8 +479,12 @@ export interface LogEvent {
   readonly direction: "ahead" | "behind" | "left" | "right" | null;
   /** by how much the clock was set, s */
   readonly step_s: number;
-  /** what happened, in words */
+  /** how far the robot came in a gap by its poses, m; null where they do not tell */
+  readonly moved_m: number | null;
+  /** when and what happened, in words */
   readonly sentence: string;
+  /** the same without the time, with which the sentence begins */
+  readonly what: string;
 }
 
 /** The logs of one page of a list, how many were found, and the visitor's tags with the number of logs of each. */
@@ -1041,13 +1056,15 @@ export interface TopicAnswer {
 
 /**
  * The numbers that can be plotted of a topic, by the paths of their fields; `why` there are none, else empty.
- * `computed` says that they are no topic's: they are computed of the log's scans, its map or its pose graph.
+ * `computed` says that they are no topic's: they are computed of the log's scans, its map or its pose graph. `frames`
+ * are the coordinate frames that its first message names (`frame_id` and `child_frame_id`).
  */
 export interface TopicFieldsAnswer {
   readonly topic: string;
   readonly type: string;
   readonly fields: readonly string[];
   readonly why: string;
+  readonly frames: readonly string[];
   readonly computed: boolean;
 }
 
@@ -1173,6 +1190,7 @@ export interface Answers {
   "GET /api/sessions/{session_id}/contents/camera": CameraAnswer;
   "GET /api/sessions/{session_id}/contents/field": SeriesAnswer | ContentsReading;
   "GET /api/sessions/{session_id}/contents/fields": FieldsAnswer | ContentsReading;
+  "GET /api/sessions/{session_id}/contents/frame_age": SeriesAnswer;
   "GET /api/sessions/{session_id}/contents/frames": FramesAnswer;
   "GET /api/sessions/{session_id}/contents/lines": LinesAnswer;
   "GET /api/sessions/{session_id}/contents/message": MessageAnswer;

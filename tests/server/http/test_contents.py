@@ -119,11 +119,29 @@ def test_the_transforms_at_a_moment(service: Service, session: str) -> None:
     assert (static["parent"], static["child"], static["static"], static["age_s"]) == ("base_link", "laser", True, 0.0)
     assert moving["age_s"] == pytest.approx(0.03)
     assert moving["rate_hz"] == pytest.approx(10.0)
+    assert static["offset"] == [0.2, 0.0, 0.0]
+    assert moving["offset"] == pytest.approx([1.03, 0.0, 0.0]), "0.05 m for each step of 0.05 s"
+    assert moving["angles"] == pytest.approx([0.0, 0.0, 0.0])
+    assert (moving["topic"], moving["publishers"], found["elsewhere"]) == ("/tf", [], [])
     assert got(service, session, "/frames", fixed="base_link")["fixed"] == "base_link"
     refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"fixed": "moon"})
     assert refused.json()["code"] == "contents.no_frame"
     refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"tf": "/moon/tf"})
     assert refused.json()["code"] == "contents.no_tree"
+
+
+def test_the_age_of_a_transform_over_time(service: Service, session: str) -> None:
+    found = got(service, session, "/frame_age", tf="/tf", parent="odom", child="base_link")
+    (age,) = found["columns"]
+    assert (age["label"], age["unit"], found["gaps"]) == ("age", "s", [])
+    assert found["times"][:4] == [0.0, 0.1, 0.1, 0.2]
+    assert age["values"][:4] == pytest.approx([0.0, 0.1, 0.0, 0.1])
+    address = f"/api/sessions/{session}/contents/frame_age"
+    for query in (
+        {"tf": "/tf_static", "parent": "base_link", "child": "laser"},
+        {"tf": "/x", "parent": "a", "child": "b"},
+    ):
+        assert service.http.get(address, params=query).json()["code"] == "contents.no_edge"
 
 
 def test_an_inspection_that_is_cancelled_ends_in_its_process_and_begins_anew(

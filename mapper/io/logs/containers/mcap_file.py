@@ -55,6 +55,8 @@ ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
 #: Encodings of schemas with messages of ROS. Some writers leave the schema empty: its name says which type it is.
 SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg", "omgidl", ""})
 
+CALLER = "callerid"  #: metadata of a channel that was a connection of a ROS 1 bag: the node that published it
+
 MAX_SUMMARY_BYTES = 1 << 24
 MAX_COMPRESSION_NAME = 100  #: bytes
 READ_WHOLE = 1 << 18  #: bytes of a plain chunk up to which it is read in one piece, for its checksum
@@ -350,10 +352,12 @@ class _Mcap:
         is_new = key not in self.channels
         self.channels.add(key)
         if self.recording.foxglove_channel(key, topic, schema, encoding):
+            self.recording.published_by(key, channel.metadata.get(CALLER, ""))
             return
         other = encoding if encoding not in ENCODINGS else stated if stated not in SCHEMA_ENCODINGS else None
         readable = other is None or self.recording.as_recorded
         self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=readable)
+        self.recording.published_by(key, channel.metadata.get(CALLER, ""))
         if is_new and other is not None and (not schema or foxglove.is_of_use(plain_type(schema))):
             what = printable(schema[:100]) or "messages without a schema"
             part = "messages are" if other is encoding else "schema is"

@@ -287,6 +287,7 @@ class _Bag:
         elif fields.get(b"op") == CONNECTION:
             topic, kind = topic_and_type(fields, content)
             self.recording.channel(key, topic, kind, cdr=False)
+            self.recording.published_by(key, fields_of(content).get(b"callerid", b"").decode("utf-8", "replace"))
 
     def _note(self, sentence: str) -> None:
         if len(self.recording.notes) < 20:

@@ -24,6 +24,10 @@ class MessageSink(Protocol):
         Messages that are not ``readable`` are of an unknown serialisation. Raises :class:`LimitError`.
         """
 
+    def published_by(self, key: int, node: str) -> None:  # noqa: ARG002 - most sinks have no use for it
+        """Take the name of the ``node`` that published a stream, which was announced; few recordings state it."""
+        return
+
     def knows(self, key: int) -> bool:
         """Return whether this stream was announced, so that chunks of it may be passed over unread."""
 
@@ -60,6 +64,11 @@ class BothSinks(MessageSink):
         """Announce a stream to both."""
         for sink in self._both:
             sink.channel(key, topic, kind, cdr=cdr, readable=readable)
+
+    def published_by(self, key: int, node: str) -> None:
+        """Tell both who published a stream."""
+        for sink in self._both:
+            sink.published_by(key, node)
 
     def knows(self, key: int) -> bool:
         """Return whether both let chunks of the stream be passed over."""

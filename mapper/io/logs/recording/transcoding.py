@@ -54,6 +54,10 @@ class Transcoding(MessageSink):
         self._sink.channel(key, topic, found.kind, cdr=True)
         return True
 
+    def published_by(self, key: int, node: str) -> None:
+        """Hand on who published a stream."""
+        self._sink.published_by(key, node)
+
     def _note_tf(self, topic: str) -> None:
         namespace, _, name = topic.rpartition("/")
         if name == TF:

@@ -9,12 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
+from rosbags import rosbag1
 from rosbags.rosbag1 import Reader
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
-from mapper.io.contents.inspection import inspect, open_inspected
-from mapper.io.contents.model import Contents, Series
+from mapper.core.se3 import to_euler
+from mapper.io.contents import inspection
+from mapper.io.contents.inspection import MAX_NAME, MAX_PUBLISHERS, inspect, open_inspected
+from mapper.io.contents.model import Contents, FrameEdge, Series
 from mapper.io.logs import open_robot_log
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
@@ -78,6 +82,76 @@ def test_the_transforms_and_their_ages(tmp_path: Path, kind: str) -> None:
     assert moving.age_s(T0 + 5 * TICK + TICK // 4) == pytest.approx(0.025)
     assert moving.age_s(T0 + 100 * SECOND) == pytest.approx(96.1)
     assert moving.age_s(T0 - 1) is None
+
+
+@pytest.mark.parametrize("kind", recorded.KINDS)
+def test_where_a_frame_is_at_a_moment(tmp_path: Path, kind: str) -> None:
+    turns = [recorded.transform(T0 + n * SECOND, "odom", "base_link", 2.0 * n, n, 0.5 * n) for n in range(3)]
+    mast = [
+        recorded.transform(T0, "base_link", "mast", 0.2, 0.1, yaw, 0.3, z=0.5, topic="/tf_static") for yaw in (2, 1)
+    ]
+    fixed, moving = inspect(recorded.written(tmp_path, [*mast, *turns], kind)).edges
+    assert moving.pose_at(T0 - 1) is None
+    for seconds in (0.0, 0.75, 2.0):
+        pose = moving.pose_at(T0 + round(seconds * SECOND))
+        assert pose is not None
+        assert (*pose[:3], *to_euler(*pose[3:])) == pytest.approx((2.0 * seconds, seconds, 0, 0, 0, 0.5 * seconds))
+    assert moving.pose_at(T0 + 60 * SECOND) == moving.pose_at(T0 + 2 * SECOND)
+    pose = fixed.pose_at(T0 - 60 * SECOND)
+    assert pose is not None, "a static transform is valid at all times"
+    assert (*pose[:3], *to_euler(*pose[3:])) == pytest.approx((0.2, 0.1, 0.5, 0.3, 0.0, 1.0))
+
+
+def test_of_a_long_recording_poses_are_dropped_and_times_are_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = [recorded.transform(T0 + n * SECOND, "odom", "base_link", 2.0 * n) for n in range(100)]
+    said += [recorded.transform(T0 + n * 50 * SECOND, "map", "odom", n) for n in range(2)]
+    file = recorded.written(tmp_path, said, "mcap")
+    monkeypatch.setattr(inspection, "MAX_POSES", 20)
+    slow, fast = inspect(file).edges
+    assert (len(slow.poses), len(fast.stamps_ns)) == (2, 100)
+    assert 10 <= len(fast.poses) <= 20
+    for seconds in (0.0, 17.5, 98.5, 99.0):
+        pose = fast.pose_at(T0 + round(seconds * SECOND))
+        assert pose is not None
+        assert pose[0] == pytest.approx(2.0 * seconds), "the robot drove straight on"
+
+
+def test_the_age_of_a_transform_over_time() -> None:
+    edge = FrameEdge("odom", "base_link", False, T0 + SECOND * np.array([0, 1, 5]))
+    ages = edge.ages(T0 + 7 * SECOND)
+    assert ((ages.stamps_ns - T0) // SECOND).tolist() == [0, 1, 1, 5, 5, 7]
+    assert ages.values[:, 0].tolist() == [0.0, 1.0, 0.0, 4.0, 0.0, 2.0]
+    assert edge.ages(T0).values[-1, 0] == 0.0, "the log of scans ends before it"
+
+
+def test_who_published_a_transform(tmp_path: Path) -> None:
+    moving = recorded.transform(T0, "odom", "base_link")
+    mast = recorded.transform(T0, "base_link", "mast", topic="/tf_static")
+    bag = tmp_path / "run.bag"
+    with rosbag1.Writer(bag) as writer:
+        for node in ("/amcl", "/ekf" + "x" * 300):
+            one = writer.add_connection("/tf", moving.kind, typestore=recorded.store(1), callerid=node)
+            writer.write(one, T0, serialised(moving, 1))
+        one = writer.add_connection("/tf_static", mast.kind, typestore=recorded.store(1))
+        writer.write(one, T0, serialised(mast, 1))
+    unnamed, named = inspect(bag).edges
+    assert (unnamed.publishers, named.publishers[0]) == ((), "/amcl")
+    assert len(named.publishers[1]) == MAX_NAME
+
+    file = tmp_path / "run.mcap"
+    with file.open("wb") as out:
+        made = Writer(out)
+        made.start("ros1")
+        definition, _ = recorded.store(1).generate_msgdef(moving.kind, ros_version=1)
+        schema = made.register_schema("tf2_msgs/TFMessage", "ros1msg", definition.encode())
+        for n in range(MAX_PUBLISHERS + 3):
+            channel = made.register_channel("/tf", "ros1", schema, {"callerid": f"/node{n}"})
+            made.add_message(channel, T0, serialised(moving, 1), T0)
+        made.finish()  # type: ignore[no-untyped-call]
+    (edge,) = inspect(file).edges
+    assert edge.publishers == tuple(f"/node{n}" for n in range(MAX_PUBLISHERS))
 
 
 def test_a_message_of_another_length_than_its_type_is_counted_and_noted(tmp_path: Path) -> None:

@@ -1,15 +1,19 @@
 import { describe, expect, it } from "vitest";
 import type { FrameEdgeAnswer } from "../../../wire/http";
 import { ageLabel, rateLabel } from "./contents";
-import { isLate, placedFrames } from "./FrameTree";
+import { isLate, placedFrames, unjoinedFrames } from "./FrameTree";
 
 const edge = (parent: string, child: string, more: Partial<FrameEdgeAnswer> = {}): FrameEdgeAnswer => ({
   parent,
   child,
+  topic: "/tf",
   static: false,
   count: 10,
   rate_hz: 10,
   age_s: 0.05,
+  offset: [1, 0, 0],
+  angles: [0, 0, 0],
+  publishers: [],
   used: true,
   ...more,
 });
@@ -47,6 +51,26 @@ describe("the tree of frames", () => {
         .map(({ name }) => name)
         .sort(),
     ).toEqual(["a", "b", "c", "x"]);
+  });
+
+  it("tells the frames that messages name and no transform joins, with their topics", () => {
+    const edges = [edge("odom", "base"), edge("mast", "camera")];
+    const tree = { frames: ["base", "camera", "mast", "odom"], elsewhere: ["b/laser"], edges, fixed: "odom" };
+    const topics = [
+      { topic: "/odom", frames: ["odom", "base"] },
+      { topic: "/left", frames: ["sonar_link"] },
+      { topic: "/right", frames: ["sonar_link"] },
+      { topic: "/image", frames: ["camera"] },
+      { topic: "/b/scan", frames: ["b/laser"] },
+    ];
+    expect(unjoinedFrames(topics, tree)).toEqual([
+      { name: "b/laser", topics: ["/b/scan"], lacks: "it is in other transforms of the log" },
+      { name: "camera", topics: ["/image"], lacks: "no transform joins it with odom" },
+      { name: "sonar_link", topics: ["/left", "/right"], lacks: "no transform names it" },
+    ]);
+    expect(unjoinedFrames(topics.slice(1, 2), null)).toEqual([
+      { name: "sonar_link", topics: ["/left"], lacks: "the log has no transforms" },
+    ]);
   });
 
   it("marks what is late for its rate", () => {

@@ -1,11 +1,16 @@
-/** The tree of frames as a picture, with the age of each transform at the moment sought. */
+/** The tree of frames as a picture, each transform at the moment sought, and the frames that only messages name. */
 
 import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { showAnswer } from "../../../ui/browser/attempts";
+import { written } from "../../../ui/numbers";
 import { SelectField } from "../../../ui/Select";
-import { addressOf, answerAt } from "../../../wire/ask";
-import type { FrameEdgeAnswer, FramesAnswer } from "../../../wire/http";
+import { addressOf, answerAt, ask } from "../../../wire/ask";
+import type { FrameEdgeAnswer, FramesAnswer, SeriesAnswer, TopicFieldsAnswer } from "../../../wire/http";
+import { useFieldNames } from "../fields/useFields";
 import { ageLabel, rateLabel } from "./contents";
+import { Plot } from "./LazyPlot";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
 
@@ -57,6 +62,36 @@ export function placedFrames(
   return placed;
 }
 
+interface NamedFrame {
+  readonly name: string;
+  readonly topics: readonly string[];
+  /** What the transforms lack, as the rest of a sentence. */
+  readonly lacks: string;
+}
+
+/** The frames that messages name and that no transform joins with the fixed one; `tree` is null without transforms. */
+export function unjoinedFrames(
+  topics: readonly Pick<TopicFieldsAnswer, "topic" | "frames">[],
+  tree: Pick<FramesAnswer, "frames" | "elsewhere" | "edges" | "fixed"> | null,
+): readonly NamedFrame[] {
+  const topicsOf = new Map<string, string[]>();
+  for (const { topic, frames } of topics) {
+    for (const name of frames) topicsOf.set(name, [...(topicsOf.get(name) ?? []), topic]);
+  }
+  const placed = tree ? placedFrames(tree.frames, tree.edges, tree.fixed) : [];
+  const next = placed.findIndex(({ depth }, line) => line > 0 && depth === 0);
+  const joined = new Set(placed.slice(0, next < 0 ? undefined : next).map(({ name }) => name));
+  const lackOf = (name: string): string => {
+    if (!tree) return "the log has no transforms";
+    if (tree.frames.includes(name)) return `no transform joins it with ${tree.fixed}`;
+    return tree.elsewhere.includes(name) ? "it is in other transforms of the log" : "no transform names it";
+  };
+  return [...topicsOf]
+    .filter(([name]) => !joined.has(name))
+    .map(([name, topics]) => ({ name, topics, lacks: lackOf(name) }))
+    .sort((a, b) => a.name.localeCompare(b.name));
+}
+
 /** Whether a transform is older than two of its usual pauses, and more than 0.2 s. */
 export function isLate({ static: isStatic, age_s: age, rate_hz: rate }: FrameEdgeAnswer): boolean {
   if (isStatic) return false;
@@ -77,7 +112,10 @@ export function FrameTree({ store, session }: FrameTreeProps) {
         frames > 0 ? (
           <Tree store={store} session={session} />
         ) : (
-          <p class="quiet">The log has no transforms (tf): there is no tree of frames.</p>
+          <div class="frames">
+            <p class="quiet">The log has no transforms (tf): there is no tree of frames.</p>
+            <Unjoined session={session} tree={null} />
+          </div>
         )
       }
     </WhenKnown>
@@ -136,7 +174,120 @@ function Tree({ store, session }: FrameTreeProps) {
         Beside each frame: how often its transform comes and how old it is at this moment of the log. Dashed: static,
         valid at all times. Orange: older than twice its usual interval, or not received yet.
       </p>
+      <Unjoined session={session} tree={frames} />
+      <Transforms edges={frames.edges} />
+      <Age store={store} session={session} edges={frames.edges} />
     </div>
+  );
+}
+
+const MOST_TOPICS = 4;
+
+/** The frames that only messages name. */
+function Unjoined({ session, tree }: { readonly session: string; readonly tree: FramesAnswer | null }) {
+  const topics = useFieldNames(session);
+  if (topics.kind === "failed") return <p role="alert">{topics.why}</p>;
+  if (topics.kind === "reading") return <p class="quiet">Looking up which frames messages name …</p>;
+  const found = unjoinedFrames(topics.value, tree);
+  if (found.length === 0) return null;
+  return (
+    <section aria-label="Frames without a transform">
+      <ul class="frames-faults">
+        {found.map(({ name, topics, lacks }) => (
+          <li key={name}>
+            <strong>{name}</strong>, named on {topics.slice(0, MOST_TOPICS).join(", ")}
+            {topics.length > MOST_TOPICS && ` and ${topics.length - MOST_TOPICS} more`}: {lacks}.
+          </li>
+        ))}
+      </ul>
+      <p class="quiet">By the first message of each topic.</p>
+    </section>
+  );
+}
+
+const DEGREES = 180 / Math.PI;
+
+/** x, y, z in metres, or roll, pitch and yaw in degrees. */
+const three = (values: readonly number[] | null, digits: number, unit: string): string =>
+  values === null ? "not yet" : `${values.map((value) => written(value, digits)).join(", ")} ${unit}`;
+
+/** Where each frame is in its parent at the moment, and who says so. */
+function Transforms({ edges }: { readonly edges: readonly FrameEdgeAnswer[] }) {
+  return (
+    <table class="topics">
+      <caption class="quiet">
+        Each transform at this moment: x, y, z, and roll, pitch, yaw.
+        {edges.every(({ publishers }) => publishers.length === 0) &&
+          " The topic stands for who published it: only ROS 1 bags, and MCAP files made of them, name the node."}
+      </caption>
+      <tbody>
+        {edges.map((edge) => (
+          <tr key={nameOf(edge)}>
+            <th scope="row">
+              {edge.child}
+              <span class="quiet">
+                {" "}
+                in {edge.parent}, by {edge.publishers.join(", ") || edge.topic}
+              </span>
+            </th>
+            <td>
+              {three(edge.offset, 3, "m")}
+              {edge.angles && (
+                <>
+                  <br />
+                  {three(
+                    edge.angles.map((angle) => DEGREES * angle),
+                    1,
+                    "°",
+                  )}
+                </>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** An edge in a word; one frame can have several parents, and a parent several topics. */
+const nameOf = ({ topic, parent, child }: FrameEdgeAnswer): string => `${child} in ${parent} on ${topic}`;
+
+/** The age of a chosen transform over the time of the log. */
+function Age({ store, session, edges }: FrameTreeProps & { readonly edges: readonly FrameEdgeAnswer[] }) {
+  const moving = edges.filter((edge) => !edge.static);
+  const name = useSignal("");
+  const answer = useSignal<SeriesAnswer | null>(null);
+  const failure = useSignal<string | null>(null);
+  const chosen = name.value;
+  useEffect(() => {
+    answer.value = null;
+    const edge = moving.find((one) => nameOf(one) === chosen);
+    if (!edge) return;
+    const query = { tf: edge.topic, parent: edge.parent, child: edge.child };
+    const what = "GET /api/sessions/{session_id}/contents/frame_age";
+    return showAnswer(
+      (ending) => ask(what, { session_id: session }, { query, ending }),
+      failure,
+      (series) => {
+        answer.value = series;
+      },
+    );
+  }, [session, chosen]);
+  if (moving.length === 0) return null;
+  return (
+    <>
+      <SelectField
+        title="Age over time of"
+        value={chosen}
+        options={[{ value: "", label: "–" }, ...moving.map(nameOf).map((value) => ({ value, label: value }))]}
+        onChange={(value) => {
+          name.value = value;
+        }}
+      />
+      {failure.value && <p role="alert">{failure.value}</p>}
+      {answer.value && <Plot key={chosen} store={store} series={answer.value} plot="age" />}
+    </>
   );
 }
 

@@ -20,7 +20,9 @@ const A = { chosen: chosen("a.z"), series: series([0, 1, 2], [1, 2, null]) };
 const B = { chosen: chosen("b, c"), series: series([0.5, 1, 3], [10, 20, 40], [[1, 3]], "") };
 
 test("fields are found by every word of a text", () => {
-  const topics = [{ topic: "/imu", type: "x/Y", fields: ["angular_velocity.z", "linear.z"], why: "", computed: false }];
+  const topics = [
+    { topic: "/imu", type: "x/Y", fields: ["angular_velocity.z", "linear.z"], why: "", frames: [], computed: false },
+  ];
   expect(matching(topics, "VELOCITY imu", 5)).toEqual([{ topic: "/imu", field: "angular_velocity.z" }]);
   expect(matching(topics, "z", 1)).toHaveLength(1);
   expect(matching(topics, "x", 5)).toEqual([]);
