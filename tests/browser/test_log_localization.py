@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -65,7 +66,7 @@ def test_the_sample_is_localized_in_its_own_map(
     await_true(page, f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
     await_end(panel.get_by_role("progressbar"))
     expect(panel.get_by_text("Found: the poses in the map")).to_be_in_viewport(ratio=1)
-    panel.get_by_role("button", name="Show the start").click()
+    panel.get_by_role("button", name=re.compile("^Go to the start, ")).click()
     await_true(page, f"() => {_STORE}.part('localization').message.peek()?.n_updates === 1")
 
     def particles() -> list[float]:

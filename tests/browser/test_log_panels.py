@@ -76,7 +76,7 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     expect(topics.get_by_role("row").filter(has_text="/scan")).to_contain_text("mapped")
 
     picture = open_group(page, "Pictures").get_by_role("img")
-    expect(picture).to_have_attribute("alt", "/camera at 0.50 s")
+    expect(picture).to_have_attribute("alt", "/camera at 0:00.500")
     until("the picture", lambda: picture.evaluate("(img) => [img.naturalWidth, img.naturalHeight]") == [64, 48])
 
     # A click on a plot goes to that moment: at half of the width to half of the time.

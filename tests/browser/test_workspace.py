@@ -42,7 +42,7 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     page.keyboard.press("2")
     views = page.locator(".view-pane")
     expect(views).to_have_count(2)
-    expect(views.nth(1).get_by_role("img")).to_have_attribute("alt", re.compile("^/camera at 0.50 s"))
+    expect(views.nth(1).get_by_role("img")).to_have_attribute("alt", re.compile("^/camera at 0:00.500"))
     border = page.get_by_role("separator", name="Border between the columns of views")
     before = centre(border)[0]
     border.press("PageDown")

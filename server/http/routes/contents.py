@@ -111,7 +111,9 @@ class ContentsReading:
 
 @dataclass(frozen=True, slots=True)
 class TopicAnswer:
-    """A topic of the recording; times are seconds since it began, null for messages without a time.
+    """A topic of the recording; times are seconds since the log's first scan, null for messages without a time.
+
+    They are those of the recording, less the time from the stamp of that scan to its own recording.
 
     ``mapped`` says whether the map is made of it, null for a topic of which no map can be made; ``cut`` whether it has
     clouds or images, out of which scans can be cut.
@@ -161,17 +163,17 @@ async def contents(
     """Return every topic of the recording, and which of them can be plotted.
 
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
-    with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds: of topics since the recording
-    began, of other series since the log's first scan.
+    with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds since the log's first scan.
     """
     recording, found = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(found, float):
         response.status_code = 202
         return ContentsReading(round(found, 3))
-    began_ns = min((topic.first_ns for topic in found.topics if topic.first_ns), default=0)
+    held = HeldContents(recording, found)
+    ahead_ns = held.recorded_ahead_ns
     sensors = {topic.name: topic.chosen for topic in recording.log.topics if topic.beams is not None}
     return ContentsAnswer(
-        topics=[_topic(topic, began_ns, sensors.get(topic.name)) for topic in found.topics],
+        topics=[_topic(topic, held, ahead_ns, sensors.get(topic.name)) for topic in found.topics],
         series=[
             PlottedTopic(
                 topic=one.topic,
@@ -201,7 +203,7 @@ def owner_of(sessions: SessionRegistry, library: Library, session_id: str) -> st
     return session.owner if session.link is None else library.links.get(session.link).owner
 
 
-def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> TopicAnswer:
+def _topic(topic: TopicContents, held: HeldContents, ahead_ns: int, is_chosen: bool | None) -> TopicAnswer:
     has_times = topic.first_ns > 0
     return TopicAnswer(
         name=topic.name,
@@ -209,8 +211,8 @@ def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> Topic
         messages=topic.messages,
         bytes=topic.bytes,
         rate_hz=topic.rate_hz,
-        first_s=(topic.first_ns - began_ns) * 1e-9 if has_times else None,
-        last_s=(topic.last_ns - began_ns) * 1e-9 if has_times else None,
+        first_s=held.seconds(topic.first_ns - ahead_ns) if has_times else None,
+        last_s=held.seconds(topic.last_ns - ahead_ns) if has_times else None,
         mapped=is_chosen,
         cut=is_cut(topic.type),
     )

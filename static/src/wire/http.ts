@@ -1038,9 +1038,10 @@ export interface Topic {
 }
 
 /**
- * A topic of the recording; times are seconds since it began, null for messages without a time. `mapped` says whether
- * the map is made of it, null for a topic of which no map can be made; `cut` whether it has clouds or images, out of
- * which scans can be cut.
+ * A topic of the recording; times are seconds since the log's first scan, null for messages without a time. They are
+ * those of the recording, less the time from the stamp of that scan to its own recording. `mapped` says whether the map
+ * is made of it, null for a topic of which no map can be made; `cut` whether it has clouds or images, out of which
+ * scans can be cut.
  */
 export interface TopicAnswer {
   readonly name: string;

@@ -1,5 +1,6 @@
 import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { momentText, shownTime } from "../../store/shownTime";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { whenIdle } from "../../ui/browser/whenIdle";
@@ -14,7 +15,6 @@ import type { LogInfo } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
 import { SENSOR_SEPARATOR, trajectoryLabel } from "./library/describeLog";
 import { standsStill } from "./slam/standsStill";
-import { shownTime } from "./time/shownTime";
 import "./doctor.css";
 
 /**
@@ -268,7 +268,7 @@ interface TimeButtonProps {
 
 /** A moment as a button that goes there; of a log without times the number of the scan. */
 function TimeButton({ store, seconds, scan }: TimeButtonProps) {
-  const text = (store.hello.value?.log?.duration_s ?? 0) > 0 ? shownTime(store, seconds) : `scan ${scan + 1}`;
+  const text = momentText(store, seconds, scan + 1);
   return (
     <Button kind="quiet" label={`Go to ${text}`} onClick={() => store.goTo(scan + 1)}>
       <span class="number">{text}</span>

@@ -1,4 +1,5 @@
 import { useEffect, useMemo } from "preact/hooks";
+import { shownTime } from "../../store/shownTime";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { isTyping } from "../../ui/browser/isTyping";
@@ -14,7 +15,6 @@ import type { NotesState } from "./notes/useNotes";
 import type { TimelinePlotsState } from "./plots/timelinePlots";
 import { Moment } from "./time/Moment";
 import { scansAt, secondsAt } from "./time/scanTimes";
-import { shownTime } from "./time/shownTime";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 

@@ -164,9 +164,10 @@ const GROUPS: readonly Group[] = [
     id: "topics",
     title: "Topics",
     section: "Data",
-    content: ({ sensor, log, isGuest, topic, openGroup }) => (
+    content: ({ store, sensor, log, isGuest, topic, openGroup }) => (
       <Topics
         key={log?.topic}
+        store={store}
         sensor={isGuest ? null : sensor}
         log={log}
         onMessages={(name) => {

@@ -3,6 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import { MAP, SECOND_MAP } from "../../store/layers";
+import { momentText } from "../../store/shownTime";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -202,7 +203,7 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
               if (contribution) store.goTo(contribution.scan + 1);
             }}
           >
-            Go to this scan
+            {contribution ? `Go to ${momentText(store, contribution.stamp, contribution.scan + 1)}` : "Go to …"}
           </Button>
         )}
       </div>

@@ -88,6 +88,6 @@ describe("the tree of frames", () => {
       "every 50 s",
       "–",
     ]);
-    expect([ageLabel(0.0304), ageLabel(3.42), ageLabel(125.2)]).toEqual(["30 ms", "3.4 s", "2:05 min"]);
+    expect([0.0304, 3.42, 125.2, 3725.2].map(ageLabel)).toEqual(["30 ms", "3.420 s", "2:05.200 min", "1:02:05.200 h"]);
   });
 });

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { selectionOf } from "../../../tools/scene/selection";
 import { signed } from "../../../ui/numbers";
@@ -79,9 +80,9 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
       )}
       {shown && (
         <figure>
-          <Marked src={shown.address} alt={`${topic.value} at ${shown.seconds.toFixed(2)} s`} sight={sight} />
+          <Marked src={shown.address} alt={`${topic.value} at ${shownTime(store, shown.seconds)}`} sight={sight} />
           <figcaption class="quiet">
-            {signed(shown.seconds - at)} s from the moment of the map
+            {shownTime(store, shown.seconds)}, {signed(shown.seconds - at, 3)} s from the moment of the map
             {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}
             {sight && `; the selected place, on the floor, ${IS_SEEN[sight.where]}`}
             {camera?.why && `; the selected place is not marked: ${camera.why}`}

@@ -4,10 +4,12 @@ import { effect, type Signal, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useWidth";
 import { written } from "../../../ui/numbers";
+import { timeText } from "../../../ui/timeText";
 import type { Plotted } from "../fields/fields";
 import { selectedTimes } from "../time/selectedTimes";
 import { across as overEachOther } from "./across";
@@ -21,8 +23,7 @@ import {
   numberLabels,
   onClickAt,
   rangeWith,
-  TIME_STEPS,
-  timeLabels,
+  timeAxis,
   zoomInto,
 } from "./plotParts";
 import { type Span, scanAtTime } from "./series";
@@ -59,6 +60,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
   const units = [...new Set(columns.map((column) => column.unit))];
   const unit = units.join(", ");
   const scheme = isDark.value;
+  const start = shownStart(store);
   const drawn = useRef<UPlot | null>(null);
   useEffect(() => {
     const element = frame.current;
@@ -66,7 +68,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     const over = across === undefined ? undefined : columns[across];
     const shown = over ? columns.filter((column) => column !== over) : columns;
     const options = {
-      ...optionsOf(store, element, series, shown, width),
+      ...optionsOf(store, element, series, shown, width, start),
       cursor: {
         ...(zoom ? zoomInto(zoom) : CURSOR),
         // Fields of several topics have values at different times.
@@ -91,7 +93,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
       drawn.current = null;
       chart.destroy();
     };
-  }, [series, plot, scheme, across]);
+  }, [series, plot, scheme, across, start]);
   useEffect(() => {
     drawn.current?.setSize({ width, height: across === undefined ? HEIGHT : ACROSS_HEIGHT });
   }, [width, across]);
@@ -164,6 +166,7 @@ function optionsOf(
   series: Plotted,
   columns: Plotted["columns"],
   width: number,
+  start: number | null,
 ): UPlot.Options {
   const axis = axisStyle(element);
   const now = colourOf(element, "--beam");
@@ -176,7 +179,7 @@ function optionsOf(
     // Each unit has a scale of its own, in turn on the left and on the right.
     scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), scaleFor(unit)])) },
     axes: [
-      { ...axis, size: 26, values: (_, splits) => timeLabels(splits), splits: labelsOn(60, TIME_STEPS) },
+      { ...axis, size: 26, ...timeAxis(60, start) },
       ...units.map((unit, n) => ({
         ...axis,
         scale: scaleOf(unit),
@@ -189,7 +192,7 @@ function optionsOf(
       })),
     ],
     series: [
-      { label: "time", value: (_, at) => (at === null ? "–" : `${written(at, 2)} s`) },
+      { label: "time", value: (_, at) => (at === null ? "–" : timeText(at, start)) },
       ...columns.map((column, n) => {
         const line = LINES[n % LINES.length];
         return {

@@ -1,3 +1,5 @@
+import { shownTime } from "../../../store/shownTime";
+import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { bytes } from "../../../ui/numbers";
 import type { ContentsAnswer, TopicAnswer } from "../../../wire/http";
@@ -5,12 +7,12 @@ import type { LogInfo } from "../../../wire/protocol";
 import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
-import { timeText } from "../time/timeText";
 import { rateLabel } from "./contents";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
 
 interface TopicsProps {
+  readonly store: Store;
   /** Maps another topic; null for a guest. */
   readonly sensor: SensorState | null;
   /** The log of the session; null until it is known. */
@@ -20,12 +22,13 @@ interface TopicsProps {
 }
 
 /** Every topic of a recording with its type, count, rate, span and size; those of sensors can be mapped. */
-export function Topics({ sensor, log, onMessages }: TopicsProps) {
+export function Topics({ store, sensor, log, onMessages }: TopicsProps) {
   return (
     <WhenKnown>
       {(contents) => (
         <>
           <Table
+            store={store}
             contents={contents}
             sensor={sensor}
             mapped={log?.topic.split(SENSOR_SEPARATOR) ?? []}
@@ -43,6 +46,7 @@ const isSensor = ({ mapped, cut, name, type }: TopicAnswer): boolean =>
   mapped !== null || (cut && (!type.endsWith("Image") || /depth/i.test(name)));
 
 interface TableProps {
+  readonly store: Store;
   readonly contents: ContentsAnswer;
   readonly sensor: SensorState | null;
   /** The topics that the map is made of. */
@@ -50,7 +54,7 @@ interface TableProps {
   readonly onMessages: (topic: string) => void;
 }
 
-function Table({ contents, sensor, mapped, onMessages }: TableProps) {
+function Table({ store, contents, sensor, mapped, onMessages }: TableProps) {
   const { topics, notes } = contents;
   if (topics.length === 0) {
     return <p class="quiet">This kind of log contains only scans and poses: it has no topics.</p>;
@@ -76,6 +80,7 @@ function Table({ contents, sensor, mapped, onMessages }: TableProps) {
           {topics.map((topic) => (
             <Row
               key={`${topic.name} ${topic.type}`}
+              store={store}
               topic={topic}
               whole={wholeSpan(topics)}
               isMapped={mapped.includes(topic.name)}
@@ -102,21 +107,25 @@ function Table({ contents, sensor, mapped, onMessages }: TableProps) {
   );
 }
 
-const wholeSpan = (topics: readonly TopicAnswer[]): number =>
-  topics.reduce((last, topic) => Math.max(last, topic.last_s ?? 0), 0);
+/** When the first message of all topics was recorded, and the last, s; infinite and reversed without any time. */
+function wholeSpan(topics: readonly TopicAnswer[]): readonly [first: number, last: number] {
+  const times = topics.flatMap(({ first_s, last_s }) => [first_s, last_s]).filter((time) => time !== null);
+  return [Math.min(...times), Math.max(...times)];
+}
 
 interface RowProps {
+  readonly store: Store;
   readonly topic: TopicAnswer;
-  readonly whole: number;
+  readonly whole: readonly [first: number, last: number];
   readonly isMapped: boolean;
   /** Maps the topic by itself; null where no map can be made of it. */
   readonly sensor: SensorState | null;
   readonly onMessages: () => void;
 }
 
-function Row({ topic, whole, isMapped, sensor, onMessages }: RowProps) {
+function Row({ store, topic, whole: [first, last], isMapped, sensor, onMessages }: RowProps) {
   const { name, type, messages, rate_hz, first_s, last_s } = topic;
-  const hasSpan = first_s !== null && last_s !== null;
+  const hasSpan = first_s !== null && last_s !== null && last > first;
   return (
     <tr>
       <th scope="row">
@@ -127,14 +136,14 @@ function Row({ topic, whole, isMapped, sensor, onMessages }: RowProps) {
           {type}
           {isMapped && <strong class="topic-mapped"> · mapped</strong>}
         </span>
-        {hasSpan && whole > 0 && (
+        {hasSpan && (
           <span
             class="topic-span"
-            title={`${timeText(first_s)} to ${timeText(last_s)} of the recording`}
-            style={{ "--from": first_s / whole, "--to": last_s / whole }}
+            title={`${shownTime(store, first_s)} to ${shownTime(store, last_s)}`}
+            style={{ "--from": (first_s - first) / (last - first), "--to": (last_s - first) / (last - first) }}
           >
             <span class="visually-hidden">
-              from {timeText(first_s)} to {timeText(last_s)}
+              from {shownTime(store, first_s)} to {shownTime(store, last_s)}
             </span>
           </span>
         )}

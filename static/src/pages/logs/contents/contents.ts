@@ -1,5 +1,7 @@
 /** Rates and ages of what a log's recording holds, as text. */
 
+import { timeText } from "../../../ui/timeText";
+
 /** A rate as text: 10.0 Hz, and for slow topics the time between two messages. */
 export function rateLabel(rate: number | null): string {
   if (rate === null) return "–";
@@ -7,10 +9,9 @@ export function rateLabel(rate: number | null): string {
   return `every ${Math.round(1 / rate)} s`;
 }
 
-/** An age as text: 12 ms, 3.4 s, 2:05. */
+/** An age as text, to the millisecond: 12 ms, 3.400 s, 2:05.200 min. */
 export function ageLabel(seconds: number): string {
   if (seconds < 1) return `${Math.round(1000 * seconds)} ms`;
-  if (seconds < 60) return `${seconds.toFixed(1)} s`;
-  const whole = Math.round(seconds);
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")} min`;
+  if (seconds < 60) return `${seconds.toFixed(3)} s`;
+  return `${timeText(seconds)} ${seconds < 3600 ? "min" : "h"}`;
 }

@@ -1,5 +1,5 @@
-import { expect, test } from "vitest";
-import { labelPlaces, numberLabels, rangeWith, TIME_STEPS, timeLabels } from "./plotParts";
+import { expect, test, vi } from "vitest";
+import { labelPlaces, numberLabels, rangeWith, TIME_STEPS, timeAxis, timeLabels } from "./plotParts";
 
 test("times on an axis have the decimals that tell them apart", () => {
   expect(timeLabels([0, 60, 120])).toEqual(["0:00", "1:00", "2:00"]);
@@ -35,4 +35,18 @@ test("shares of a whole end at 100 %, and numbers on an axis are short", () => {
   expect(rangeWith("%", -4, 108)).toEqual([0, 100]);
   expect(rangeWith("m", -4, 108)).toEqual([-4, 108]);
   expect(numberLabels([-0.25, 1500, 250_000])).toEqual(["−0.25", "1,500", "250K"]);
+});
+
+test("times on an axis in UTC are round in UTC, and to the millisecond", () => {
+  const start = 1_760_000_000.25; // 2025-10-09 08:53:20.250 UTC
+  expect(timeLabels([39.75, 99.75], start)).toEqual(["08:54:00", "08:55:00"]);
+  expect(timeLabels([0.5, 0.505], start)).toEqual(["08:53:20.750", "08:53:20.755"]);
+  expect(timeLabels([54_399.75, 54_400.75], start)).toEqual(["00:00:00", "00:00:01"]);
+  vi.stubGlobal("devicePixelRatio", 1);
+  const chart = { axes: [{ side: 2 }], bbox: { width: 400, height: 100 } };
+  const splits = timeAxis(70, start).splits as (...given: unknown[]) => number[];
+  const places = splits(chart, 0, 0, 120);
+  vi.unstubAllGlobals();
+  expect(places.length).toBeGreaterThanOrEqual(3);
+  for (const text of timeLabels(places, start)) expect(text).toMatch(/^08:5\d:(00|30)$/);
 });

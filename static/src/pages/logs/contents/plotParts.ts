@@ -4,6 +4,7 @@ import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
 import { labelFont } from "../../../style/labelFont";
 import { clock } from "../../../ui/numbers";
+import { timeText } from "../../../ui/timeText";
 import type { Span } from "./series";
 
 /** Horizontal distance from which a press is a drag, px. */
@@ -61,12 +62,16 @@ export function labelPlaces(low: number, high: number, most: number, steps = rou
   return finer;
 }
 
-/** The labels that have room on the axis of a chart, each `space` px or more from the next. */
-export function labelsOn(space: number, steps?: number[]): NonNullable<UPlot.Axis["splits"]> {
+/**
+ * The labels that have room on the axis of a chart, each `space` px or more from the next. Labels of an axis in UTC
+ * are round where 0 on it is `origin`.
+ */
+export function labelsOn(space: number, steps?: number[], origin = 0): NonNullable<UPlot.Axis["splits"]> {
   return (chart, axis, low, high) => {
     const isAcross = chart.axes[axis]?.side === 0 || chart.axes[axis]?.side === 2;
     const length = (isAcross ? chart.bbox.width : chart.bbox.height) / devicePixelRatio;
-    return labelPlaces(low, high, Math.max(3, Math.floor(length / space)), steps);
+    const most = Math.max(3, Math.floor(length / space));
+    return labelPlaces(low + origin, high + origin, most, steps).map((at) => at - origin);
   };
 }
 
@@ -82,11 +87,21 @@ const COMPACT = new Intl.NumberFormat("en", { maximumSignificantDigits: 6, notat
 export const numberLabels = (splits: readonly number[]): string[] =>
   splits.map((at) => (Math.abs(at) >= 1e5 ? COMPACT : PLAIN).format(at).replace("-", "−"));
 
-/** Times on an axis: with as many decimals as their distance needs. */
-export function timeLabels(splits: readonly number[]): string[] {
+/** The labels of an axis of times, s from the log's first scan: of that, or in UTC where `start` is its time. */
+export const timeAxis = (space: number, start: number | null): Pick<UPlot.Axis, "splits" | "values"> => ({
+  // In UTC they need more room. The second of the day is the origin: since 1970 its digits would not suffice.
+  splits: labelsOn(start === null ? space : 1.3 * space, TIME_STEPS, (start ?? 0) % DAY_S),
+  values: (_, splits) => timeLabels(splits, start),
+});
+
+const DAY_S = 86_400;
+
+/** Times on an axis: with as many decimals as their distance needs; those in UTC to the millisecond at most. */
+export function timeLabels(splits: readonly number[], start: number | null = null): string[] {
   const step = (splits[1] ?? 1) - (splits[0] ?? 0);
-  const digits = step >= 1 ? 0 : Math.min(6, Math.ceil(-Math.log10(step) - 1e-9));
+  const digits = step >= 1 - 1e-9 ? 0 : Math.min(6, Math.ceil(-Math.log10(step) - 1e-6));
   return splits.map((at) => {
+    if (start !== null) return timeText(at, start).slice(11, digits > 0 ? 20 + Math.min(3, digits) : 19);
     const text = Math.abs(at).toFixed(digits);
     const seconds = Number(text);
     const rest = digits > 0 ? text.slice(text.indexOf(".")) : "";

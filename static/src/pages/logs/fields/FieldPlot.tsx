@@ -78,7 +78,12 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
           <Button
             kind="quiet"
             icon="download"
-            onClick={() => saveAs("plot.csv", new Blob([csvOf(plotted)], { type: "text/csv" }))}
+            onClick={() =>
+              saveAs(
+                "plot.csv",
+                new Blob([csvOf(plotted, store.hello.peek()?.log?.start_s ?? null)], { type: "text/csv" }),
+              )
+            }
           >
             CSV of what is shown
           </Button>

@@ -35,7 +35,12 @@ test("fields of different times share a row of times", () => {
     [1, null, 2, null, null],
     [null, 10, 20, null, 40],
   ]);
-  expect(csvOf(found)).toBe('time_s,/imu a.z (m),"/imu b, c"\n0,1,\n0.5,,10\n1,2,20\n2,,\n3,,40\n');
+  expect(csvOf(found, 1_760_000_000.25).split("\n").slice(0, 3)).toEqual([
+    'time_s,time_utc,/imu a.z (m),"/imu b, c"',
+    "0,2025-10-09T08:53:20.250Z,1,",
+    "0.5,2025-10-09T08:53:20.750Z,,10",
+  ]);
+  expect(csvOf(found, null)).toBe('time_s,/imu a.z (m),"/imu b, c"\n0,1,\n0.5,,10\n1,2,20\n2,,\n3,,40\n');
 });
 
 test("over another field the others are taken at its times, not across a gap", () => {

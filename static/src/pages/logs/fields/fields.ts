@@ -131,10 +131,19 @@ export function valueAt({ times, columns, gaps }: SeriesAnswer, time: number): n
   return a + ((time - t0) / (t1 - t0)) * (b - a);
 }
 
-/** What is plotted as CSV: the time in s and one column for each field; a field without a value there is empty. */
-export function csvOf({ times, columns }: Plotted): string {
+/**
+ * What is plotted as CSV: the time in s, where the log's clock tells it also in UTC, and one column for each field; a
+ * field without a value there is empty. `start` is the time of the log's first scan, s since 1970, or null.
+ */
+export function csvOf({ times, columns }: Plotted, start: number | null): string {
   const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-  const head = ["time_s", ...columns.map(({ label, unit }) => quoted(unit ? `${label} (${unit})` : label))];
-  const rows = times.map((time, n) => [time, ...columns.map(({ values }) => values[n] ?? "")].join(","));
+  const utc = (time: number): string[] =>
+    start === null ? [] : [new Date(Math.round((start + time) * 1000)).toISOString()];
+  const head = [
+    "time_s",
+    ...(start === null ? [] : ["time_utc"]),
+    ...columns.map(({ label, unit }) => quoted(unit ? `${label} (${unit})` : label)),
+  ];
+  const rows = times.map((time, n) => [time, ...utc(time), ...columns.map(({ values }) => values[n] ?? "")].join(","));
   return `${[head.join(","), ...rows].join("\n")}\n`;
 }

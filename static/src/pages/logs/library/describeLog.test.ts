@@ -63,7 +63,7 @@ test("the reading is told by its share and its time", () => {
 test("what is inside is told in plain words", () => {
   expect(inside(intel)).toEqual([
     "Recorded 2001-09-09 01:46 UTC",
-    "3.4 scans a second; 2 gaps, the longest of 61.5 s at 2:05",
+    "3.4 scans a second; 2 gaps, the longest of 61.5 s at 2:05.000",
     "Sensor 0.20 m ahead, 0.10 m to the right, turned by 180°, upside-down",
   ]);
   const plain = { ...intel, time: null, mount: CENTRE, upside_down: false };

@@ -1,6 +1,8 @@
 /** Descriptions of a log for the page. */
 
+import { inUtc } from "../../../store/shownTime";
 import { bytes, clock, written } from "../../../ui/numbers";
+import { timeText } from "../../../ui/timeText";
 import { progressText } from "../../../ui/Working";
 import type { LogRecord, Topic } from "./library";
 
@@ -89,7 +91,7 @@ export function inside(log: LogRecord): readonly string[] {
       ? [
           `${written(time.rate_hz, 1)} ${unit} a second${
             time.gaps > 0
-              ? `; ${gaps(time.gaps)}, the longest of ${written(time.longest_gap_s, 1)} s at ${clock(time.longest_gap_at_s)}`
+              ? `; ${gaps(time.gaps)}, the longest of ${written(time.longest_gap_s, 1)} s at ${timeText(time.longest_gap_at_s, inUtc.value ? time.start_s : null)}`
               : ", without gaps"
           }`,
         ]

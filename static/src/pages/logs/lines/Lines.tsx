@@ -3,13 +3,13 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useMemo, useRef } from "preact/hooks";
+import { clockTime, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { plural } from "../../../ui/numbers";
 import { Select } from "../../../ui/Select";
 import { WhenKnown } from "../contents/useContents";
 import { scansAt } from "../time/scanTimes";
-import { clockTime, shownTime } from "../time/shownTime";
 import { LEVELS, type Line, type LinesState, levelName, matching, newestAt, nodesOf, WARNING } from "./lines";
 import "./lines.css";
 

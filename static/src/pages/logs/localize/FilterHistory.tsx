@@ -1,4 +1,5 @@
 import { useMemo } from "preact/hooks";
+import { momentText } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
@@ -29,9 +30,11 @@ export function HistoryOfFilter({ store, history }: FilterHistoryProps) {
         </p>
         {first !== null && (
           <div class="actions">
-            <Button onClick={() => store.goTo(first + 1)}>Show that scan</Button>
+            <Button onClick={() => store.goTo(first + 1)}>
+              Go to {momentText(store, history.seconds[first] ?? 0, first + 1)}
+            </Button>
             <Button kind="quiet" onClick={() => store.goTo(1)}>
-              Show the start
+              Go to the start, {momentText(store, history.seconds[0] ?? 0, 1)}
             </Button>
           </div>
         )}

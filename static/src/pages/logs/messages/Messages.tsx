@@ -1,6 +1,7 @@
 /** The newest message of a topic at the moment that the log is at, as a tree of its fields. */
 
 import { type Signal, useSignal } from "@preact/signals";
+import { shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { bytes, signed } from "../../../ui/numbers";
@@ -10,7 +11,6 @@ import { addressOf, answerAt } from "../../../wire/ask";
 import type { MessageAnswer } from "../../../wire/http";
 import { useAtMoment } from "../contents/useAtMoment";
 import { WhenKnown } from "../contents/useContents";
-import { shownTime } from "../time/shownTime";
 import "./messages.css";
 
 type Tree = string | number | boolean | null | readonly Tree[] | { readonly [name: string]: Tree };

@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { momentText, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { measuringOf } from "../../../tools/measure/measuring";
 import { areaOf } from "../../../tools/measure/model";
@@ -7,7 +8,6 @@ import { Button } from "../../../ui/Button";
 import { written } from "../../../ui/numbers";
 import { ToggleOf } from "../../../ui/Toggle";
 import type { NoteAnswer } from "../../../wire/http";
-import { shownTime } from "../time/shownTime";
 import { type Pin, scanOf } from "./noteRecords";
 import "./notes.css";
 import type { NotesState } from "./useNotes";
@@ -235,6 +235,5 @@ function Editor({ store, state, note, onDone }: EditorProps) {
 
 function momentLabel(store: Store): string {
   const frame = store.frame.value;
-  if (!frame) return "…";
-  return (store.hello.value?.log?.duration_s ?? 0) > 0 ? shownTime(store, frame.stamp) : `scan ${frame.index}`;
+  return frame ? momentText(store, frame.stamp, frame.index) : "…";
 }

@@ -1,11 +1,11 @@
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
+import { timeText } from "../../../ui/timeText";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
 import { UtcSwitch } from "../time/Moment";
-import { timeText } from "../time/timeText";
 import "./overview.css";
 
 /** The length of the path through the poses that the page has of a trajectory, which need not be all, m. */

@@ -17,8 +17,7 @@ import {
   numberLabels,
   onClickAt,
   rangeWith,
-  TIME_STEPS,
-  timeLabels,
+  timeAxis,
   zoomInto,
 } from "../contents/plotParts";
 import type { Span } from "../contents/series";
@@ -43,10 +42,12 @@ interface StripProps {
   readonly now: Signal<number | null>;
   /** Whether the axis of time is written below it. */
   readonly hasAxis: boolean;
+  /** The time of the log's first scan, s since 1970, where the axis is in UTC; else null. */
+  readonly start: number | null;
   readonly onGo: (place: number) => void;
 }
 
-export function Strip({ series, column, shown, tone, span, zoom, pointed, now, hasAxis, onGo }: StripProps) {
+export function Strip({ series, column, shown, tone, span, zoom, pointed, now, hasAxis, start, onGo }: StripProps) {
   const frame = useRef<HTMLDivElement>(null);
   const width = useWidth(frame, 600).value;
   const drawn = useRef<UPlot | null>(null);
@@ -72,10 +73,11 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
         {
           ...axis,
           size: hasAxis ? AXIS_HEIGHT : 0,
-          splits: labelsOn(70, series.axis === "time" ? TIME_STEPS : undefined),
+          ...(series.axis === "time"
+            ? timeAxis(70, start)
+            : { splits: labelsOn(70), values: (_: UPlot, splits: number[]) => splits.map((at) => written(at, 0)) }),
           gap: 3,
-          values: (_, splits) =>
-            !hasAxis ? [] : series.axis === "time" ? timeLabels(splits) : splits.map((at) => written(at, 0)),
+          ...(hasAxis ? {} : { values: () => [] }),
           ticks: { ...axis.ticks, show: hasAxis, size: 5 },
         },
         { ...axis, size: Y_AXIS_WIDTH, splits: labelsOn(22), gap: 4, values: (_, splits) => numberLabels(splits) },
@@ -139,7 +141,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
       drawn.current = null;
       chart.destroy();
     };
-  }, [series, column, shown, tone, span, hasAxis, scheme]);
+  }, [series, column, shown, tone, span, hasAxis, start, scheme]);
   useEffect(() => {
     drawn.current?.setSize({ width, height });
   }, [width, height]);

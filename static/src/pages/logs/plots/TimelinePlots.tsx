@@ -12,8 +12,8 @@ import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { COMPUTED } from "../fields/fields";
 import "./plots.css";
+import { shownStart, shownTime } from "../../../store/shownTime";
 import { lazy } from "../../../ui/lazy";
-import { shownTime } from "../time/shownTime";
 import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
 
@@ -189,6 +189,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
                 pointed={pointed}
                 now={now}
                 hasAxis={n === visible.length - 1}
+                start={shownStart(store)}
                 onGo={go}
               />
             ) : (

@@ -1,9 +1,9 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { inUtc, shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
+import { readTime, timeText } from "../../../ui/timeText";
 import { scansAt } from "./scanTimes";
-import { inUtc, shownStart } from "./shownTime";
-import { readTime, timeText } from "./timeText";
 import "./moment.css";
 
 interface MomentProps {

@@ -1,7 +1,7 @@
 import type { Signal } from "@preact/signals";
-import type { Store } from "../../../store/store";
-import { isBoolean, kept } from "../../../ui/browser/kept";
-import { timeText } from "./timeText";
+import { isBoolean, kept } from "../ui/browser/kept";
+import { timeText } from "../ui/timeText";
+import type { Store } from "./store";
 
 /** Whether times are shown in UTC, where the log's clock tells it, and not from the log's first scan. */
 export const inUtc: Signal<boolean> = kept("gridbloom.logs.utc", false, isBoolean);
@@ -13,7 +13,11 @@ export const shownStart = (store: Store): number | null =>
 /** A moment of a log, s from its first scan, as the visitor wants times. */
 export const shownTime = (store: Store, seconds: number): string => timeText(seconds, shownStart(store));
 
-/** The same without date and zone, for lists. */
+/** The same, or the number of the scan, from 1, of a log without times. */
+export const momentText = (store: Store, seconds: number, scan: number): string =>
+  (store.hello.value?.log?.duration_s ?? 0) > 0 ? shownTime(store, seconds) : `scan ${scan}`;
+
+/** A moment without date and zone, for lists. */
 export function clockTime(store: Store, seconds: number): string {
   const text = shownTime(store, seconds);
   return shownStart(store) === null ? text : text.slice(11, 23);
