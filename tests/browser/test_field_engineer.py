@@ -164,7 +164,9 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
     else:
         by.press(lines.locator(".log-line", has_text="Bumper pressed"))
     until("the moment of the push", lambda: abs(frame(page)["stamp"] - 2.0) < 0.06)
-    expect(page.get_by_role("region", name="Pictures").get_by_role("img")).to_have_attribute("alt", "/camera at 0:02.000")
+    expect(page.get_by_role("region", name="Pictures").get_by_role("img")).to_have_attribute(
+        "alt", "/camera at 0:02.000"
+    )
     plots = page.get_by_role("region", name="Plots", exact=True)
     by.choose(plots.get_by_label("Topic"), "/odom (nav_msgs/Odometry)")
     expect(plots.locator("[data-plot=speed]")).to_contain_text("m/s")

@@ -125,7 +125,7 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     with page.expect_download() as saved:
         plots.get_by_role("button", name="CSV of what is shown").click()
     rows_of_csv = saved.value.path().read_text().splitlines()
-    assert rows_of_csv[0] == "time_s,d/dt /imu orientation.yaw (rad/s),/odom pose.pose.position.x (m)"
+    assert rows_of_csv[0] == "time_s,time_utc,d/dt /imu orientation.yaw (rad/s),/odom pose.pose.position.x (m)"
     assert len(rows_of_csv) == 1 + 60
     plots.get_by_label("Horizontal").select_option("/odom pose.pose.position.x")
     expect(plots.locator(".field-plot .u-label").filter(has_text="position.x")).to_have_count(1)
