@@ -57,3 +57,22 @@ def test_a_phone_shows_world_and_belief_at_once_and_other_views_as_pages(page: P
     views.nth(0).get_by_role("button", name="Go to view 3").click()
     expect(views.nth(2)).to_be_in_viewport(ratio=0.9)
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_distance_is_measured_on_the_belief(page: Page, open_lab: Callable[..., Page]) -> None:
+    open_lab()
+    belief = page.get_by_role("region", name="The belief")
+    expect(belief.locator(".map-scale")).to_contain_text(re.compile(r"^\d+ m$"))
+    belief.get_by_role("button", name="Measure a distance").click()
+    measured = belief.get_by_role("region", name="Measured")
+    measured.get_by_role("switch", name="Snap to walls").click()
+    box = belief.locator(".picture").bounding_box()
+    assert box is not None
+    for place in ([3.0, 4.0], [6.0, 8.0]):
+        x, y = page.evaluate("(xy) => gridbloom.screen(xy)", place)
+        page.mouse.click(box["x"] + x, box["y"] + y)
+    words = until("a length", lambda: re.match(r"(\d+\.\d+) m", measured.locator(".number").inner_text()))
+    metres = float(words[1])
+    assert abs(metres - 5.0) < 0.1  # of two pixels
+    measured.get_by_role("button", name="Close the ruler").click()
+    expect(measured).to_have_count(0)

@@ -7,6 +7,7 @@ import { CompareOverlay } from "../../tools/compare/CompareOverlay";
 import type { Comparison } from "../../tools/compare/comparison";
 import { secondMapNames } from "../../tools/compare/SecondMap";
 import { ToolHint } from "../../tools/editing/Toolbar";
+import { Measuring, MeasuringButtons } from "../../tools/measure/MapTools";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Plate } from "../../tools/picture/Plate";
@@ -135,6 +136,7 @@ function Belief({ session, shown, comparison, onPicture, head }: PictureProps) {
       title="The belief"
       note="the map of the robot"
       head={head}
+      actions={store && <MeasuringButtons store={store} />}
       caption={store ? <Readout store={store} /> : null}
     >
       {shown && (shown !== store || comparison) && (
@@ -145,6 +147,7 @@ function Belief({ session, shown, comparison, onPicture, head }: PictureProps) {
           {store.compared.value && (
             <CompareOverlay comparison={comparison} names={secondMapNames(store.compared.value)} refused={null} />
           )}
+          <Measuring store={store} />
           <ComputingMap store={store} />
         </>
       )}

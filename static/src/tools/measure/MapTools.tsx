@@ -25,7 +25,6 @@ interface MapToolsProps {
 }
 
 export function MapTools({ store, stage }: MapToolsProps) {
-  const tool = measuringOf(store).tool.value;
   const toggleFullScreen = (): void => {
     if (document.fullscreenElement) void document.exitFullscreen();
     else void stage.current?.requestFullscreen().catch(() => undefined);
@@ -42,17 +41,37 @@ export function MapTools({ store, stage }: MapToolsProps) {
           }}
         />
         <Button kind="quiet" icon="fit" label="Full screen" onClick={toggleFullScreen} />
-        {TOOLS.map(([name, icon, label]) => (
-          <Button
-            key={name}
-            kind="quiet"
-            icon={icon}
-            label={label}
-            pressed={tool === name}
-            onClick={() => measuringOf(store).take(tool === name ? null : name)}
-          />
-        ))}
+        <MeasuringButtons store={store} />
       </div>
+      <Measuring store={store} />
+    </>
+  );
+}
+
+/** The ruler and the area, to take and to put away. */
+export function MeasuringButtons({ store }: { readonly store: Store }) {
+  const measuring = measuringOf(store);
+  return (
+    <>
+      {TOOLS.map(([name, icon, label]) => (
+        <Button
+          key={name}
+          kind="quiet"
+          icon={icon}
+          label={label}
+          pressed={measuring.tool.value === name}
+          onClick={() => measuring.take(measuring.tool.peek() === name ? null : name)}
+        />
+      ))}
+    </>
+  );
+}
+
+/** Over the map: what is measured, the scale, and the place of the pointer. */
+export function Measuring({ store }: { readonly store: Store }) {
+  const tool = measuringOf(store).tool.value;
+  return (
+    <>
       {tool && <Measured store={store} tool={tool} />}
       <Place store={store} />
     </>
