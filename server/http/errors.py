@@ -173,7 +173,7 @@ class CatchAll:
 
 def out_of_memory() -> JSONResponse:
     """Return the answer to a request for which there is no memory."""
-    message = "The service has no memory left for this now. Try again later."
+    message = "The service has no memory left for this now."
     return error_response(503, "service.memory", message, headers={"Retry-After": "30"})
 
 

@@ -42,9 +42,7 @@ class RequestPace:
         wait_s = max(bucket.wait_s for bucket in buckets)
         if wait_s > MAX_WAIT_S:
             headers = {"Retry-After": str(ceil(wait_s))}
-            response = error_response(
-                429, "request.too_many", "Too many requests at once: try again later.", headers=headers
-            )
+            response = error_response(429, "request.too_many", "Too many requests at once.", headers=headers)
             await response(scope, receive, send)
             return
         for bucket in buckets:

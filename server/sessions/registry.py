@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import structlog
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import LimitError, MapperError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.sensors.scan import ScanLog
 from server.library.library import Library
@@ -280,13 +280,13 @@ class SessionRegistry:
                 await self._make_room_for_guest(link, places or self._settings.max_sessions_per_visitor)
             here = len(self._sessions) + len(self._making)
             if here + self._others().sessions > self._settings.max_sessions:
-                message = "The service has no room for another session: try again in a minute."
+                message = "The service has no room for another session now."
                 idle_guests = [s for s in self._guests() if not s.watched]
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
             await self._free_cells(guest=link is not None, owner=owner)
             if self._limits(None, guest=link is not None, owner=owner).max_cells == 1:
-                message = "The open maps use all cells of the service, or all that one visitor may have."
-                raise SessionBudgetError("session.memory", f"{message} Close one, or try again later.")
+                message = "The open maps use all cells of the service, or all that one visitor may have: close one first."
+                raise SessionBudgetError("session.memory", message)
             yield
         finally:
             self._making.remove(place)
@@ -298,15 +298,13 @@ class SessionRegistry:
         """Make room for one more session of a link, which may have ``places``."""
         same = [s for s in self._guests() if s.link == link]
         if len(same) + sum(one == link for _, one in self._making) > places:
-            message = "This link is in use by as many people as it allows: try again in a minute."
+            message = "This link is in use by as many people as it allows."
             await self._evict(same, "link.crowded", message)
         guests = self._guests()
         most = max(1, self._settings.max_sessions // 2)
         here = len(guests) + sum(one is not None for _, one in self._making)
         if here + self._others().guests > most:
-            await self._evict(
-                guests, "session.full", "The service has no room for another guest: try again in a minute."
-            )
+            await self._evict(guests, "session.full", "The service has no room for another guest now.")
 
     async def _free_cells(self, *, guest: bool, owner: str) -> None:
         """End idle sessions until there is room for a grid of the largest size.
@@ -325,15 +323,15 @@ class SessionRegistry:
         """End idle log sessions, for a ``guest`` only those of guests, until there is room for ``log``.
 
         One visitor's logs have at most half of the memory, but at least one log of the largest size. Raises
-        :class:`SessionBudgetError` if there is no room.
+        :class:`SessionBudgetError` if there is no room now, and :class:`LimitError` if there never is.
         """
         room = self._settings.max_log_bytes - log.ranges.nbytes
         if room < 0:
-            raise SessionBudgetError("session.memory", "This log needs more memory than the server has for logs.")
+            raise LimitError("session.log_bytes", "This log needs more memory than the server has for logs.")
         share = max(self._settings.max_log_bytes // 2 - log.ranges.nbytes, 0)
         own = "Your open logs use all the memory that one visitor may have: close one first."
         await self._free_bytes(log, share, own, guest=guest, owner=owner)
-        all_open = "The open logs use all the memory for logs: try again later."
+        all_open = "The open logs use all the memory for logs now."
         await self._free_bytes(log, room - self._others().log_bytes, all_open, guest=guest)
 
     async def _free_bytes(

@@ -33,7 +33,7 @@ def refused(answer: httpx.Response) -> bool:
     if answer.status_code != 503:
         return False
     assert answer.json()["code"] == "service.memory"
-    assert answer.json()["message"] == "The service has no memory left for this now. Try again later."
+    assert answer.json()["message"] == "The service has no memory left for this now."
     assert answer.headers["retry-after"] == "30"
     return True
 

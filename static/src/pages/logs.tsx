@@ -14,11 +14,11 @@ import { lazy } from "../ui/lazy";
 import { SiteHeader } from "../ui/SiteHeader";
 import { LAYOUT } from "../ui/stage/useLayout";
 import { Toasts } from "../ui/Toast";
-import { isAway, whyAgain } from "../wire/ask";
+import { mayPass, whyAgain } from "../wire/ask";
 import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Library } from "./logs/library/Library";
-import { type LogRecord, openSession } from "./logs/library/library";
+import { type LogRecord, opening, openSession } from "./logs/library/library";
 import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
 import { Guest } from "./logs/share/Guest";
@@ -111,8 +111,9 @@ async function open(
     go({ log, topic, session: session.id, kind, volume: kind === "volume" ? (volume ?? "") : volume, up }, true);
   } catch (error) {
     if (own.signal.aborted) return;
-    failure.value = whyAgain(error);
-    if (isAway(error)) setTimeout(resume, RETRY_MS);
+    const isRepeated = mayPass(error);
+    failure.value = isRepeated ? whyAgain(error) : (error as Error).message;
+    if (isRepeated) setTimeout(resume, RETRY_MS);
   }
 }
 
@@ -176,7 +177,7 @@ function Page() {
     );
   }
   if (!log) return <Library onOpen={openChosen} />;
-  if (failure.value !== null) {
+  if (failure.value !== null && opening.value === null) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This log cannot be opened</h1>

@@ -12,6 +12,7 @@ import { ProgressBar } from "../ui/ProgressBar";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
+import { mayPass, whyAgain } from "../wire/ask";
 import type { OfferedPuzzle } from "../wire/http";
 import { nextPuzzle } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
@@ -29,6 +30,7 @@ const failure = signal<string | null>(null);
 /** The puzzles of the list, for the one that is opened and for the next one; none where there is no list. */
 const offered = signal<readonly OfferedPuzzle[]>([]);
 let ending: AbortController | null = null;
+const RETRY_MS = 3000;
 
 const beginning = (puzzle: string): Beginning => {
   if (followedCode !== null) return { code: followedCode };
@@ -43,21 +45,29 @@ async function loadOffered(): Promise<void> {
   );
 }
 
-async function begin(name: string): Promise<void> {
+/** Begin an attempt at a puzzle; a failure that may pass stays in view until a later try succeeds. */
+async function begin(name: string, isRepeated = false): Promise<void> {
   void loadOffered();
   ending?.abort();
   const own = new AbortController();
   ending = own;
   session.value = null;
-  failure.value = null;
+  if (!isRepeated) failure.value = null;
   try {
     const id = await beginAttempt(beginning(name), own.signal);
     if (own.signal.aborted) return;
+    failure.value = null;
     session.value = id;
     const room = classroom.peek();
     if (room?.isFollowed) room.own.value = id;
   } catch (error) {
-    failure.value = own.signal.aborted ? "Opening it was cancelled." : (error as Error).message;
+    if (ending !== own) return; // another puzzle was opened meanwhile
+    if (own.signal.aborted) failure.value = "Opening it was cancelled.";
+    else if (!mayPass(error)) failure.value = (error as Error).message;
+    else {
+      failure.value = whyAgain(error);
+      setTimeout(() => own.signal.aborted || void begin(name, true), RETRY_MS);
+    }
   }
 }
 
@@ -86,7 +96,7 @@ addEventListener("popstate", () => {
 function Page() {
   const name = chosen.value;
   if (name === null) return <PuzzleList onOpen={open} />;
-  if (failure.value !== null) {
+  if (failure.value !== null && preparing.value === null) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This puzzle was not opened</h1>

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
-import { createWorld, starting } from "./worldSession";
+import { createWorld, starting, worldSession } from "./worldSession";
 
 vi.mock("../ui/browser/reducedMotion", () => ({ reducedMotion: { peek: () => false } }));
 
@@ -42,4 +42,19 @@ it("shows nothing any more after a request that fails", async () => {
   await vi.advanceTimersByTimeAsync(700);
   await made;
   expect(starting.value).toBeNull();
+});
+
+it("keeps the world of this tab while the server has no room to answer, and replaces one that has ended", async () => {
+  const kept = { getItem: () => "mine", setItem: vi.fn() };
+  vi.stubGlobal("sessionStorage", kept);
+  vi.stubGlobal("fetch", () => Promise.resolve(Response.json({ message: "Too many requests at once." }, { status: 429 })));
+  await expect(worldSession()).rejects.toThrow("Too many requests at once.");
+  expect(kept.setItem).not.toHaveBeenCalled();
+  vi.stubGlobal("fetch", (address: string) =>
+    Promise.resolve(
+      address === "/api/sessions" ? Response.json({ id: "new" }, { status: 201 }) : new Response(null, { status: 404 }),
+    ),
+  );
+  expect(await worldSession()).toBe("new");
+  expect(kept.setItem).toHaveBeenCalledWith("gridbloom.world", "new");
 });

@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import { FIRST_SEED } from "../store/firstPicture";
 import { reducedMotion } from "../ui/browser/reducedMotion";
 import type { Work } from "../ui/Working";
-import { ask, RequestError } from "../wire/ask";
+import { ask, mayPass, RequestError } from "../wire/ask";
 import { followMaking, newName } from "./making";
 
 const KEY = "gridbloom.world";
@@ -36,9 +36,6 @@ export class CancelledError extends Error {}
 
 /** The server does not make what was requested, also if it is requested again. */
 export class RefusedError extends Error {}
-
-/** Of the statuses below 500 those of a request that may succeed later. */
-const MAY_SUCCEED_LATER: readonly number[] = [408, 425, 429];
 
 /**
  * Request a new live world from the server, or one replayed from a story; returns the id of its session. With reduced
@@ -98,9 +95,7 @@ async function post(body: object, ending?: AbortSignal): Promise<string> {
   try {
     return (await ask("POST /api/sessions", {}, { body, ending })).id;
   } catch (error) {
-    const status = error instanceof RequestError ? (error.status ?? 0) : 0;
-    const isRefused = status >= 400 && status < 500 && !MAY_SUCCEED_LATER.includes(status);
-    throw isRefused ? new RefusedError((error as Error).message) : error;
+    throw error instanceof RequestError && !mayPass(error) ? new RefusedError(error.message) : error;
   }
 }
 
@@ -119,7 +114,13 @@ export const hadWorld = (): boolean => Boolean(storage()?.getItem(KEY));
 /** The session id of this tab's live world: the previous one if the server still has it, else a new one. */
 export async function worldSession(): Promise<string> {
   const before = storage()?.getItem(KEY);
-  if (before && (await timed(() => fetch(`/api/sessions/${encodeURIComponent(before)}`))).ok) return before;
+  if (before) {
+    try {
+      return (await timed(() => ask("GET /api/sessions/{session_id}", { session_id: before }))).id;
+    } catch (error) {
+      if (mayPass(error)) throw error;
+    }
+  }
   const id = await createWorld();
   storage()?.setItem(KEY, id);
   return id;

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
-import { ask } from "./ask";
+import { ask, mayPass, whyAgain } from "./ask";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -26,4 +26,25 @@ test("the address has what is named, and the query", async () => {
 test("a refusal is the server's sentence", async () => {
   answering({ code: "log.not_found", message: "There is no such log." }, 404);
   await expect(ask("GET /api/logs/{log_id}", { log_id: "x" })).rejects.toThrow("There is no such log.");
+});
+
+test("what may pass is a request that had no answer, too many before it, or no room and memory now", async () => {
+  const failure = async (): Promise<unknown> => ask("GET /api/fleet", {}).catch((error: unknown) => error);
+  for (const [status, passes] of [
+    [404, false],
+    [413, false],
+    [429, true],
+    [500, false],
+    [503, true],
+  ] as const) {
+    answering({ code: "x", message: "The service has no memory left for this now." }, status);
+    expect([status, mayPass(await failure())]).toEqual([status, passes]);
+  }
+  expect(whyAgain(await failure())).toBe(
+    "The service has no memory left for this now. The page tries again by itself.",
+  );
+  vi.stubGlobal("fetch", () => Promise.reject(new TypeError("Failed to fetch")));
+  expect(mayPass(await failure())).toBe(true);
+  expect(whyAgain(await failure())).toBe("The server does not answer. The page tries again by itself.");
+  expect(mayPass(new Error("a defect of the page"))).toBe(false);
 });

@@ -30,12 +30,14 @@ export class RequestError extends Error {
   }
 }
 
-/** Whether a request failed because the server did not answer. */
-export const isAway = (error: unknown): boolean => error instanceof RequestError && error.status === null;
+/** The statuses of a request that may succeed later: too many requests, no room, no memory, a server that begins again. */
+const PASSING: readonly (number | null)[] = [null, 408, 425, 429, 502, 503, 504];
+
+/** Whether the same request may succeed later. */
+export const mayPass = (error: unknown): boolean => error instanceof RequestError && PASSING.includes(error.status);
 
 /** What a page says that asks again by itself after an error. */
-export const whyAgain = (error: unknown): string =>
-  isAway(error) ? `${NO_ANSWER} The page tries again by itself.` : (error as Error).message;
+export const whyAgain = (error: unknown): string => `${(error as Error).message} The page tries again by itself.`;
 
 /** The error message in an answer of the server, or a general one. */
 async function refusalIn(answer: Response): Promise<string> {

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mapper.core.errors import LimitError
 from mapper.sensors.scan import ScanLog
 from server.parts.wire import command_of
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
@@ -140,7 +141,7 @@ async def test_the_logs_of_all_sessions_together_are_bounded(make_registry: Make
     with pytest.raises(SessionBudgetError) as refused:
         await new_log(registry, "we", another())
     assert refused.value.code == "session.memory"
-    with pytest.raises(SessionBudgetError, match="more memory than the server has"):
+    with pytest.raises(LimitError, match="more memory than the server has"):
         await new_log(registry, "me", replace(office_log, ranges=np.tile(office_log.ranges, (1, 20))))
     assert {first, again, third} == set(registry.all())
 

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { plural } from "../../ui/numbers";
-import { ask } from "../../wire/ask";
+import { ask, whyAgain } from "../../wire/ask";
 import type { ClusterState, FleetFacts, FleetFinding, FleetLog, FleetState } from "../../wire/http";
 
 /** Time between two requests while logs are being mapped, and while none are. */
@@ -38,7 +38,7 @@ async function refresh(): Promise<void> {
     revision = next.size === totalOf(answer.counts) ? answer.revision : 0;
     again = isBusy(answer.counts) ? BUSY_MS : IDLE_MS;
   } catch (error) {
-    fleetError.value = (error as Error).message;
+    fleetError.value = whyAgain(error);
     revision = 0; // the service may be another one now
   }
   if (isWatched) timer = setTimeout(() => void refresh(), document.hidden ? 5 * again : again);

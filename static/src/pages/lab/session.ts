@@ -36,9 +36,7 @@ export async function openSession(isPaused = false): Promise<Opened> {
       if (kind === "log") location.replace(`/logs.html?session=${encodeURIComponent(wanted)}`);
       return { id: wanted, notice: null, shown: null };
     } catch (error) {
-      const status = error instanceof RequestError ? error.status : null;
-      if (status === null) throw error;
-      if (status !== 404) throw new Error(`The server answered ${status}; the page tries again by itself.`);
+      if (!(error instanceof RequestError && error.status === 404)) throw error;
     }
     notice = shown
       ? "That session had ended because it had no viewers. Its world was restored."

@@ -1,8 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import { mayPass, whyAgain } from "../../../wire/ask";
 import type { SessionAnswer, SharedAnswer } from "../../../wire/http";
 import { CostmapViewer } from "../costmaps/CostmapViewer";
+import { opening } from "../library/library";
 import { Opening } from "../Opening";
 import { Viewer } from "../Viewer";
 import { beginShared, shared } from "./links";
@@ -12,21 +14,32 @@ interface Opened {
   readonly shared: SharedAnswer;
 }
 
+const RETRY_MS = 3000;
+
 /** The page of a shared link: a shared view of a log in a separate session. */
 export function Guest({ token }: { token: string }) {
   const opened = useSignal<Opened | null>(null);
   const failure = useSignal<string | null>(null);
   const ending = useRef<AbortController | null>(null);
-  const open = async (): Promise<void> => {
-    failure.value = null;
+  /** Open the link; a failure that may pass stays in view until a later try succeeds. */
+  const open = async (isRepeated = false): Promise<void> => {
+    if (!isRepeated) failure.value = null;
     opened.value = null;
+    ending.current?.abort();
     const own = new AbortController();
     ending.current = own;
     try {
       const view = await shared(token);
       opened.value = { session: await beginShared(token, own.signal), shared: view };
+      failure.value = null;
     } catch (error) {
-      failure.value = own.signal.aborted ? "Opening it was cancelled." : (error as Error).message;
+      if (ending.current !== own) return; // it is being opened once more
+      if (own.signal.aborted) failure.value = "Opening it was cancelled.";
+      else if (!mayPass(error)) failure.value = (error as Error).message;
+      else {
+        failure.value = whyAgain(error);
+        setTimeout(() => own.signal.aborted || void open(true), RETRY_MS);
+      }
     }
   };
   /** Find out why the session has ended: it was idle, or the link was revoked. */
@@ -40,7 +53,7 @@ export function Guest({ token }: { token: string }) {
   };
   useEffect(() => void open(), [token]);
 
-  if (failure.value !== null) {
+  if (failure.value !== null && opening.value === null) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This link was not opened</h1>
