@@ -187,7 +187,7 @@ export const FIRST_PAINT = `<header class="site-header"><a class="site-brand" hr
         <div class="hero-head"><h1>Watch a map fill in</h1></div>
         <div class="hero-maps">
           <section class="plate"><header class="plate-head"><h2>The world</h2></header><div class="plate-picture">${picture(FILES.world, FILES.worldDark, "The floor plan of an office with a robot in it")}</div></section>
-          <section class="plate"><header class="plate-head"><h2>The map</h2></header><div class="plate-picture">${picture(FILES.map, FILES.mapDark, "The robot's map of it so far")}</div></section>
+          <section class="plate"><header class="plate-head"><h2>The map</h2></header><div class="plate-picture">${picture(FILES.map, FILES.mapDark, "The robot’s map of it so far")}</div></section>
         </div>
         <div class="hero-model"><noscript><p>The maps above are pictures of the start. With JavaScript the robot drives, and its sensor model can be changed here.</p></noscript></div>
       </section></main>`;

@@ -95,7 +95,7 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     expect(frames.get_by_role("img")).to_have_attribute(
         "aria-label", "Fixed frame odom. laser in base_link, static; base_link in odom, 10.0 Hz, 0 ms old."
     )
-    expect(frames).to_contain_text("Transforms lead from the sensor's frame, laser, to odom.")
+    expect(frames).to_contain_text("Transforms lead from the sensor’s frame, laser, to odom.")
 
     # A trajectory that is brought is compared with the log's own.
     lines = [f"{1_700_000_000 + i / 10:.1f} {0.1 * i} 0.2 0 0 0 0 1" for i in range(10 * SECONDS)]

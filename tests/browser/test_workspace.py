@@ -48,14 +48,14 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     border.press("PageDown")
     until("a wider first view", lambda: centre(border)[0] > before + 20)
     views.nth(1).get_by_label("View 2").select_option("Frames")
-    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor's frame")
+    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor’s frame")
     page.keyboard.press("F6")
     until("the focus in a view", lambda: page.evaluate("() => document.activeElement.className") == "view-pane")
     assert violations(page, ".view-stage") == []
     # The address tells it, also of a page that is loaded again.
     until("the address", lambda: "views=beside:map,frames:60:50" in page.url)
     page.reload()
-    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor's frame")
+    expect(views.nth(1)).to_contain_text("Transforms lead from the sensor’s frame")
     page.get_by_label("Layout", exact=True).select_option("Map")
     expect(views).to_have_count(1)
 

@@ -91,7 +91,7 @@ export function Counting({ beams, scans }: CountingProps) {
           );
         })}
       </div>
-      <Plot height={HEIGHT} label="Beams of one scan in a cell, over the cell's distance">
+      <Plot height={HEIGHT} label="Beams of one scan in a cell, over the cell’s distance">
         {(width) => <Scatter counts={counts.value} beams={beams.value} chosen={index} width={width} />}
       </Plot>
       <div class="figure-controls no-print">

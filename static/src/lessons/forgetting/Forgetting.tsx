@@ -78,7 +78,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
         <Room name="with the clamp" line="clamped" history={clamped} seen={seen.value} t={t} />
         <Room name="without a clamp" line="free" history={free} seen={seen.value} t={t} />
       </div>
-      <Plot height={HEIGHT + 22} label="Log-odds of the table's last cell over the scans, with the clamp and without">
+      <Plot height={HEIGHT + 22} label="Log-odds of the table’s last cell over the scans, with the clamp and without">
         {(width) => (
           <Chart
             width={width}

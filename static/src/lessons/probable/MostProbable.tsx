@@ -62,7 +62,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
     >
       <Stage
         geometry={GEOMETRY}
-        label="A corridor, the end points of a scan at the most probable position, and the odometry's"
+        label="A corridor, the end points of a scan at the most probable position, and the odometry’s"
       >
         {(transform) => (
           <>

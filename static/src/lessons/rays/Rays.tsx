@@ -58,8 +58,8 @@ export function Rays() {
     step.value = Number.MAX_SAFE_INTEGER;
   };
   return (
-    <figure class="rays stack" ref={root} aria-label="Bresenham's line on a grid, step by step">
-      <Stage geometry={GEOMETRY} label={`The line's cells from ${named(from.value)} to ${named(to.value)}`} lines>
+    <figure class="rays stack" ref={root} aria-label="Bresenham’s line on a grid, step by step">
+      <Stage geometry={GEOMETRY} label={`The line’s cells from ${named(from.value)} to ${named(to.value)}`} lines>
         {(transform) => (
           <>
             <Cells transform={transform} line={line.value} at={at} />

@@ -102,7 +102,7 @@ export function Result({ plane, limits, edges }: ResultProps) {
         </div>
         {limits.step !== undefined && (
           <div>
-            <dt>Step to the neighbours' planes</dt>
+            <dt>Step to the neighbours’ planes</dt>
             <dd>{edges.length ? `${written(stepOf(plane, edges), 3)} m` : "no neighbour has a plane"}</dd>
           </div>
         )}

@@ -122,7 +122,7 @@ const FINDINGS: Readonly<Record<string, string>> = {
   "clock.unit": "wrong unit of time",
   "mount.between": "mounts of two lidars",
   "mount.offset": "sensor offset",
-  "mount.changing": "sensor's mount changes",
+  "mount.changing": "sensor’s mount changes",
   "mount.turned": "sensor turned",
   "poses.still": "poses stay in place",
   "readings.few": "few readings",

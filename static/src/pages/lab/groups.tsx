@@ -178,7 +178,7 @@ const GROUPS: readonly Group[] = [
     id: "sensor",
     title: "Sensor",
     section: "Mapping",
-    purpose: "The robot's sensor, and the mount that the map assumes",
+    purpose: "The robot’s sensor, and the mount that the map assumes",
     badge: changed("mount"),
     content: ({ store }) => <SensorSettings store={store} />,
   },

@@ -9,7 +9,7 @@ import type { MapAnswer } from "../../wire/http";
 import { type ChosenLog, LogChoice } from "./LogChoice";
 
 const HINT =
-  "A cloud in the frame of the log's poses, z up: its patches are assessed. Or the yaml and pgm of gridbloom terrain: " +
+  "A cloud in the frame of the log’s poses, z up: its patches are assessed. Or the yaml and pgm of gridbloom terrain: " +
   "free is safe, occupied is unsafe. Both are dropped on the logs page.";
 
 interface TerrainChoiceProps {

@@ -92,7 +92,7 @@ export function Outline({ store }: { readonly store: Store }) {
         })}
       </svg>
       <figcaption>
-        <p>Drag the corners of the robot's outline.</p>
+        <p>Drag the corners of the robot’s outline.</p>
         <div class="actions">
           {OUTLINES.map((one) => (
             <button

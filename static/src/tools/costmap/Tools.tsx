@@ -110,7 +110,7 @@ export function OverChoice({ store }: { readonly store: Store }) {
   return (
     <Choice
       label="Over the belief"
-      sentence="Costs: dark is an obstacle, magenta is within the robot's inscribed radius, yellow to red is near. Wavefront: the cost to come from the robot, in bands."
+      sentence="Costs: dark is an obstacle, magenta is within the robot’s inscribed radius, yellow to red is near. Wavefront: the cost to come from the robot, in bands."
       options={OVERS}
       value={over.value ?? "none"}
       onChange={(value) => {

@@ -59,7 +59,7 @@ export function refusalOf(corners: readonly Point[]): string | null {
     for (let j = i + 2; j < n; j++)
       if ((j + 1) % n !== i && meet(at(i), at(i + 1), at(j), at(j + 1)))
         return `The outline crosses itself: the edges from corner ${i + 1} and from corner ${j + 1} meet.`;
-  return holdsOrigin(corners) ? null : "The outline must hold the robot's centre.";
+  return holdsOrigin(corners) ? null : "The outline must hold the robot’s centre.";
 }
 
 function holdsOrigin(corners: readonly Point[]): boolean {

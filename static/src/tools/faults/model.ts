@@ -41,7 +41,7 @@ export const FAULTS: readonly Fault[] = [
   {
     name: "no_return",
     label: "No return counted as a hit",
-    look: "Where a beam has no return, the map gets a wall at the max range: arcs around the robot's positions.",
+    look: "Where a beam has no return, the map gets a wall at the max range: arcs around the robot’s positions.",
     sets: { no_return: "hit", range_max: 4 },
   },
   {

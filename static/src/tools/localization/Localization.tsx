@@ -115,7 +115,7 @@ export function Localization({ store }: { readonly store: Store }) {
   return (
     <div class="localization">
       <p class="localization-note">
-        A particle filter gets the plan of the world as it is now, the wheels' odometry and the scans. It has to find
+        A particle filter gets the plan of the world as it is now, the wheels’ odometry and the scans. It has to find
         out where the robot is.
       </p>
       <div class="localization-row">

@@ -76,7 +76,7 @@ export const SCENES: readonly Scene[] = [
       },
       {
         label: "Take the table away",
-        look: "The path still goes around the empty place, until the obstacle's lifetime of 8 s is over. Switch “Beams clear” on under Costmap, and it is straight at once.",
+        look: "The path still goes around the empty place, until the obstacle’s lifetime of 8 s is over. Switch “Beams clear” on under Costmap, and it is straight at once.",
         run: takeAway,
       },
     ],
@@ -87,7 +87,7 @@ export const SCENES: readonly Scene[] = [
     steps: [
       {
         label: "Map a table, clamp off",
-        look: "Only the static layer is on: the belief itself. Each scan adds to the log-odds of the table's cells, without a limit. Let some seconds pass.",
+        look: "Only the static layer is on: the belief itself. Each scan adds to the log-odds of the table’s cells, without a limit. Let some seconds pass.",
         run: (store) => {
           // What the table hides is unknown, and may be crossed.
           const values = { ...STATIC_ONLY, allow_unknown: true };

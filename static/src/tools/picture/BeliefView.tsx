@@ -54,7 +54,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
   return (
     <LinkedPicture
       store={store}
-      label="The robot's map. Shift and arrow keys move the cell cursor, question mark explains the value of its cell, Escape removes the cursor; plus and minus zoom, 0 shows everything."
+      label="The robot’s map. Shift and arrow keys move the cell cursor, question mark explains the value of its cell, Escape removes the cursor; plus and minus zoom, 0 shows everything."
       tool={useMemo(() => measuringTool(store), [store])}
       onTap={(point) => {
         if (!takesTap?.(point)) (onTap ?? ((at) => pin(store, at)))(point);

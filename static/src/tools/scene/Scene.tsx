@@ -79,7 +79,7 @@ function SceneControls({
       {hasColumns && (
         <Slider
           label="Height of the columns"
-          sentence="Height of the map's columns, relative to the default."
+          sentence="Height of the map’s columns, relative to the default."
           unit="×"
           value={height}
           initial={1}

@@ -38,7 +38,7 @@ export function ForgettingChart({ points, guess, forgetting }: ForgettingChartPr
         width={width}
         height={HEIGHT}
         role="img"
-        aria-label="Share of the table's cells that are free, over the scans since it was removed"
+        aria-label="Share of the table’s cells that are free, over the scans since it was removed"
       >
         {[0, 0.5, 1].map((share) => (
           <g key={share} class="tick">

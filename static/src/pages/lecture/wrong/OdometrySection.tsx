@@ -27,7 +27,7 @@ export function OdometrySection({ id, number, title }: SectionHead) {
           <div class="for-stage no-print">
             <Slider
               label="On the stage: error of the heading"
-              sentence="By how much the heading of the stage's robot is off after each scan, added up."
+              sentence="By how much the heading of the stage’s robot is off after each scan, added up."
               {...bound(driftError)}
               initial={0.15}
               low={-1}

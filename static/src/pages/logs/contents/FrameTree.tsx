@@ -166,7 +166,7 @@ function Tree({ store, session }: FrameTreeProps) {
         </ul>
       ) : (
         <p class="quiet">
-          Transforms lead from the sensor's frame, {frames.sensor || "without a name"}, to {frames.fixed}.
+          Transforms lead from the sensor’s frame, {frames.sensor || "without a name"}, to {frames.fixed}.
         </p>
       )}
       <Picture frames={frames} />

@@ -67,7 +67,7 @@ test("what is inside is told in plain words", () => {
     "Sensor 0.20 m ahead, 0.10 m to the right, turned by 180°, upside-down",
   ]);
   const plain = { ...intel, time: null, mount: CENTRE, upside_down: false };
-  expect(inside(plain)).toEqual(["Sensor at the robot's centre"]);
+  expect(inside(plain)).toEqual(["Sensor at the robot’s centre"]);
   expect(inside({ ...intel, time: null, mount: null })).toEqual([]);
 });
 
@@ -84,7 +84,7 @@ test("a topic is told in a line", () => {
     chosen: true,
   };
   const unplaced = { ...intel, time: null, mount: CENTRE, topics: [scan] };
-  expect(inside(unplaced)).toEqual(["Sensor mount not stated in the file; the robot's centre is assumed"]);
+  expect(inside(unplaced)).toEqual(["Sensor mount not stated in the file; the robot’s centre is assumed"]);
   expect(topic(scan)).toBe("1,200 × LaserScan, 360 beams, 359°, 10.0 Hz, frame laser");
   const imu = { ...scan, type: "sensor_msgs/Imu", frame: null, beams: null, field_of_view_deg: null, rate_hz: null };
   expect(topic(imu)).toBe("1,200 × Imu");
@@ -117,7 +117,7 @@ test("a log that failed comes with something to do about it", () => {
   expect(remedy(failed("log.truncated", "The gzip data ends early."))).toContain("Copy");
   expect(remedy(failed("log.truncated_line", "Line 3: this line ends early."))).toContain("that line");
   expect(remedy(failed("log.beams_vary", "Line 3 of measurement.txt has 7 numbers, not 9."))).toContain("that line");
-  expect(remedy(failed("log.extent", "The wheels' ticks put the robot too far away."))).toBe("");
+  expect(remedy(failed("log.extent", "The wheels’ ticks put the robot too far away."))).toBe("");
   expect(remedy(failed("log.header", "Before line 5: angle_min cannot be nan."))).toContain("before the scans");
   expect(remedy(failed("log.something_new", "Something else."))).toBe("");
   expect(remedy(failed("log.no_scans", "The log holds no scans."))).toContain("gridbloom info LOG --report");

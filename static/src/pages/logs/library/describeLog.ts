@@ -72,7 +72,7 @@ function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
     ...(Math.abs(y) >= 0.005 ? [`${Math.abs(y).toFixed(2)} m to the ${y > 0 ? "left" : "right"}`] : []),
     ...(Math.abs(turned) >= 0.5 ? [`turned by ${written(turned, 0)}°`] : []),
   ];
-  return parts.length > 0 ? parts.join(", ") : "at the robot's centre";
+  return parts.length > 0 ? parts.join(", ") : "at the robot’s centre";
 }
 
 /** Time of the scans and mount of the sensor, one phrase per line. */
@@ -97,7 +97,7 @@ export function inside(log: LogRecord): readonly string[] {
         ]
       : []),
     ...(log.mount && !mount && isScanned(log)
-      ? ["Sensor mount not stated in the file; the robot's centre is assumed"]
+      ? ["Sensor mount not stated in the file; the robot’s centre is assumed"]
       : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
   ];
@@ -142,7 +142,7 @@ export function topic(one: Topic): string {
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
     /\.(empty|missing)$/,
-    "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images.",
+    "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap’s files and zips of depth images.",
   ],
   [/\.(unknown_format|binary|garbage)$/, "Convert other formats first."], // the error names those that are read
   [

@@ -51,7 +51,7 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
       {map && (
         <Toggle
           label="Show the reference map"
-          sentence="The map to localize in, instead of the map made from this log's scans."
+          sentence="The map to localize in, instead of the map made from this log’s scans."
           checked={store.underlay.value === GIVEN_MAP}
           disabled={false}
           onChange={(isOn) => {
@@ -116,7 +116,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
                 label="Odometry"
                 sentence="The poses that say how the robot moved between two scans."
                 options={[
-                  { value: "", label: "The log's own" },
+                  { value: "", label: "The log’s own" },
                   ...sources.map((value) => ({ value, label: trajectoryLabel(value) })),
                 ]}
                 value={odometry.value}

@@ -63,7 +63,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
       <div class="panel-stack">
         <p class="quiet">
           Another log of the same place: SLAM corrects both, one map is laid on the other, and all scans are joined in
-          one graph. The corrections of mount and clock in this map's parameters are used for both logs.
+          one graph. The corrections of mount and clock in this map’s parameters are used for both logs.
         </p>
         {!merging.isUnderWay.value && (
           <>

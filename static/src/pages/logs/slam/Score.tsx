@@ -142,7 +142,7 @@ function Table({ score }: { readonly score: PoseScore }) {
       </table>
       <p class="quiet">
         {score.policy === "records"
-          ? "Stamps of the relations are mapped to the log's odometry messages in the order of its records; a relation is unambiguous if each of its stamps has one message."
+          ? "Stamps of the relations are mapped to the log’s odometry messages in the order of its records; a relation is unambiguous if each of its stamps has one message."
           : "Poses are interpolated in time between the scans."}
         {score.left_out > 0 &&
           ` ${score.left_out} of ${score.relations} relations are left out: the log has no record of their times.`}
