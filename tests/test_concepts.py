@@ -63,3 +63,12 @@ def test_every_marked_answer_names_its_source() -> None:
     above = [before.strip() for before, line in pairwise(answers) if line.strip().startswith("right:")]
     assert len(above) > 25
     assert [line for line in above if not line.startswith("// ")] == []
+
+
+def test_the_pages_have_one_kind_of_apostrophe() -> None:
+    files = [*PAGES.glob("*.html"), *(file for file in (PAGES / "src").rglob("*.ts*") if ".test." not in file.name)]
+    assert len(files) > 200
+    straight = re.compile(r"(?<=[A-Za-z])'(?=(?:s|t|re)\b)")
+    for file in files:
+        shown = re.sub(r"/\*.*?\*/|(?<!:)//[^\n]*", "", file.read_text(), flags=re.DOTALL)
+        assert not straight.search(shown), file

@@ -51,7 +51,7 @@ class Footprint:
                 f"The footprint crosses itself: the edges from point {crossing[0]} and from point {crossing[1]} meet.",
             )
         if not _holds_origin(points):
-            raise ConfigError("footprint.origin", "The footprint must hold the robot's centre (0, 0).")
+            raise ConfigError("footprint.origin", "The footprint must hold the robot’s centre (0, 0).")
         object.__setattr__(self, "vertices", tuple((float(x), float(y)) for x, y in points))
 
     @classmethod
@@ -61,7 +61,7 @@ class Footprint:
         Raises :class:`ConfigError` for a radius that is not a positive finite number.
         """
         if not (np.isfinite(radius) and radius > 0.0):
-            raise ConfigError("footprint.radius", f"The robot's radius must be positive, not {radius!r}.")
+            raise ConfigError("footprint.radius", f"The robot’s radius must be positive, not {radius!r}.")
         angles = 2.0 * np.pi * np.arange(_CIRCLE) / _CIRCLE
         return cls(tuple((radius * float(np.cos(a)), radius * float(np.sin(a))) for a in angles))
 

@@ -39,7 +39,7 @@ class KeepoutLayer:
         if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():
             raise ConfigError("costmap.polygon", "A painted area must be a polygon of at least three finite points.")
         if not -1 <= value <= 100:
-            raise ConfigError("costmap.mask_value", f"A mask's value must be −1 … 100, not {value}.")
+            raise ConfigError("costmap.mask_value", f"A mask’s value must be −1 … 100, not {value}.")
         cost = mask_costs(np.array([value], dtype=np.int8))[0]
         lattice = self._geometry.to_lattice(vertices)
         fill_polygon(lattice, np.int8(value), self.mask, self._bounds)

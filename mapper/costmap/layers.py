@@ -162,7 +162,7 @@ class StaticLayer:
         """Say which value of the map the cost is from."""
         value, cost = int(self._values[row, col]), int(self.costs[row, col])
         said = "unknown" if value < 0 else f"{value} of 100"
-        return f"The map's value is {said}: {name_of_cost(cost)}."
+        return f"The map’s value is {said}: {name_of_cost(cost)}."
 
 
 def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:

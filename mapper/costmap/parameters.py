@@ -91,7 +91,7 @@ class ObstacleConfig:
     )
     inf_is_valid: bool = flag(
         "No return clears", "obstacle", False,
-        "Whether a beam without return clears as far as the scan's greatest range.",
+        "Whether a beam without return clears as far as the scan’s greatest range.",
     )
     min_obstacle_height: float = number(
         "Least height", "obstacle", 0.0, "Lower points mark nothing.", "m", -10.0, 10.0, 0.05,

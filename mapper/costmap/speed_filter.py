@@ -40,10 +40,10 @@ class SpeedFilter:
 
     def __init__(self, mask: Mask, kind: int = PERCENTAGE, base: float = 0.0, multiplier: float = 1.0) -> None:
         if kind not in (PERCENTAGE, ABSOLUTE):
-            raise ConfigError("costmap.speed_type", f"A speed filter's type must be 1 or 2, not {kind!r:.40}.")
+            raise ConfigError("costmap.speed_type", f"A speed filter’s type must be 1 or 2, not {kind!r:.40}.")
         if not np.isfinite([base, multiplier]).all():
             message = (
-                f"A speed filter's base and multiplier must be finite numbers, not {base!r:.40}, {multiplier!r:.40}."
+                f"A speed filter’s base and multiplier must be finite numbers, not {base!r:.40}, {multiplier!r:.40}."
             )
             raise ConfigError("costmap.speed_scale", message)
         self.mask, self.percentage, self.base, self.multiplier = mask, kind == PERCENTAGE, base, multiplier
@@ -60,7 +60,7 @@ class SpeedFilter:
             where = "outside the mask" if value is None else "in an unknown cell of the mask"
             return SpeedLimit(self._last.limit, self.percentage, f"The robot is {where}: the last limit holds.")
         if value == 0:
-            self._last = SpeedLimit(None, self.percentage, "The mask's value is 0: no limit.")
+            self._last = SpeedLimit(None, self.percentage, "The mask’s value is 0: no limit.")
             return self._last
         limit = value * self.multiplier + self.base
         unit, most = ("%", 100.0) if self.percentage else ("m/s", float("inf"))

@@ -127,7 +127,7 @@ def _finding(first: ScanLog, second: ScanLog, corrections: Float64Array) -> Find
     return Finding(
         CHECK,
         f"The walls of {second.topic} and {first.topic} disagree: they fit with {second.topic} turned by "
-        f"{math.degrees(yaw):+.1f}° about the robot's centre and moved by {x:+.2f} m ahead and {y:+.2f} m to the left, "
+        f"{math.degrees(yaw):+.1f}° about the robot’s centre and moved by {x:+.2f} m ahead and {y:+.2f} m to the left, "
         f"in {int(agree.sum())} of {len(corrections)} places alike.",
         f"Measure both mounts again. If that of {first.topic} is right, {second.topic} sits at {_mount(mount)}, not at "
         f"{_mount(np.array(second.mount))}.",

@@ -79,7 +79,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
             Finding(
                 "clock.backwards",
                 f"The time runs backwards {_times(int(back.sum()))}, by up to {-steps.min():.2f} s.",
-                "Poses are matched to scans by time: check the recorder's clock, and the map around these scans.",
+                "Poses are matched to scans by time: check the recorder’s clock, and the map around these scans.",
                 1.0,
                 _places(back),
             )

@@ -49,7 +49,7 @@ def check_changing(_: ScanLog, seen: Examined) -> list[Finding]:
             f"The log states {len(stated)} mounts of the sensor in turns, and walls get sharper with one of them at "
             f"all scans, {x:.2f} m ahead, {y:.2f} m to the left and turned by {math.degrees(yaw):.1f}°: beams end "
             f"where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
-            "Look for a second program that publishes the sensor's static transform, and record with one.",
+            "Look for a second program that publishes the sensor’s static transform, and record with one.",
             min(0.99, 0.5 + (best - now)),
         )
     ]
@@ -77,7 +77,7 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
             "mount.turned",
             f"The laser fits much better {what}: beams end where others end in {100 * best:.0f} % instead of "
             f"{100 * now:.0f} % of all cases.",
-            "Correct the sensor's mount.",
+            "Correct the sensor’s mount.",
             min(0.99, 0.5 + (best - now)),
             (),
             values,

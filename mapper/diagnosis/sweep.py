@@ -45,7 +45,7 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
             f"The time_increment of the scans is wrong: by it a scan takes {sweep:.2f} s, but its beams fit better as "
             f"if all were measured at once: beams end where others end in {100 * without:.0f} % instead of "
             f"{100 * now:.0f} % of all cases.",
-            "Map without deskewing (--deskew off), and correct time_increment in the sensor's driver.",
+            "Map without deskewing (--deskew off), and correct time_increment in the sensor’s driver.",
             min(0.97, 0.5 + 4.0 * (without - now)),
             (),
             {"deskew": "off"},

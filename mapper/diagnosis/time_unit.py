@@ -38,7 +38,7 @@ def check(log: ScanLog, trajectory: str) -> list[Finding]:
             f"The times are likely {unit} that are read as seconds: by them one scan comes every {usual:,.0f} s, in "
             f"which the robot drives {speed * usual:.2g} m; in {unit} these are {usual / factor:.2g} s, and "
             f"{speed * factor:.2g} m/s.",
-            f"Divide the log's times by {factor:,.0f}: until then its durations, speeds and delays are wrong.",
+            f"Divide the log’s times by {factor:,.0f}: until then its durations, speeds and delays are wrong.",
             0.9,
         )
     ]

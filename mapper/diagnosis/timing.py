@@ -69,7 +69,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         Finding(
             "timing.delay",
             f"Poses and scans are out of step: the map is sharper with poses from about {abs(delay):.2f} s {who} each "
-            f"scan's time: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
+            f"scan’s time: beams end where others end in {100 * best:.0f} % instead of {100 * now:.0f} % of all cases.",
             f"{remedy}Check how the two clocks are set, and whether scans are stamped when they begin, end or arrive.",
             min(0.95, 0.4 + 4.0 * (best - now)),
             parameters=parameters,

@@ -226,7 +226,7 @@ def _why_unmeasured(log: ScanLog, trajectory: str | None, findings: Iterable[Fin
     if spoilers := _spoilers(DRIFT, findings):
         return f"{' and '.join(spoilers)} was found"
     if log.beam_width > 0.0:
-        return "a sonar's readings are too wide for it"
+        return "a sonar’s readings are too wide for it"
     poses = log.trajectory(trajectory).poses
     if (poses == poses[:1]).all():
         return "the poses stay in one place"

@@ -62,7 +62,7 @@ class Paint:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "state", _state(self.state))
-        object.__setattr__(self, "width", _number(self.width, "The brush's width", 0.0, MAX_WIDTH))
+        object.__setattr__(self, "width", _number(self.width, "The brush’s width", 0.0, MAX_WIDTH))
         object.__setattr__(self, "points", _points(self.points, "A stroke", 1))
 
 
@@ -99,7 +99,7 @@ class Keepout:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "polygon", _points(self.polygon, "A keepout zone", 3))
-        object.__setattr__(self, "value", _number(self.value, "A keepout zone's value", 0, 100))
+        object.__setattr__(self, "value", _number(self.value, "A keepout zone’s value", 0, 100))
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ class Speed:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "polygon", _points(self.polygon, "A zone with a speed limit", 3))
-        object.__setattr__(self, "value", _number(self.value, "A speed limit's value", 0, 100))
+        object.__setattr__(self, "value", _number(self.value, "A speed limit’s value", 0, 100))
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +189,7 @@ class Origin:
 
     def __post_init__(self) -> None:
         for name, most in (("x", FARTHEST), ("y", FARTHEST), ("yaw", math.tau)):
-            object.__setattr__(self, name, _number(getattr(self, name), f"The origin's {name}", -most, most))
+            object.__setattr__(self, name, _number(getattr(self, name), f"The origin’s {name}", -most, most))
 
 
 Operation: TypeAlias = Paint | Fill | Keepout | Speed | Despeckle | Rotate | Crop | Origin
@@ -202,7 +202,7 @@ def parse_operation(given: object) -> Operation:
     """Return an operation from a mapping with its name ``op`` and its fields. Raises :class:`ConfigError`."""
     if not isinstance(given, Mapping) or given.get("op") not in _KINDS:
         op = given.get("op") if isinstance(given, Mapping) else given
-        raise ConfigError("edit.op", f"An edit's 'op' must be one of {', '.join(_KINDS)}, not {op!r:.40}.")
+        raise ConfigError("edit.op", f"An edit’s 'op' must be one of {', '.join(_KINDS)}, not {op!r:.40}.")
     kind = _KINDS[given["op"]]
     names = [field.name for field in fields(kind)]
     for name in given:

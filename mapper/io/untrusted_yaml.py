@@ -119,5 +119,5 @@ def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
     if "\t" in line[: len(line) - len(line.lstrip())]:
         why = "it is indented with a tab, which YAML forbids: use blanks"
     elif re.search(r"\{\{[^{}]*\}\}", line):
-        why = "it has a template's {{ … }} in it: put the value into the file"
+        why = "it has a template’s {{ … }} in it: put the value into the file"
     return f" in line {number + 1}: {why}"

@@ -42,7 +42,7 @@ class LocalizationConfig:
     laser_model_type: str = choice(
         "Sensor model", "sensor", "likelihood_field_prob",
         "likelihood_field_prob: the product over the beams of table 6.3 of Probabilistic Robotics; likelihood_field: "
-        "AMCL's 1 + Σ p³ of the same field, whose weights differ less; beam: the beam model of table 6.1.",
+        "AMCL’s 1 + Σ p³ of the same field, whose weights differ less; beam: the beam model of table 6.1.",
         SENSOR_MODELS,
     )
     laser_max_beams: float = number(
@@ -55,12 +55,12 @@ class LocalizationConfig:
         "", 0, 2000, 1,
     )
     laser_min_range: float = number(
-        "Shortest range", "sensor", -1.0, "Shorter readings are not used; -1: the sensor's own limit.",
+        "Shortest range", "sensor", -1.0, "Shorter readings are not used; -1: the sensor’s own limit.",
         "m", -1.0, 1000.0, 0.1,
     )
     laser_max_range: float = number(
         "Longest range", "sensor", 100.0,
-        "Readings of this range and more are not used, or are no return to the beam model; -1: the sensor's own limit.",
+        "Readings of this range and more are not used, or are no return to the beam model; -1: the sensor’s own limit.",
         "m", -1.0, 1000.0, 0.5,
     )
     z_hit: float = _mix("z_hit", 0.5, "Share of readings of what the map has.")

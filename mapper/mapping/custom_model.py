@@ -105,7 +105,7 @@ def _checked_reach(model: InverseSensorModel) -> float:
     value: object = model.reach
     if isinstance(value, bool) or not isinstance(value, int | float) or not (0.0 <= value < np.inf):
         raise ConfigError(
-            "model.reach", f"The model's reach must be a finite number of metres, at least 0, not {value!r:.80}."
+            "model.reach", f"The model’s reach must be a finite number of metres, at least 0, not {value!r:.80}."
         )
     return float(value)
 
@@ -116,12 +116,12 @@ def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_
         increments = np.asarray(answer, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ConfigError(
-            "model.increments", f"The model's increments are not an array of numbers: {error}."
+            "model.increments", f"The model’s increments are not an array of numbers: {error}."
         ) from error
     if increments.shape != crossed.r.shape:
         raise ConfigError(
             "model.increments",
-            f"The model's increments must have the shape of r, {crossed.r.shape}, not {increments.shape}.",
+            f"The model’s increments must have the shape of r, {crossed.r.shape}, not {increments.shape}.",
         )
     with np.errstate(over="ignore"):
         rounded = increments.astype(np.float32)
@@ -130,7 +130,7 @@ def _checked_increments(model: InverseSensorModel, crossed: CrossedCells, range_
         first = bad[0]
         raise ConfigError(
             "model.increments",
-            f"The model's increments must be finite log-odds; at r = {crossed.r[first]:g} m of a reading "
+            f"The model’s increments must be finite log-odds; at r = {crossed.r[first]:g} m of a reading "
             f"z = {crossed.z[first]:g} m it says {increments[first]:g}.",
         )
     return rounded

@@ -98,7 +98,7 @@ class MappingConfig:
     # fmt: off
     model: str = choice(
         "Inverse sensor model", "model", "fixed_increments",
-        "How a reading becomes evidence: along a thin beam, all over a sonar's cone, or by counting hits and visits.",
+        "How a reading becomes evidence: along a thin beam, all over a sonar’s cone, or by counting hits and visits.",
         MODELS,
     )
     range_max: float = number(
@@ -106,7 +106,7 @@ class MappingConfig:
     )
     window: float = number(
         "Hit window", "model", 0.0,
-        "Width w of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
+        "Width w of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell’s width.",
         "m", 0.0, 2.0, 0.05, only_for=_STEPPED,
     )
     log_odds_hit: float = number(
@@ -146,7 +146,7 @@ class MappingConfig:
         ("flat", "gaussian"), only_for=("sonar_cone",),
     )
     prior_weight: float = number(
-        "Weight of the prior", "model", 2.0, "How many visits the prior counts for; 2 is Laplace's rule of succession.",
+        "Weight of the prior", "model", 2.0, "How many visits the prior counts for; 2 is Laplace’s rule of succession.",
         "", 0.1, 50.0, 0.1, only_for=("hit_counting",),
     )
     update: str = choice(
@@ -161,7 +161,7 @@ class MappingConfig:
     )
     traversal: str = choice(
         "Traversal", "update", "bresenham",
-        "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
+        "Which cells a beam crosses: those of Bresenham’s thin line, or exactly all that it touches (Amanatides–Woo).",
         ("bresenham", "amanatides_woo"), only_for=_THIN,
     )
     no_return: str = choice(
@@ -175,7 +175,7 @@ class MappingConfig:
         ("auto", "on", "off"), only_for=_PER_SCAN,
     )
     clamp: bool = flag(
-        "Clamp", "update", True, "Keep each cell's log-odds between the two limits, so that the map can still change.",
+        "Clamp", "update", True, "Keep each cell’s log-odds between the two limits, so that the map can still change.",
     )
     log_odds_min: float = number("Lower clamp", "update", -2.0, "The most free a cell can become.", "", -10.0, 0.0, 0.1)
     log_odds_max: float = number(
@@ -186,13 +186,13 @@ class MappingConfig:
     )
     resolution: float = number("Resolution", "map", 0.05, "Side of a cell.", "m", 0.01, 1.0, 0.01)
     mount_x: float = number(
-        "Mount forward", "mount", 0.0, "Correction of the sensor's place on the robot, forward.", "m", -2.0, 2.0, 0.01,
+        "Mount forward", "mount", 0.0, "Correction of the sensor’s place on the robot, forward.", "m", -2.0, 2.0, 0.01,
     )
     mount_y: float = number(
-        "Mount left", "mount", 0.0, "Correction of the sensor's place on the robot, to the left.", "m", -2.0, 2.0, 0.01,
+        "Mount left", "mount", 0.0, "Correction of the sensor’s place on the robot, to the left.", "m", -2.0, 2.0, 0.01,
     )
     mount_yaw: float = number(
-        "Mount yaw", "mount", 0.0, "Correction of the sensor's heading on the robot, counter-clockwise.",
+        "Mount yaw", "mount", 0.0, "Correction of the sensor’s heading on the robot, counter-clockwise.",
         "rad", -3.1416, 3.1416, 0.01,
     )
     mount_upside_down: bool = flag(
@@ -201,7 +201,7 @@ class MappingConfig:
     )
     time_offset: float = number(
         "Time offset", "mount", 0.0,
-        "Correction of the sensor's clock, added to the scans' times; scans outside the poses' times are left out.",
+        "Correction of the sensor’s clock, added to the scans’ times; scans outside the poses’ times are left out.",
         "s", -2.0, 2.0, 0.01,
     )
     # fmt: on

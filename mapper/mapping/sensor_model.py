@@ -101,7 +101,7 @@ def _check_increments(miss: float, hit: float) -> None:
 
 def _check_opening(opening: float) -> None:
     if not 0.0 < opening < np.pi:
-        raise ConfigError("model.opening", f"A cone's opening angle must be between 0 and π radians, not {opening!r}.")
+        raise ConfigError("model.opening", f"A cone’s opening angle must be between 0 and π radians, not {opening!r}.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +228,7 @@ class SonarCone:
         _check_window(self.window)
         _check_opening(self.opening)
         if self.profile not in ("flat", "gaussian"):
-            raise ConfigError("model.profile", f"A cone's profile must be flat or gaussian, not {self.profile!r:.40}.")
+            raise ConfigError("model.profile", f"A cone’s profile must be flat or gaussian, not {self.profile!r:.40}.")
 
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says
         return self.window / 2.0

@@ -19,7 +19,7 @@ def travel_time(points: Float64Array, greatest: float, filters: Sequence[SpeedFi
     :class:`ConfigError` for a speed that is not above 0.
     """
     if not 0.0 < greatest < float("inf"):
-        raise ConfigError("path.speed", f"The robot's greatest speed must be above 0 m/s, not {greatest!r:.40}.")
+        raise ConfigError("path.speed", f"The robot’s greatest speed must be above 0 m/s, not {greatest!r:.40}.")
     lengths = np.hypot(*np.diff(points, axis=0).T)
     middles = 0.5 * (points[:-1] + points[1:])
     speeds = np.full(len(lengths), greatest)

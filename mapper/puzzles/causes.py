@@ -96,10 +96,10 @@ _ROWS = (
         "mount",
         (
             "Compare a wall that was seen from one heading only with one that was seen from many.",
-            "Ask Why about both copies of a doubled wall: the robot's heading differs.",
+            "Ask Why about both copies of a doubled wall: the robot’s heading differs.",
             "Look at the parameter Mount forward, both signs.",
         ),
-        "A wrong position of the sensor shifts each scan along the robot's heading. While the heading is constant, the "
+        "A wrong position of the sensor shifts each scan along the robot’s heading. While the heading is constant, the "
         "map is only shifted; after a turn the same wall is drawn a second time beside the first.",
         lesson="The offset of a shifted sensor rotates with the heading: walls appear twice where the robot turned, "
         "and a straight drive hides the error.",

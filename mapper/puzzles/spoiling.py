@@ -116,7 +116,7 @@ def _resolution(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
 
 def _window(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
     if log.beam_width > 0.0:
-        raise ConfigError("puzzle.cause", "A wide hit window is not a fault of a sonar's map.")
+        raise ConfigError("puzzle.cause", "A wide hit window is not a fault of a sonar’s map.")
     return _with_values(log, name, {"window": _size(CAUSES["window"], rng, signed=False)})
 
 

@@ -32,7 +32,7 @@ class Intrinsics:
         if not (finite and self.fx > 0.0 and self.fy > 0.0):
             raise ConfigError(
                 "camera.intrinsics",
-                "A camera's focal lengths must be positive and its centre finite, not "
+                "A camera’s focal lengths must be positive and its centre finite, not "
                 f"{self.fx}, {self.fy}, {self.cx}, {self.cy}.",
             )
 

@@ -32,5 +32,5 @@ def note_on_offset(whose: str, offset: Offset) -> str:
     x, y = offset
     return (
         f"{whose} are georeferenced: they are shown less {x:.0f} m in x and {y:.0f} m in y, which the origin in the "
-        "map's yaml has again."
+        "map’s yaml has again."
     )

@@ -49,7 +49,7 @@ class PointCloud:
         if any(len(other) != n for other in others):
             raise ConfigError("cloud.fields", f"Each field of a cloud of {n} points must have {n} rows.")
         if self.sensor_pose is not None:
-            check_pose(self.sensor_pose, "The sensor's pose")
+            check_pose(self.sensor_pose, "The sensor’s pose")
 
     def __len__(self) -> int:
         return len(self.points)
@@ -73,7 +73,7 @@ class PosedCloud:
     pose: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        check_pose(self.pose, "The cloud's pose")
+        check_pose(self.pose, "The cloud’s pose")
 
     @property
     def origin(self) -> NDArray[np.float64]:

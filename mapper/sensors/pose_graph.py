@@ -53,7 +53,7 @@ class PoseGraph:
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
                 raise ConfigError(
-                    "graph.shape", f"The graph's {name} must have shape {shape}, not {getattr(self, name).shape}."
+                    "graph.shape", f"The graph’s {name} must have shape {shape}, not {getattr(self, name).shape}."
                 )
         ends = np.concatenate([self.i, self.j])
         if len(ends) and not (ends.min() >= 0 and ends.max() < m):

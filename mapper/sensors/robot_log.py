@@ -48,7 +48,7 @@ class RobotLog:
 
     def __post_init__(self) -> None:
         if not self.sensors:
-            raise ConfigError("log.no_scans", "A robot's log needs at least one range sensor.")
+            raise ConfigError("log.no_scans", "A robot’s log needs at least one range sensor.")
 
     @staticmethod
     def of_one(log: ScanLog) -> RobotLog:

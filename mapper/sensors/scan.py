@@ -75,7 +75,7 @@ class LaserScan:
     def __post_init__(self) -> None:
         object.__setattr__(self, "ranges", np.ascontiguousarray(self.ranges, dtype=np.float32))
         if self.ranges.ndim != 1:
-            raise ConfigError("scan.shape", f"A scan's ranges are one row, not an array of shape {self.ranges.shape}.")
+            raise ConfigError("scan.shape", f"A scan’s ranges are one row, not an array of shape {self.ranges.shape}.")
         _check_beams(self.angle_min, self.angle_increment, self.range_min, self.range_max)
         _check_angle_step(self.angle_increment, len(self.ranges))
         _check_width(self.beam_width)
@@ -144,7 +144,7 @@ def checked_bearings(bearings: NDArray[np.float64], shape: tuple[int, ...]) -> N
 
 def _check_width(width: float) -> None:
     if not 0.0 <= width <= np.pi / 2.0:
-        raise ConfigError("scan.beam_width", f"A beam's width must be 0 to π/2 radians, not {width!r}.")
+        raise ConfigError("scan.beam_width", f"A beam’s width must be 0 to π/2 radians, not {width!r}.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,7 +263,7 @@ class ScanLog:
         object.__setattr__(self, "stamps_ns", np.ascontiguousarray(self.stamps_ns, dtype=np.int64))
         if self.ranges.ndim != 2:
             raise ConfigError(
-                "log.shape", f"A log's ranges are scans × beams, not an array of shape {self.ranges.shape}."
+                "log.shape", f"A log’s ranges are scans × beams, not an array of shape {self.ranges.shape}."
             )
         if len(self.ranges) > self.limits.max_scans or self.ranges.shape[1] > self.limits.max_beams:
             raise LimitError(

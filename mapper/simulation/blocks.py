@@ -28,18 +28,18 @@ class Block:
     def __post_init__(self) -> None:
         outline = np.array(self.outline, dtype=np.float64)
         if outline.ndim != 2 or outline.shape[0] < 3 or outline.shape[1] != 2 or not np.isfinite(outline).all():
-            raise ConfigError("block.outline", "A block's outline must be at least three finite points (x, y).")
+            raise ConfigError("block.outline", "A block’s outline must be at least three finite points (x, y).")
         edges = np.roll(outline, -1, axis=0) - outline
         after = np.roll(edges, -1, axis=0)
         turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
         if not (turns > -CONVEX).all() or not (turns > CONVEX).any():
-            raise ConfigError("block.outline", "A block's outline must be convex and run counter-clockwise.")
+            raise ConfigError("block.outline", "A block’s outline must be convex and run counter-clockwise.")
         if not np.isfinite((self.bottom, *self.top)).all():
-            raise ConfigError("block.heights", "A block's bottom and top must be finite numbers.")
+            raise ConfigError("block.heights", "A block’s bottom and top must be finite numbers.")
         outline.setflags(write=False)
         object.__setattr__(self, "outline", outline)
         if not (self.heights >= self.bottom).all() or not (self.heights > self.bottom).any():
-            raise ConfigError("block.heights", f"A block's top must lie above its bottom, {self.bottom:g} m.")
+            raise ConfigError("block.heights", f"A block’s top must lie above its bottom, {self.bottom:g} m.")
 
     @property
     def heights(self) -> Polygon:

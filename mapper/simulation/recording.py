@@ -136,7 +136,7 @@ class Recording:
             self.sensor.range_max,
             self._stamps[: self._n],
             {
-                "true": Trajectory(self._poses[: self._n], "The simulated robot's true poses.", "map"),
+                "true": Trajectory(self._poses[: self._n], "The simulated robot’s true poses.", "map"),
                 "odometry": Trajectory(
                     self._odometry[: self._n], "What its wheels report: the truth with a drift.", "odom"
                 ),

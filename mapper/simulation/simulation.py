@@ -50,7 +50,7 @@ class Simulation:
         if not all(math.isfinite(v) for v in mount):
             raise ConfigError("simulation.mount", f"The sensor mount must be three finite numbers, not {mount!r}.")
         if not 0.0 < radius <= 1.0:
-            raise ConfigError("simulation.radius", f"The robot's radius must be in (0, 1] m, not {radius!r}.")
+            raise ConfigError("simulation.radius", f"The robot’s radius must be in (0, 1] m, not {radius!r}.")
         noise, wander = np.random.SeedSequence(seed).spawn(2)
         self._noise, self._wander = np.random.default_rng(noise), np.random.default_rng(wander)
         self.sensor = sensor or SensorConfig()

@@ -49,7 +49,7 @@ class World:
     def __post_init__(self) -> None:
         x0, y0, x1, y1 = self.bounds
         if not (np.isfinite(self.bounds).all() and x0 < x1 and y0 < y1):
-            raise ConfigError("world.bounds", f"The world's bounds must be a box, not {self.bounds!r}.")
+            raise ConfigError("world.bounds", f"The world’s bounds must be a box, not {self.bounds!r}.")
         solids = tuple(_counter_clockwise(solid, i) for i, solid in enumerate(self.solids))
         object.__setattr__(self, "solids", solids)
         footprints = [

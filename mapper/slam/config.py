@@ -61,7 +61,7 @@ class SlamConfig:
     )
     loop_contradicted: float = number(
         "Most contradicted", "loops", 0.12,
-        "Share of the points of a loop's scan, and of the scans on the way to one from far away in the graph or to a "
+        "Share of the points of a loop’s scan, and of the scans on the way to one from far away in the graph or to a "
         "recognized place, that may lie where the other scans saw free space.", "", 0.0, 1.0, 0.01,
     )
     loop_inliers: float = number(

@@ -38,7 +38,7 @@ def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64
         parts.reverse()
     said = ""
     if shift:
-        said = f"the second log's clock is set {shift / 1e9:+.3f} s, so that it follows the first log"
+        said = f"the second log’s clock is set {shift / 1e9:+.3f} s, so that it follows the first log"
     if len(parts) == 2 and _are_alike(*parts):
         return _one_after_the_other(*parts), said
     return JointLog.of(parts), said

@@ -34,7 +34,7 @@ class ScanStore:
     ) -> None:
         for log in logs:
             if log.bearings is not None or log.beam_width > 0.0:
-                raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar's readings are too wide to be matched.")
+                raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar’s readings are too wide to be matched.")
         below = float(np.nextafter(range_max, 0.0))
         numbers = sensor_numbers(logs) if sensors is None else sensors
         self.sensor_numbers = [int(number) for number in numbers]  #: of the sensor that each log is of

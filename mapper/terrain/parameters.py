@@ -31,7 +31,7 @@ class GroundConfig:
         "", 0.0, 2.0, 0.05,
     )
     window: float = number("window", "ground", 18.0, "Radius of the largest disc.", "m", 0.1, 100.0, 0.1)
-    height: float = number("height", "ground", 0.3, "A ground point's distance from flat ground.", "m", 0.01, 5.0, 0.01)
+    height: float = number("height", "ground", 0.3, "A ground point’s distance from flat ground.", "m", 0.01, 5.0, 0.01)
     scaling: float = number(
         "scaling", "ground", 1.25, "More distance where it is steep, times the slope.", "m", 0.0, 5.0, 0.05,
     )

@@ -173,7 +173,7 @@ def assess(
     """
     config = config or PatchConfig()
     if occupied is not None and occupied.moments.shape != patches.moments.shape:
-        raise ConfigError("terrain.shape", "The patches with all points must be those of the ground's grid.")
+        raise ConfigError("terrain.shape", "The patches with all points must be those of the ground’s grid.")
     planes = patches.planes(reach, round(config.min_points))
     steps = patches.steps(planes)
     terms = (

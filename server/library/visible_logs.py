@@ -87,4 +87,4 @@ class VisibleLogs:
         try:
             return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)
         except OSError:
-            raise LogNotFoundError("log.no_picture", "There is no picture of this log's map yet.") from None
+            raise LogNotFoundError("log.no_picture", "There is no picture of this log’s map yet.") from None

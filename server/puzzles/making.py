@@ -99,7 +99,7 @@ class LogSource:
     def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle of the log's first scans."""
         if isinstance(self.log, JointLog):
-            raise ConfigError("puzzle.sensors", "A puzzle uses one sensor: choose one of the log's sensors.")
+            raise ConfigError("puzzle.sensors", "A puzzle uses one sensor: choose one of the log’s sensors.")
         spec, log = self.spec, shortened(self.log)
         name = spec.view.trajectory or log.default_trajectory
         if spec.fault != AS_IT_IS:

@@ -140,7 +140,7 @@ class LogModel(SessionModel):
         offers = Offers(
             host,
             grid=lambda: self.grid,
-            map_title="the log's own",
+            map_title="the log’s own",
             robot=self._robot,
             recording=self.recording,
             update_log=self._update_log,

@@ -35,7 +35,7 @@ RESTARTING = CloseCode(1012, "the service stops or restarts", "The server does n
 SIGNED_OUT = CloseCode(
     4401,
     "the cookie of the service's token has ended: its browser signed out, or 30 days have passed",
-    "This browser has signed out: open the address that has the service's token.",
+    "This browser has signed out: open the address that has the service’s token.",
 )
 REFUSED = CloseCode(
     4404,

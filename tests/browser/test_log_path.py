@@ -87,7 +87,7 @@ def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
     await_true(page, f"() => Math.abs({_PATH}.length - {before}) > 0.3")
     page.get_by_role("radio", name="Why").check()
     page.mouse.click(*place(page, *first))
-    expect(page.get_by_text("The map's value is")).to_be_visible()
+    expect(page.get_by_text("The map’s value is")).to_be_visible()
     open_group(page, "Costmap")
     with page.expect_download() as download:
         page.get_by_role("button", name="Download yaml").click()

@@ -78,7 +78,7 @@ def bad_files() -> dict[str, tuple[bytes, str]]:
             zipped(a__depth__png=depth_png(), a__pose__txt=POSE, camera__txt=b"500 500 320 240"),
             "of images of another size",
         ),
-        "intrinsics in place of points": (b"585 0 320\n0 585 240\n0 0 1\n", "3 × 3 matrix of a camera's intrinsics"),
+        "intrinsics in place of points": (b"585 0 320\n0 585 240\n0 0 1\n", "3 × 3 matrix of a camera’s intrinsics"),
         "a pose in place of points": (POSE, "4 × 4 matrix of a pose"),
         "a pose that is not finite": (
             zipped(a__depth__png=depth_png(), a__pose__txt=POSE.replace(b"1", b"nan", 1), camera__txt=CAMERA),

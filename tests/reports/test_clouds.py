@@ -545,7 +545,7 @@ def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Pat
     done = run("map3d", tmp_path / "far.xyz", *outs, "--map", tmp_path / "above", "--resolution", "0.5", "--json")
     assert done.status == 0, done.err
     offset = (523_000.0, 4_812_000.0, 600.0)
-    assert "The map's origin is at 523,000, 4,812,000, 600 m of the file" in json.loads(done.out)["notes"][-1]
+    assert "The map’s origin is at 523,000, 4,812,000, 600 m of the file" in json.loads(done.out)["notes"][-1]
     tree = octree_of_bytes(names[0].read_bytes(), "m.bt")
     assert tuple(tree.offset) == offset
     assert b"comment offset 523000.0 4812000.0 600.0\n" in names[1].read_bytes()[:200]
@@ -556,7 +556,7 @@ def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Pat
     again = run("map3d", names[0], tmp_path / "far.xyz", "--out", tmp_path / "n.ot", "--json")
     assert json.loads(again.out)["occupied"] == json.loads(done.out)["occupied"]
     told = run("info", tmp_path / "n.ot")
-    assert "The map's origin is at 523,000, 4,812,000, 600 m of the file" in told.out
+    assert "The map’s origin is at 523,000, 4,812,000, 600 m of the file" in told.out
 
 
 def rows(*columns: ArrayLike) -> bytes:

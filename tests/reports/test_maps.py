@@ -153,7 +153,7 @@ YAMLS = {
     "a map": ("resolution: 0.05\nimage: a.pgm\n", "describes a map, not a log"),
     "parameters": ("amcl:\n  ros__parameters:\n    alpha1: 0.2\n", "has parameters of ROS nodes, not a log"),
     "parameters in one line": ("/**: {ros__parameters: {a: 1}}\n", "has parameters of ROS nodes"),
-    "a bag's metadata": ("rosbag2_bagfile_information:\n  version: 5\n", "open the bag's folder"),
+    "a bag's metadata": ("rosbag2_bagfile_information:\n  version: 5\n", "open the bag’s folder"),
 }
 
 

@@ -234,7 +234,7 @@ def test_a_name_that_nav2_does_not_declare_has_a_note(line: str, said: str) -> N
         ("inflation_layer.cost_scaling_factor: -1.0", "global_costmap.inflation_layer.cost_scaling_factor: "),
         ("static_layer: 7", "has a value, and parameters below it"),
         ("filters: '[keepout_filter]'", "filters must be a list of names, not .* in quotes for a text"),
-        ("robot_radius: {{ radius }}", r"malformed in line \d+: it has a template's"),
+        ("robot_radius: {{ radius }}", r"malformed in line \d+: it has a template’s"),
         ("\trobot_radius: 0.2", r"malformed in line \d+: it is indented with a tab"),
     ],
 )

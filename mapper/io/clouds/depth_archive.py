@@ -119,7 +119,7 @@ def _write(
                 if room < 0:
                     raise LimitError(
                         "depth.too_many_bytes",
-                        f"The archive's files have more than {limits.unpacked_bytes(size):,} bytes together, at "
+                        f"The archive’s files have more than {limits.unpacked_bytes(size):,} bytes together, at "
                         f"{one.name:.80}.",
                     )
                 out.write(piece)

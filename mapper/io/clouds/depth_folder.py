@@ -73,7 +73,7 @@ SEVEN_SCENES_UNIT, TUM_UNIT = 0.001, 1.0 / 5000.0  #: metres of one step
 INTRINSICS = ("camera-intrinsics.txt", "intrinsics.txt", "camera.txt")
 USUAL_SIZE = (640, 480)
 SEVEN_SCENES_CAMERA, TUM_CAMERA = (585.0, 585.0, 320.0, 240.0), (525.0, 525.0, 319.5, 239.5)
-TAKEN_NOTE = "The folder has no {}: the data set's own are taken, fx fy cx cy = {}."
+TAKEN_NOTE = "The folder has no {}: the data set’s own are taken, fx fy cx cy = {}."
 NO_POSE_NOTE = "{n} of {all} depth images have no pose and are left out, the first {first}."
 
 
@@ -125,7 +125,7 @@ def _seven_scenes(folder: Path, limits: Limits) -> Found:
             continue
         found.append((image, 0, _matrix(pose_file, 4, limits)))
     if not found:
-        raise ReadError("depth.no_poses", f"None of the folder's {len(images)} depth images has a pose (*{POSE_END}).")
+        raise ReadError("depth.no_poses", f"None of the folder’s {len(images)} depth images has a pose (*{POSE_END}).")
     notes = [NO_POSE_NOTE.format(n=len(without), all=len(images), first=without[0])] if without else []
     return found, notes
 

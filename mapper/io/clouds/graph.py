@@ -44,7 +44,7 @@ def graph_nodes(data: bytes, limits: Limits) -> Iterator[PosedCloud]:
 
 def _binary_nodes(data: bytes, limits: Limits) -> Iterator[PosedCloud]:
     if len(data) < 4:
-        raise ReadError("cloud.truncated", "The file ends before a scan graph's number of nodes.")
+        raise ReadError("cloud.truncated", "The file ends before a scan graph’s number of nodes.")
     (count,) = struct.unpack_from("<I", data)
     if count == 0:
         raise ReadError("cloud.empty", "The scan graph has no nodes.")
@@ -91,7 +91,7 @@ def _cut(node: int, count: int) -> ReadError:
 def _posed(points: NDArray[np.float64], pose: NDArray[np.float64], node: int, limits: Limits) -> PosedCloud:
     try:
         if not np.abs(pose[:3, 3]).max() <= limits.max_coordinate:  # nor is it NaN
-            raise ReadError("cloud.pose", "The cloud's pose is not finite, or too far from the origin.")
+            raise ReadError("cloud.pose", "The cloud’s pose is not finite, or too far from the origin.")
         cloud = made_cloud(points, {}, limits) if len(points) else PointCloud(np.zeros((0, 3)))
         return PosedCloud(replace(cloud, frame_id=f"node {node}"), pose)
     except (ConfigError, ReadError) as error:
@@ -103,7 +103,7 @@ def _from_quaternion(u_x_y_z: list[float], place: tuple[float, float, float], no
     if not abs(norm - 1.0) <= NORM_TOLERANCE:
         raise ReadError(
             "cloud.pose",
-            f"The pose of node {node} of the scan graph is not a rotation: its quaternion's length is {norm:.3g}.",
+            f"The pose of node {node} of the scan graph is not a rotation: its quaternion’s length is {norm:.3g}.",
         )
     u, x, y, z = (value / norm for value in u_x_y_z)
     return from_quaternion(place, x, y, z, u)

@@ -40,7 +40,7 @@ def read_kitti(data: bytes, limits: Limits) -> PointCloud:
     check_count(len(records), limits)
     note = (
         f"The file has no header: it is read as one of {FORMS[names]}, 32-bit x, y, z, {', '.join(names)} of each "
-        "point in the sensor's frame."
+        "point in the sensor’s frame."
     )
     fields = dict(zip(names, records[:, 3:].T, strict=True))
     return made_cloud(records[:, :3], fields, limits, sensor_pose=np.eye(4), notes=(note,))

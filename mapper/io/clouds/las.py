@@ -240,20 +240,20 @@ def _in_metres(
             "not tell either: state it in the record (ProjLinearUnitsGeoKey, or WKT), or project the cloud to UTM.",
         )
     if units.model == "geographic":
-        why = "The coordinates are longitude and latitude in degrees, by the file's projection record"
+        why = "The coordinates are longitude and latitude in degrees, by the file’s projection record"
         points[:, :2], note = metres_of_degrees(np.degrees(points[:, :2] * size), why)
         notes.append(note)
     elif units.model == "geocentric":
-        notes.append("The coordinates are geocentric, by the file's projection record: z is not upward.")
+        notes.append("The coordinates are geocentric, by the file’s projection record: z is not upward.")
     elif abs(size - 1.0) > 1e-9:
         points[:, :2] *= size
         is_converted = True
         height = height or units.horizontal
-        notes.append(f"x and y are in the unit {name!r}, by the file's projection record; {size:.9g} m each.")
+        notes.append(f"x and y are in the unit {name!r}, by the file’s projection record; {size:.9g} m each.")
     if height is not None and abs(height[1] - 1.0) > 1e-9:
         points[:, 2] *= height[1]
         is_converted = True
-        stated = "the file's projection record" if units.vertical else "that of x and y, as no other is stated"
+        stated = "the file’s projection record" if units.vertical else "that of x and y, as no other is stated"
         notes.append(f"z is in the unit {height[0]!r}, by {stated}; {height[1]:.9g} m each.")
     if is_converted:
         notes.append("All are converted to metres.")

@@ -41,7 +41,7 @@ def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     single |= {one.name: k for k, one in reversed([*enumerate(header.fields)]) if one.count == 1 and one.name in "xyz"}
     missing = [axis for axis in "xyz" if axis not in single]
     if missing:
-        raise ReadError("cloud.header", f"The cloud's points have no field {missing[0]}.")
+        raise ReadError("cloud.header", f"The cloud’s points have no field {missing[0]}.")
     values = _values(data, header, limits)
     n = len(values[0])
     notes = (*header.notes, *ended_early(header.points, n))

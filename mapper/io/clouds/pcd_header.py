@@ -91,31 +91,31 @@ def pcd_header(data: bytes) -> PcdHeader:
     lines, begin = _lines(data)
     names = lines.get("FIELDS") or lines.get("COLUMNS") or []
     if not names:
-        raise ReadError("cloud.header", "The PCD header's FIELDS is missing or wrong: it names no fields.")
+        raise ReadError("cloud.header", "The PCD header’s FIELDS is missing or wrong: it names no fields.")
     sizes = lines.get("SIZE") or ["4"] * len(names)
     types = [word.upper() for word in lines.get("TYPE") or ["F"] * len(names)]
     counts = lines.get("COUNT") or ["1"] * len(names)  # "if not given, 1 for all"
     if len({len(names), len(sizes), len(types), len(counts)}) != 1:
-        raise ReadError("cloud.header", "The header's FIELDS, SIZE, TYPE and COUNT have different lengths.")
+        raise ReadError("cloud.header", "The header’s FIELDS, SIZE, TYPE and COUNT have different lengths.")
     wrong = next((word for word in types if word not in _SIZES), None)
     if wrong is not None:
         said = printable(wrong[:20])
-        raise ReadError("cloud.header", f"The PCD header's TYPE is missing or wrong: {said!r} is not F, I or U.")
+        raise ReadError("cloud.header", f"The PCD header’s TYPE is missing or wrong: {said!r} is not F, I or U.")
     fields = []
     for name, size, kind, count in zip(names, sizes, types, counts, strict=True):
         if not size.isdigit() or int(size[:4]) not in _SIZES[kind]:
             said = printable(f"{kind} {size}"[:20])
-            raise ReadError("cloud.header", f"The header's TYPE and SIZE {said!r} are not types of a PCD file.")
+            raise ReadError("cloud.header", f"The header’s TYPE and SIZE {said!r} are not types of a PCD file.")
         n = _whole(count, "COUNT")
         if n:  # a field of no numbers has no bytes
             fields.append(Field(printable(name[:100]), f"{kind.lower()}{size}", n))
     if sum(one.count for one in fields) > MOST_NUMBERS:
-        raise ReadError("cloud.header", f"A point has more than {MOST_NUMBERS} numbers, which no sensor's has.")
+        raise ReadError("cloud.header", f"A point has more than {MOST_NUMBERS} numbers, which no sensor’s has.")
     kind = " ".join(lines["DATA"]).lower()
     kind = "binary_compressed" if kind == "binaryscompressed" else kind
     if kind not in KINDS:
         raise ReadError(
-            "cloud.header", f"The PCD header's DATA is none of {', '.join(KINDS)}: {printable(kind[:40])!r}."
+            "cloud.header", f"The PCD header’s DATA is none of {', '.join(KINDS)}: {printable(kind[:40])!r}."
         )
     points, shape, notes = _count(lines)
     return PcdHeader(tuple(fields), points, shape, _viewpoint(lines.get("VIEWPOINT", [])), kind, begin, notes)
@@ -141,7 +141,7 @@ def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
 def _whole(word: str, name: str) -> int:
     if not word.isdigit() or not word.isascii() or len(word) > 18:
         said = printable(word[:40])
-        raise ReadError("cloud.header", f"The PCD header's {name} is missing or wrong: {said!r} is not a whole number.")
+        raise ReadError("cloud.header", f"The PCD header’s {name} is missing or wrong: {said!r} is not a whole number.")
     return int(word)
 
 

@@ -20,7 +20,7 @@ USER = "LASF_Projection"
 GEO_KEYS, GEO_DOUBLES, GEO_TEXT, WKT = 34735, 34736, 34737, 2112  #: numbers of records
 LINEAR = {
     9001: ("metre", 1.0), 9002: ("foot", 0.3048), 9003: ("US survey foot", 1200.0 / 3937.0),
-    9004: ("modified American foot", 0.30481225298), 9005: ("Clarke's foot", 0.3047972654), 9036: ("kilometre", 1000.0),
+    9004: ("modified American foot", 0.30481225298), 9005: ("Clarke’s foot", 0.3047972654), 9036: ("kilometre", 1000.0),
     9093: ("statute mile", 1609.344), 9096: ("yard", 0.9144),
 }  # fmt: skip
 ANGULAR = {9101: ("radian", 1.0), 9102: ("degree", math.pi / 180.0), 9105: ("grad", math.pi / 200.0)}

@@ -289,7 +289,7 @@ def _refuse_matrix(rows: NDArray[np.float64]) -> None:
     if size == 3 and rows[1, 0] == 0.0 and (rows[[0, 1], [0, 1]] > 0.0).all():
         raise ReadError(
             "cloud.intrinsics",
-            "The file holds the 3 × 3 matrix of a camera's intrinsics, no points; open the folder of depth images that "
+            "The file holds the 3 × 3 matrix of a camera’s intrinsics, no points; open the folder of depth images that "
             "it belongs to.",
         )
     if size == 4 and np.allclose(rows[:3, :3] @ rows[:3, :3].T, np.eye(3), atol=1e-3):

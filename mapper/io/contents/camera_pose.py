@@ -39,7 +39,7 @@ def _mount(edges: Sequence[FrameEdge], base: str, frame: str) -> Float64Array:
     from_base, from_frame = chain_of(parents, base), chain_of(parents, frame)
     common = next((name for name in from_frame if name in from_base), None)
     if common is None:
-        raise ReadError("camera.no_mount", f"no transform joins the camera's frame {frame!r} with {base!r}")
+        raise ReadError("camera.no_mount", f"no transform joins the camera’s frame {frame!r} with {base!r}")
     stated = {(edge.parent, edge.child): edge for edge in edges}
 
     def down_to(chain: Sequence[str]) -> Float64Array:

@@ -88,10 +88,10 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
         chain = chain_of(parents, sensor)
         if not set(chain) & set(fixed_chain):
             if sensor not in stated and all(edge.parent != sensor for edge in edges):
-                said.append(f"No transform names the sensor's frame {sensor!r}.")
+                said.append(f"No transform names the sensor’s frame {sensor!r}.")
             else:
                 said.append(
-                    f"No transform joins {chain[-1]!r}, the root above the sensor's frame {sensor!r}, with "
+                    f"No transform joins {chain[-1]!r}, the root above the sensor’s frame {sensor!r}, with "
                     f"{fixed_chain[-1]!r}, the root above {fixed!r}."
                 )
     return said

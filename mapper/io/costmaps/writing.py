@@ -38,7 +38,7 @@ def write_costmaps(file: IO[bytes], costmaps: Iterable[RecordedCostmap], topic: 
     for costmap in costmaps:
         stamp, geometry = costmap.stamp_ns, costmap.geometry
         if not 0 <= stamp <= ros2.LAST_STAMP_NS:
-            raise ConfigError("costmap.stamp", f"A costmap's time must be 0 … 2^31 s, not {stamp} ns.")
+            raise ConfigError("costmap.stamp", f"A costmap’s time must be 0 … 2^31 s, not {stamp} ns.")
         message = ros2.costmap(stamp, costmap.frame, costmap.layer, geometry.resolution, geometry.origin, costmap.costs)
         topics.send(f"{topic}_raw", "nav2_msgs/msg/Costmap", stamp, message)
         values = occupancy_of_costs(costmap.costs)

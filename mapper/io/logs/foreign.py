@@ -84,7 +84,7 @@ YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (
         re.compile(rb"^rosbag2_bagfile_information\s*:", re.MULTILINE),
         "log.metadata",
-        "The file describes a ROS 2 bag and holds none of its messages: open the bag's folder.",
+        "The file describes a ROS 2 bag and holds none of its messages: open the bag’s folder.",
     ),
     (
         re.compile(rb"^\s+[\"']?ros__parameters[\"']?\s*:|[{,]\s*[\"']?ros__parameters[\"']?\s*:", re.MULTILINE),

@@ -104,7 +104,7 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
     if usual > FARTHEST_USUAL_M:
         note = (
             f"The readings are usually {usual:,.0f} m, farther than a lidar measures: as it seems they are in "
-            "millimetres or centimetres. They are taken for metres, so hardly any is within the map's max range."
+            "millimetres or centimetres. They are taken for metres, so hardly any is within the map’s max range."
         )
         return [note]
     total = no_return = 0

@@ -57,10 +57,10 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
         key for key in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh") if key not in nodes
     ]
     if missing:
-        raise ReadError("map.key_missing", f"The map's yaml lacks the key {missing[0]!r}.")
+        raise ReadError("map.key_missing", f"The map’s yaml lacks the key {missing[0]!r}.")
     resolution = _number(nodes["resolution"], "resolution")
     if resolution <= 0.0:
-        raise ReadError("map.resolution", f"The map's resolution must be positive, not {resolution:g} m.")
+        raise ReadError("map.resolution", f"The map’s resolution must be positive, not {resolution:g} m.")
     return MapDescription(
         image=_image(nodes["image"]),
         resolution=resolution,
@@ -76,7 +76,7 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ReadError("map.yaml", f"The map's yaml is not UTF-8 text: byte {error.start} is wrong.") from error
+        raise ReadError("map.yaml", f"The map’s yaml is not UTF-8 text: byte {error.start} is wrong.") from error
     try:
         loader = _Loader(text)
         try:
@@ -84,24 +84,24 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
         finally:
             loader.dispose()
     except yaml.MarkedYAMLError as error:
-        raise ReadError("map.yaml", f"The map's yaml is malformed{where_and_why(error, text)}.") from error
+        raise ReadError("map.yaml", f"The map’s yaml is malformed{where_and_why(error, text)}.") from error
     except yaml.YAMLError as error:
-        raise ReadError("map.yaml", "The map's yaml is malformed: it holds a character that YAML forbids.") from error
+        raise ReadError("map.yaml", "The map’s yaml is malformed: it holds a character that YAML forbids.") from error
     if not isinstance(root, yaml.MappingNode):
-        raise ReadError("map.yaml", "The map's yaml must be a list of keys with values, one on each line.")
+        raise ReadError("map.yaml", "The map’s yaml must be a list of keys with values, one on each line.")
     nodes: dict[str, yaml.Node] = {}
     for key, value in root.value:
         name = key.value if isinstance(key, yaml.ScalarNode) else None
         if name is None or name in nodes:
             what = "has a key that is not a word" if name is None else f"has the key {name!r:.40} twice"
-            raise ReadError("map.yaml", f"The map's yaml {what}, in line {key.start_mark.line + 1}.")
+            raise ReadError("map.yaml", f"The map’s yaml {what}, in line {key.start_mark.line + 1}.")
         nodes[name] = value
     return nodes
 
 
 def _scalar(node: yaml.Node, key: str) -> str:
     if not isinstance(node, yaml.ScalarNode):
-        raise ReadError("map.value", f"The key {key!r} of the map's yaml needs one value.")
+        raise ReadError("map.value", f"The key {key!r} of the map’s yaml needs one value.")
     return str(node.value)
 
 
@@ -109,16 +109,16 @@ def _number(node: yaml.Node, key: str) -> float:
     text = _scalar(node, key)
     value = float(text) if _NUMBER.match(text) else math.nan
     if not math.isfinite(value):
-        raise ReadError("map.value", f"The key {key!r} of the map's yaml must be a finite number, not {text!r:.40}.")
+        raise ReadError("map.value", f"The key {key!r} of the map’s yaml must be a finite number, not {text!r:.40}.")
     return value
 
 
 def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
-        raise ReadError("map.origin", "The key 'origin' of the map's yaml must be a list of three numbers: x, y, yaw.")
+        raise ReadError("map.origin", "The key 'origin' of the map’s yaml must be a list of three numbers: x, y, yaw.")
     x, y, yaw = (_number(item, "origin") for item in node.value)
     if max(abs(x), abs(y)) > FARTHEST_M or abs(yaw) > limits.max_pose:
-        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {FARTHEST_M:g} m.")
+        raise ReadError("map.origin", f"The map’s origin {x:g}, {y:g}, {yaw:g} is beyond {FARTHEST_M:g} m.")
     return (x, y, yaw)
 
 
@@ -127,7 +127,7 @@ def _thresholds(nodes: dict[str, yaml.Node]) -> dict[str, float]:
     if not 0.0 <= free < occupied <= 1.0:
         raise ReadError(
             "map.thresholds",
-            f"The map's thresholds must satisfy 0 ≤ free_thresh < occupied_thresh ≤ 1, not {free:g} and {occupied:g}.",
+            f"The map’s thresholds must satisfy 0 ≤ free_thresh < occupied_thresh ≤ 1, not {free:g} and {occupied:g}.",
         )
     return {"occupied_thresh": occupied, "free_thresh": free}
 
@@ -135,7 +135,7 @@ def _thresholds(nodes: dict[str, yaml.Node]) -> dict[str, float]:
 def _negate(node: yaml.Node) -> bool:
     text = _scalar(node, "negate")
     if text.lower() not in _BOOLEANS:
-        raise ReadError("map.value", f"The key 'negate' of the map's yaml must be 0 or 1, not {text!r:.40}.")
+        raise ReadError("map.value", f"The key 'negate' of the map’s yaml must be 0 or 1, not {text!r:.40}.")
     return _BOOLEANS[text.lower()]
 
 
@@ -144,7 +144,7 @@ def _mode(node: yaml.Node | None) -> Mode:
     for mode in get_args(Mode):
         if text.lower() == mode:  # as nav2_map_server compares it
             return mode  # type: ignore[no-any-return] # get_args gives Any
-    raise ReadError("map.mode", f"The map's mode must be trinary, scale or raw, not {text!r:.40}.")
+    raise ReadError("map.mode", f"The map’s mode must be trinary, scale or raw, not {text!r:.40}.")
 
 
 def _frame(node: yaml.Node | None) -> str | None:
@@ -152,14 +152,14 @@ def _frame(node: yaml.Node | None) -> str | None:
         return None
     name = _scalar(node, FRAME_KEY)
     if not name or not name.isprintable() or len(name) > LONGEST_FRAME:
-        raise ReadError("map.frame", f"The key {FRAME_KEY!r} of the map's yaml must name a frame, not {name!r:.40}.")
+        raise ReadError("map.frame", f"The key {FRAME_KEY!r} of the map’s yaml must name a frame, not {name!r:.40}.")
     return name
 
 
 def _image(node: yaml.Node) -> str:
     name = _scalar(node, "image")
     if not name or "\0" in name:
-        raise ReadError("map.image_name", f"The map's yaml names no image: {name!r:.40}.")
+        raise ReadError("map.image_name", f"The map’s yaml names no image: {name!r:.40}.")
     return name
 
 
@@ -185,8 +185,8 @@ def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
     except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
         raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
     if has_beside:
-        raise ReadError("map.image_outside", f"The map's image {base!r:.80} is a link that leaves the folder.")
-    where = "which does not exist" if is_inside else "outside the yaml's own folder"
+        raise ReadError("map.image_outside", f"The map’s image {base!r:.80} is a link that leaves the folder.")
+    where = "which does not exist" if is_inside else "outside the yaml’s own folder"
     also = f", and there is no {base!r:.80} beside the yaml" if base and base != name else ""
     code = "map.image_missing" if is_inside else "map.image_outside"
-    raise ReadError(code, f"The map's yaml names the image {name!r:.80}, {where}{also}.")
+    raise ReadError(code, f"The map’s yaml names the image {name!r:.80}, {where}{also}.")

@@ -222,7 +222,7 @@ def _shades(
     path: Path, description: MapDescription, limits: Limits
 ) -> tuple[NDArray[np.uint16], int, NDArray[np.bool_] | None]:
     """Return the sum of each pixel's channels, their number (0: one channel of 16 bits), and which are opaque."""
-    named = f"The map's image {path.name!r}"
+    named = f"The map’s image {path.name!r}"
     try:
         size = path.stat().st_size
         if size > limits.max_image_bytes:

@@ -47,7 +47,7 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
         t_map_odom = compose(at_scans[nearest], inverse(own[nearest]))
         at_scans[scans] = compose(t_map_odom, own[scans])
     are = "1 scan lies" if outside == 1 else f"{outside} scans lie"
-    return at_scans, [f"{are} before the first or after the last pose: the log's own poses continue the trajectory."]
+    return at_scans, [f"{are} before the first or after the last pose: the log’s own poses continue the trajectory."]
 
 
 TUM = "tum"  #: name of the trajectory that a TUM file is in a log

@@ -108,7 +108,7 @@ class OccupancyVolume:
         if not inside[0]:
             raise ConfigError(
                 "volume.origin",
-                f"The sensor's place {start.tolist()} must be finite and within {self.reach:g} m of 0 along each axis.",
+                f"The sensor’s place {start.tolist()} must be finite and within {self.reach:g} m of 0 along each axis.",
             )
         rays, keys, hits, left_out = self.rays_of(ends, start)
         if origin is None:

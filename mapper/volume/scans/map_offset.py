@@ -32,7 +32,7 @@ def offset_notes(offset: Float64Array | None) -> list[str]:
     if offset is None or not offset.any():
         return []
     place = ", ".join(f"{value:,.0f}" for value in offset)
-    return [f"The map's origin is at {place} m of the file: its coordinates are far from 0."]
+    return [f"The map’s origin is at {place} m of the file: its coordinates are far from 0."]
 
 
 @dataclass(slots=True)

@@ -85,5 +85,5 @@ def fuse_all(
         into.notes += source.notes
     if into.used == before:
         raise ConfigError(
-            "tsdf.nothing", "The image or cloud has no point that is finite, in range and within the map's lattice."
+            "tsdf.nothing", "The image or cloud has no point that is finite, in range and within the map’s lattice."
         )

@@ -95,7 +95,7 @@ class TsdfVolume:
         if image.ndim != 2:
             raise ConfigError("tsdf.depth", f"A depth image must have rows and columns, not the shape {image.shape}.")
         camera.check_size(image, "intrinsics")
-        check_pose(place, "The camera's pose")
+        check_pose(place, "The camera’s pose")
         fusion, resolution = self._fusion, self.config.resolution
         used, deepest = depth_span(image.reshape(-1), fusion.far)
         if not used:
@@ -151,7 +151,7 @@ class TsdfVolume:
         if not (np.isfinite(start).all() and start.min() >= 0.0 and start.max() < KEYS - 1):
             raise ConfigError(
                 "tsdf.origin",
-                f"The sensor's place must be finite and within {CENTRE * resolution:g} m of 0 along each axis.",
+                f"The sensor’s place must be finite and within {CENTRE * resolution:g} m of 0 along each axis.",
             )
         ends = ends / resolution + CENTRE - 0.5
         margin = float(fusion.truncation) / resolution + 1.0

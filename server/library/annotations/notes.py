@@ -57,7 +57,7 @@ class Pin:
                 object.__setattr__(self, name, value)
         if (self.x is None) != (self.y is None) or (self.at_s is None) != (self.scan is None):
             raise MapperError(
-                "note.pin", "A note's position needs x and y, and its time needs the seconds and the scan."
+                "note.pin", "A note’s position needs x and y, and its time needs the seconds and the scan."
             )
         if self.at_s is None and self.x is None:
             raise MapperError("note.pin", "A note is pinned to a time, to a place, or to both.")
@@ -179,7 +179,7 @@ def _own(connection: Connection, author: str, log_id: str, note_id: str) -> Note
         raise NoteNotFoundError("note.not_found", "There is no such note on this log; it may have been deleted.")
     note = _note(row)
     if note.author != author:
-        raise NoteReadOnlyError("note.read_only", "This note is another visitor's.")
+        raise NoteReadOnlyError("note.read_only", "This note is another visitor’s.")
     return note
 
 

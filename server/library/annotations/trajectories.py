@@ -302,7 +302,7 @@ async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
     async for piece in chunks:
         text += piece
         if len(text) > MAX_BYTES:
-            raise LimitError("trajectory.too_large", f"A trajectory's file has at most {MAX_BYTES >> 20} MiB here.")
+            raise LimitError("trajectory.too_large", f"A trajectory’s file has at most {MAX_BYTES >> 20} MiB here.")
     return bytes(text)
 
 
@@ -314,7 +314,7 @@ def _bytes_of(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError:
-        message = "The file of this trajectory is no longer in the server's store."
+        message = "The file of this trajectory is no longer in the server’s store."
         raise StorageError("log.gone", message) from None
 
 

@@ -122,7 +122,7 @@ def _files_in(source: Path) -> list[Member]:
     with source.open("rb") as file:
         if not is_tar(file.read(BLOCK)):
             raise ReadError(
-                "map.files", "These are not map files: choose a yaml together with its image, or a map of CMU's course."
+                "map.files", "These are not map files: choose a yaml together with its image, or a map of CMU’s course."
             )
     # Long names have records of their own.
     found, _ = members(source, replace(DEFAULT_LIMITS, max_archive_files=4 * MOST_FILES))

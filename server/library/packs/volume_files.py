@@ -70,7 +70,7 @@ def store_volume(source: VolumeSource, pack: Path | None, picture: Path | None) 
         try:
             write_volume_pack(source, pack)
         except OSError as error:
-            message = "What was read of the file could not be stored; the server's disk may be full."
+            message = "What was read of the file could not be stored; the server’s disk may be full."
             raise LimitError("log.storage", message) from error
     if picture is not None:
         with contextlib.suppress(OSError, ValueError, MemoryError):

@@ -285,5 +285,5 @@ def packed(log: ScanLog, path: Path) -> None:
         write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
-            "log.storage", "The log could not be stored for this job; the server's disk may be full."
+            "log.storage", "The log could not be stored for this job; the server’s disk may be full."
         ) from None

@@ -104,7 +104,7 @@ class Reader:
             try:
                 folder = await asyncio.to_thread(tempfile.mkdtemp, suffix=".reading", dir=self._scratch)
             except OSError as error:
-                message = "The log cannot be read now: the server's disk may be full."
+                message = "The log cannot be read now: the server’s disk may be full."
                 raise LimitError("log.storage", message) from error
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)

@@ -140,7 +140,7 @@ def _pack(job: Job, write: Callable[[Path], None]) -> None:
         try:
             write(Path(job.pack))
         except OSError as error:
-            message = "What was read of the log could not be stored; the server's disk may be full."
+            message = "What was read of the log could not be stored; the server’s disk may be full."
             raise LimitError("log.storage", message) from error
 
 

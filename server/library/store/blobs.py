@@ -194,7 +194,7 @@ class Blobs:
         try:
             answer = await obstore.get_async(self._store, f"{self._kind}/{name}")
         except FileNotFoundError:
-            raise StorageError("log.gone", "The bytes of this log are no longer in the server's store.") from None
+            raise StorageError("log.gone", "The bytes of this log are no longer in the server’s store.") from None
         with path.open("xb") as file:
             async for piece in answer.stream(PIECE_BYTES):
                 await asyncio.to_thread(file.write, piece)

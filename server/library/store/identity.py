@@ -39,7 +39,7 @@ def check_store_identity(database: Database, blobs: Blobs) -> None:
         raise StorageError(
             "library.another_store",
             "The database of the records belongs to the logs of another data folder or bucket: "
-            "name that one, or a database of this one's own.",
+            "name that one, or a database of this one’s own.",
         )
 
 

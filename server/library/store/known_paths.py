@@ -26,11 +26,11 @@ class KnownPaths:
             if _identity(path) != known:
                 raise StorageError(
                     "library.gone",
-                    f"The service's {'folder' if path in self._folders else 'database'} was moved or removed: "
+                    f"The service’s {'folder' if path in self._folders else 'database'} was moved or removed: "
                     "nothing can be stored until it is back, or the service is started again.",
                 )
             if not os.access(path, os.W_OK) or os.statvfs(path).f_flag & os.ST_RDONLY:
-                raise StorageError("library.read_only", "The service's folder is read-only now: nothing can be stored.")
+                raise StorageError("library.read_only", "The service’s folder is read-only now: nothing can be stored.")
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

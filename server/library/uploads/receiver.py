@@ -199,6 +199,6 @@ def too_large(max_bytes: int) -> LimitError:
     """Return the error for an upload over the cap."""
     return LimitError(
         "log.too_large",
-        f"An uploaded log may have at most {max_bytes / 1e6:,.0f} MB; this one has more. The service's setting "
-        "GRIDBLOOM_MAX_UPLOAD_BYTES raises this limit; gridbloom on one's own computer reads logs of any size.",
+        f"An uploaded log may have at most {max_bytes / 1e6:,.0f} MB; this one has more. The service’s setting "
+        "GRIDBLOOM_MAX_UPLOAD_BYTES raises this limit; gridbloom on one’s own computer reads logs of any size.",
     )

@@ -127,7 +127,7 @@ class SpeedZones:
         value = self._filter.mask.at(x, y)
         if not value:
             return None
-        return f"The speed filter's mask is {value} here: the limit is {self.named(value)}."
+        return f"The speed filter’s mask is {value} here: the limit is {self.named(value)}."
 
     def named(self, value: int) -> str:
         """Return the limit of a value of the mask in words."""

@@ -184,7 +184,7 @@ class LogGraph(Part, Graphed):
         data = await source(name)
         if data is None:
             raise ConfigError(
-                "graph.none", f"The trajectory {name!r:.90} has no pose graph: heal the log's poses first."
+                "graph.none", f"The trajectory {name!r:.90} has no pose graph: heal the log’s poses first."
             )
         self._unshown = await self._host.on_thread(partial(read_solved, data, log, name))
         return self._unshown

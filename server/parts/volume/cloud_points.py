@@ -83,5 +83,5 @@ class CloudPoints:
         if classes is not None:
             of_class = np.asarray(classes).reshape(-1) == GROUND_CLASS
             if of_class.any() and not of_class.all():
-                return "the file's classes", of_class
+                return "the file’s classes", of_class
         return None, None

@@ -261,5 +261,5 @@ class VolumeSurface:
             return None
         keys, inside = keys_of(place[None].astype(np.float32), self.config.resolution)
         if not inside[0]:
-            raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map's lattice.")
+            raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map’s lattice.")
         return np.asarray(keys[0])

@@ -144,5 +144,5 @@ def _key_at(command: VoxelCommand, now: AskedMap) -> Int64Array | None:
     place: Float64Array = np.array(given)
     keys, inside = keys_of(place[None].astype(np.float32), now.config.resolution)
     if not inside[0]:
-        raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map's lattice.")
+        raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map’s lattice.")
     return np.asarray(keys[0])

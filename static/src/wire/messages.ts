@@ -2238,7 +2238,7 @@ export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
   1009: "The server closed the connection because this page sent a message that is too long.",
   1011: "The server closed the connection because of a defect in the service.",
   1012: "The server does not answer.",
-  4401: "This browser has signed out: open the address that has the service's token.",
+  4401: "This browser has signed out: open the address that has the service\u2019s token.",
   4404: "The server refused the connection: the session does not exist any more, or too many browsers watch it.",
   4408: "The server closed the connection because this page did not answer for a long time.",
   4410: "This session has ended.",

@@ -45,7 +45,7 @@ def test_the_outline_turns_with_the_robot() -> None:
         (((0.1, 0.1), (-0.1, -0.1)), "3 to 200 points"),
         (((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)), "crosses itself: .* point 0 and from point 2"),
         (((1.0, 0.0), (float("nan"), 1.0), (-1.0, 0.0)), "finite"),
-        (((1.0, 1.0), (2.0, 1.0), (2.0, 2.0)), "must hold the robot's centre"),
+        (((1.0, 1.0), (2.0, 1.0), (2.0, 2.0)), "must hold the robot’s centre"),
         ((("a", 1.0), (2.0, 1.0), (2.0, 2.0)), "list of points"),
     ],
 )  # fmt: skip

@@ -126,7 +126,7 @@ def test_unknown_is_kept_where_it_is_tracked() -> None:
     costmap = LayeredCostmap(GEOMETRY, general, ROBOT, [static])
     costmap.update()
     assert costmap.costs[40, 70] == NO_INFORMATION
-    assert costmap.why(40, 70)[0].sentence == "The map's value is unknown: no information."
+    assert costmap.why(40, 70)[0].sentence == "The map’s value is unknown: no information."
 
 
 def test_layers_of_another_shape_are_refused() -> None:

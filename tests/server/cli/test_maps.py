@@ -188,7 +188,7 @@ def test_view_of_a_bad_map_prints_one_sentence_and_exits_with_status_2(run, tmp_
     status, out, err = run("view", bad)
     assert (status, out) == (2, "")
     assert err == (
-        f"gridbloom: {bad}: The map's yaml names the image '../secret.pgm', outside the yaml's own folder, and "
+        f"gridbloom: {bad}: The map’s yaml names the image '../secret.pgm', outside the yaml’s own folder, and "
         "there is no 'secret.pgm' beside the yaml.\n"
     )
     assert run("view", bad, "--width", 0).status == 2

@@ -35,7 +35,7 @@ def test_it_is_put_read_mapped_shared_and_deleted(service: Service) -> None:
     answer = put(http, log_id, "from LaMa", tum(10, y=2.0, start=1))
     assert answer.status_code == 201, answer.text
     assert answer.json()["notes"] == [
-        "2 scans lie before the first or after the last pose: the log's own poses continue the trajectory."
+        "2 scans lie before the first or after the last pose: the log’s own poses continue the trajectory."
     ]
     assert [one["name"] for one in http.get(f"/api/logs/{log_id}").json()["trajectories"]][-1] == "from LaMa"
     got = http.get(f"/api/logs/{log_id}/trajectories/from LaMa")

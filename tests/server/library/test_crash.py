@@ -149,7 +149,7 @@ async def test_a_reading_without_disk_is_repeated_by_itself(
     """Twice in the same run, and once more after a restart."""
     failures = [
         OSError(28, "No space left on device"),  # no process begins
-        LimitError("log.storage", "The log cannot be read now: the server's disk may be full."),
+        LimitError("log.storage", "The log cannot be read now: the server’s disk may be full."),
     ]
     read = Reader.read
 
@@ -165,7 +165,7 @@ async def test_a_reading_without_disk_is_repeated_by_itself(
     assert failures == []
 
     monkeypatch.setattr(jobs, "RETRY_S", 1e6)
-    failures.append(LimitError("log.storage", "The log cannot be read now: the server's disk may be full."))
+    failures.append(LimitError("log.storage", "The log cannot be read now: the server’s disk may be full."))
     later = await library.put("ann", "later.log", in_pieces(NEW))
     failed = await ready(library, later.id)
     assert failed.error is not None

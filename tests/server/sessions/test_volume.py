@@ -245,6 +245,6 @@ def test_the_classes_of_a_file_are_the_truth_of_its_ground() -> None:
     known = of(np.where(np.arange(100) < 60, 2, 6))
     _, _, ground = known.read()
     assert ground is not None
-    assert (known.truth, ground.tolist()) == ("the file's classes", [k < 60 for k in range(100)])
+    assert (known.truth, ground.tolist()) == ("the file’s classes", [k < 60 for k in range(100)])
     unclassified = of(np.zeros(100, dtype=np.int64))
     assert (unclassified.truth, unclassified.read()[2]) == (None, None)

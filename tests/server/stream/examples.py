@@ -267,7 +267,7 @@ MESSAGES: tuple[Struct, ...] = (
     PathMessage((4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
     PathMessage((4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None),
     costmap_messages.CostMessage(
-        4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")], None
+        4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map’s value is 100 of 100.")], None
     ),
     costmap_messages.Nav2Message("global_costmap: {}"),
     volume_messages.VolumeMessage(

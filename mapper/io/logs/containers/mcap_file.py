@@ -104,7 +104,7 @@ class _Mcap:
         summary = file.read(min(size - start, MAX_SUMMARY_BYTES))
         # The checksum is that of the summary and of the footer up to where it stands itself.
         if stated and len(summary) == size - start and zlib.crc32(summary[:-AFTER_CRC]) != stated:
-            self._note("The summary at the file's end has not the checksum that it states, and is not used.")
+            self._note("The summary at the file’s end has not the checksum that it states, and is not used.")
             return
         with contextlib.suppress(CutError, DamagedError):
             for opcode, at, stop in records(summary):
@@ -136,7 +136,7 @@ class _Mcap:
             if opcode == Opcode.DATA_END:
                 stated = decoded(DataEnd.read, content).data_section_crc
                 if crc is not None and stated not in (0, crc):
-                    self._note("The file's checksum is not that of its bytes: something in it is damaged.")
+                    self._note("The file’s checksum is not that of its bytes: something in it is damaged.")
                 return False
         elif self.stream.skip(size) < size:
             raise CutError
@@ -303,7 +303,7 @@ class _Mcap:
             if self.expanded > self.most_expanded:
                 raise LimitError(
                     "log.too_many_bytes",
-                    f"The file's chunks expand to more than the limit of {self.most_expanded} bytes.",
+                    f"The file’s chunks expand to more than the limit of {self.most_expanded} bytes.",
                 )
         elif head.compression:
             self._note(
@@ -363,7 +363,7 @@ class _Mcap:
             part = "messages are" if other is encoding else "schema is"
             self._note(
                 f"{what} on {printable(topic)!s:.100}: the {part} encoded as {other!r:.40}, which is not read: ros1 "
-                "and cdr are, and Foxglove's scans, clouds, transforms and poses also in json and protobuf."
+                "and cdr are, and Foxglove’s scans, clouds, transforms and poses also in json and protobuf."
             )
 
     def _note_checksum(self, head: ChunkHead) -> None:

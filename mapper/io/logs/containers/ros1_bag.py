@@ -257,7 +257,7 @@ class _Bag:
             if self.expanded > self.most_expanded:
                 raise LimitError(
                     "log.too_many_bytes",
-                    f"The bag's chunks expand to more than the limit of {self.most_expanded} bytes.",
+                    f"The bag’s chunks expand to more than the limit of {self.most_expanded} bytes.",
                 )
         elif compression != "none":
             self._note(f"The chunk at byte {at} is compressed in an unknown way, {compression!r:.40}, and is left out.")

@@ -26,11 +26,11 @@ from mapper.sensors.scan import MAX_STATED_S
 UNLIMITED, INFINITE, SWAPPED, FIXED = "unlimited", "infinite", "swapped", "fixed"
 _SENTENCES = {
     UNLIMITED: (
-        "state a range_max of {range_max:g} m, which no sensor has: readings of any distance count, and the map's max "
+        "state a range_max of {range_max:g} m, which no sensor has: readings of any distance count, and the map’s max "
         "range limits them."
     ),
     INFINITE: (
-        "state no greatest distance (range_max inf): readings of any distance count, and the map's max range limits "
+        "state no greatest distance (range_max inf): readings of any distance count, and the map’s max range limits "
         "them."
     ),
     SWAPPED: (
@@ -210,7 +210,7 @@ class _Grouping:
             return False
         self.notes.append(
             f"range_max on {self.sensor.topic} is the largest reading of each message, {largest.min():.2f} to "
-            f"{largest.max():.2f} m, not the sensor's limit: every reading counts in the message that holds it."
+            f"{largest.max():.2f} m, not the sensor’s limit: every reading counts in the message that holds it."
         )
         return True
 
@@ -248,7 +248,7 @@ class _Grouping:
         )
         self.notes.append(
             f"range_min or range_max on {self.sensor.topic} change with the messages in more than {MOST_GROUPS} ways "
-            f"(range_max {largest.min():.2f} to {largest.max():.2f} m): each message's readings count within its own "
+            f"(range_max {largest.min():.2f} to {largest.max():.2f} m): each message’s readings count within its own "
             f"limits.{said if lost else ''}"
         )
         return np.where(nearer, np.float32(np.nan), out)

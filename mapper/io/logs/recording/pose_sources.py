@@ -132,7 +132,7 @@ def _moving_first(found: dict[str, Trajectory], notes: list[str]) -> dict[str, T
     if first not in still or len(still) == len(found):
         return found
     ordered = sorted(found, key=lambda name: name in still)
-    notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log's first.")
+    notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log’s first.")
     return {name: found[name] for name in ordered}
 
 
@@ -228,9 +228,9 @@ _FROM_ONE_PLACE = "the map shows all scans as from one place"
 
 def _without_poses(*, is_any: bool, refused: str, unused: str) -> str:
     if refused:
-        return f"None of the file's poses can be used ({refused}), so {_FROM_ONE_PLACE}."
+        return f"None of the file’s poses can be used ({refused}), so {_FROM_ONE_PLACE}."
     if is_any:
-        return f"None of the file's poses can be used, so {_FROM_ONE_PLACE}."
+        return f"None of the file’s poses can be used, so {_FROM_ONE_PLACE}."
     held = f"no poses along which the robot moved ({unused})" if unused else "no poses"
     return (
         f"The file holds {held}, so {_FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "

@@ -176,7 +176,7 @@ class RobotPoses:
                 self.notes.append(
                     f"{topic} states where {path[-2]!r:.100} is in {world!r:.100} {motion.ahead_ns / 1e9:.2g} s ahead "
                     "of the odometry recorded with it, as AMCL does by its transform_tolerance: each counts from that "
-                    "odometry's time."
+                    "odometry’s time."
                 )
             if motion.leaps:
                 self.notes.append(self._said_of(name, motion.leaps))

@@ -126,7 +126,7 @@ class Stated:
         if child not in known:
             self.edges += 1
             if self.edges > MAX_FRAMES:
-                raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_FRAMES} frames.")
+                raise LimitError("log.too_many_frames", f"The log’s tf tree has more than {MAX_FRAMES} frames.")
             known[child] = None
         if not is_static:
             parents = self.moving.setdefault(child, {})
@@ -238,7 +238,7 @@ class FrameTree:
                 return chain
             if len(chain) >= MAX_DEPTH:
                 raise LimitError(
-                    "log.too_many_frames", f"In the log's tf tree a chain has more than {MAX_DEPTH} frames."
+                    "log.too_many_frames", f"In the log’s tf tree a chain has more than {MAX_DEPTH} frames."
                 )
             chain.append(parent)
 

@@ -116,7 +116,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
             raise BadMessageError(f"its points have no field {name}")
         kind = np.dtype(order + code)
         if offset + kind.itemsize > point_step:
-            raise BadMessageError(f"the field {name} reaches beyond a point's {point_step} bytes")
+            raise BadMessageError(f"the field {name} reaches beyond a point’s {point_step} bytes")
         axes.append(np.ndarray(shape, kind, values, offset if needed else 0, (row_step, point_step)))
     others: dict[str, NDArray[np.generic]] = {}
     room = point_step  # fields that share bytes could make a small message take gigabytes

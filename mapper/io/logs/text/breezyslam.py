@@ -68,7 +68,7 @@ class _Reader:
             )
         micros, left, right = fields.numbers([tokens[0], *tokens[2:4]], line, "BreezySLAM")
         if not (abs(left) < MAX_TICKS and abs(right) < MAX_TICKS):
-            raise ReadError("log.ticks", f"Line {line}: the wheels' ticks, {left:g} and {right:g}, are impossible.")
+            raise ReadError("log.ticks", f"Line {line}: the wheels’ ticks, {left:g} and {right:g}, are impossible.")
         if not abs(micros) < fields.MAX_STAMP * 1e6:
             raise ReadError("log.stamp", f"Line {line}: the time {tokens[0]!r:.40} of this line is impossible.")
         distances = fields.numbers(tokens[BEFORE:-AFTER], line, "BreezySLAM")
@@ -107,7 +107,7 @@ def read_breezyslam(
     if np.abs(poses[:, :2]).max() > limits.max_pose:
         raise ReadError(
             "log.extent",
-            f"The wheels' ticks put the robot more than {limits.max_pose:g} m from its start, the limit of a position.",
+            f"The wheels’ ticks put the robot more than {limits.max_pose:g} m from its start, the limit of a position.",
         )
     return ScanLog(
         ranges=ranges,
@@ -117,7 +117,7 @@ def read_breezyslam(
         range_max=RANGE_MAX,
         stamps_ns=stack.stamps_ns,
         trajectories={
-            "wheel": Trajectory(poses, "the wheels' encoders, with the constants of BreezySLAM's rover", "odom")
+            "wheel": Trajectory(poses, "the wheels’ encoders, with the constants of BreezySLAM’s rover", "odom")
         },
         mount=(LASER_AHEAD, 0.0, 0.0),
         name=path.name,

@@ -152,8 +152,8 @@ class CarmenReader:
 
     def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
         """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
-        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
-        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        laser = fields.pose(rest[0:3], line, word, "the laser’s", self.limits)
+        robot = fields.pose(rest[3:6], line, word, "the robot’s", self.limits)
         stamp = fields.stamp(rest[6], line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
 
@@ -182,8 +182,8 @@ class CarmenReader:
         rest = tokens[n + m + 10 :]
         laser = robot = [0.0, 0.0, 0.0]
         if more:
-            laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
-            robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+            laser = fields.pose(rest[0:3], line, word, "the laser’s", self.limits)
+            robot = fields.pose(rest[3:6], line, word, "the robot’s", self.limits)
         stamp = fields.stamp(rest[more], line, word)
         beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before, beams)
@@ -193,7 +193,7 @@ class CarmenReader:
             raise ReadError(
                 "log.truncated_line", f"Line {line}: this ODOM line ends early: {len(tokens)} fields of 10."
             )
-        pose = fields.pose(tokens[1:4], line, "ODOM", "the robot's", self.limits)
+        pose = fields.pose(tokens[1:4], line, "ODOM", "the robot’s", self.limits)
         (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
         # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
         self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
@@ -379,7 +379,7 @@ class CarmenReader:
             # A log that was simplified to one pose per scan says nothing of a mount.
             return (0.0, 0.0, yaw)
         notes.append(
-            f"The laser's mount is taken from the scan lines' two poses: {first[0]:.3f} m, {first[1]:.3f} m, "
+            f"The laser’s mount is taken from the scan lines’ two poses: {first[0]:.3f} m, {first[1]:.3f} m, "
             f"{math.degrees(first[2]):.1f}°."
         )
         return (float(first[0]), float(first[1]), float(first[2]))
@@ -408,7 +408,7 @@ class CarmenReader:
         if not len(self.truth):
             return {}
         poses = poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps)
-        return {"truepos": Trajectory(poses, "the simulator's true pose at the time of each scan", "map")}
+        return {"truepos": Trajectory(poses, "the simulator’s true pose at the time of each scan", "map")}
 
     def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
         """Return the poses at scans whose lines state none: those of other lines, or zeros."""

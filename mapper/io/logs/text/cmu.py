@@ -68,13 +68,13 @@ class _Reader:
             raise ReadError(
                 "log.beam_count", f"Line {line}: an {word} line has {FIELDS[word]} fields, this one has {len(tokens)}."
             )
-        robot = self._pose(tokens[1:4], line, word, "the robot's")
+        robot = self._pose(tokens[1:4], line, word, "the robot’s")
         stamp = fields.stamp(tokens[-1], line, word)
         if word == "O":
             self.odometry.extend([*robot, stamp])
             self.n_odometry += 1
         else:
-            laser = self._pose(tokens[4:7], line, word, "the laser's")
+            laser = self._pose(tokens[4:7], line, word, "the laser’s")
             readings = [0.01 * reading for reading in fields.numbers(tokens[7:-1], line, word)]
             self.stack.add(line, readings, (laser, robot), stamp, (self.n_odometry, 0))
 
@@ -109,7 +109,7 @@ def read_cmu(
     stack = reader.stack
     ranges, notes_on_ranges = stack.clean_ranges(NO_RETURN)
     mount, notes_on_mount = _mount(stack)
-    trajectories = {"scan": Trajectory(stack.robot_poses, "the robot's pose in each L line", "odom")}
+    trajectories = {"scan": Trajectory(stack.robot_poses, "the robot’s pose in each L line", "odom")}
     topics = [Topic("L", "laser scan", stack.n_scans, beams=BEAMS, field_of_view_deg=179.0, mount=mount, chosen=True)]
     if reader.n_odometry:
         odometry = np.frombuffer(reader.odometry).reshape(-1, 4)

@@ -160,12 +160,12 @@ class _Reader:
                 "cannot lie between.",
             )
         stamp = fields.stamp(tokens[0], line, "CSV")
-        pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits, FARTHEST_M)
+        pose = fields.pose(tokens[1:4], line, "CSV", "the robot’s", self.limits, FARTHEST_M)
         self._first = first = self._first or pose
         if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
             raise ReadError(
                 "log.pose",
-                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is "
+                f"Line {line}: the robot’s pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is "
                 f"impossible: it is more than {self.limits.max_pose:g} m from the first.",
             )
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
@@ -185,7 +185,7 @@ def read_csv_scans(
     stack, v = reader.stack, reader.values
     stack.check_headings()
     ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
-    way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan's line", limits)
+    way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan’s line", limits)
     return ScanLog(
         ranges=ranges,
         angle_min=v["angle_min"],

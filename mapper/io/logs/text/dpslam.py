@@ -38,7 +38,7 @@ class _DpslamReader:
                 raise ReadError(
                     "log.truncated_line", f"Line {line}: an Odometry line has 4 fields, this one has {len(tokens)}."
                 )
-            self._pose = fields.pose(tokens[1:4], line, word, "the robot's", self.limits)
+            self._pose = fields.pose(tokens[1:4], line, word, "the robot’s", self.limits)
         elif word == "Laser":
             if len(tokens) < 2:
                 raise ReadError("log.truncated_line", f"Line {line}: this Laser line ends after its first word.")

@@ -90,7 +90,7 @@ def _unit_of(value: float) -> str:
     """Return a sentence on the unit in which a number is a time since 1970; empty where it is in none."""
     for factor, unit in UNITS:
         if EPOCH_S[0] < value / factor < EPOCH_S[1]:
-            return f" It would be one in {unit}: divide the log's times by {factor:,.0f} to have seconds."
+            return f" It would be one in {unit}: divide the log’s times by {factor:,.0f} to have seconds."
     return ""
 
 

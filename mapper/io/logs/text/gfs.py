@@ -51,7 +51,7 @@ class _GfsReader:
             raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends after its first word.")
         n = fields.count(tokens[1], line, word, "beams", self.limits.max_beams)
         fields.require_fields(tokens, (n + 6, n + 6), line, word, f"{n} beams")
-        pose = fields.pose(tokens[n + 2 : n + 5], line, word, "the robot's", self.limits)
+        pose = fields.pose(tokens[n + 2 : n + 5], line, word, "the robot’s", self.limits)
         stamp = fields.stamp(tokens[n + 5], line, word)
         self.stack.add(line, fields.numbers(tokens[2 : n + 2], line, word), (pose, pose), stamp)
         self.best.extend((np.nan,) * 3)
@@ -63,7 +63,7 @@ class _GfsReader:
         particles = [values[at : at + 4] for at in range(0, len(values) - 3, 4)]
         best = max(particles, key=lambda particle: particle[3])
         self.best[-3:] = array(
-            "d", fields.pose([str(value) for value in best[:3]], line, tokens[0], "a particle's", self.limits)
+            "d", fields.pose([str(value) for value in best[:3]], line, tokens[0], "a particle’s", self.limits)
         )
 
 
@@ -82,11 +82,11 @@ def read_gfs(
     best = np.array(reader.best).reshape(-1, 3)
     trajectories = {"odom": Trajectory(stack.robot_poses, "the odometry in each LASER_READING line", "odom")}
     if np.isfinite(best).all():
-        text = "gmapping's best particle after each scan (SM_UPDATE)"
+        text = "gmapping’s best particle after each scan (SM_UPDATE)"
         trajectories = {"gmapping": Trajectory(best, text, "map"), **trajectories}
     elif np.isfinite(best).any():
         missing = int(np.count_nonzero(np.isnan(best[:, 0])))
-        notes.append(f"{missing} scans have no SM_UPDATE line behind them, so that gmapping's poses are not used.")
+        notes.append(f"{missing} scans have no SM_UPDATE line behind them, so that gmapping’s poses are not used.")
     return ScanLog(
         ranges=ranges,
         angle_min=beams.angle_min,

@@ -60,7 +60,7 @@ class ScanStack:
             raise ReadError(
                 "log.beams_vary",
                 f"Line {line}: this {self.word} line has {len(readings)} beams, but line {self.first_line} has "
-                f"{self.n_beams}; a log's scans must have the same number of beams.",
+                f"{self.n_beams}; a log’s scans must have the same number of beams.",
             )
         if self.n_scans >= self.limits.max_scans or len(self._ranges) // 4 + kind[0] > self.limits.max_readings:
             raise LimitError(
@@ -210,7 +210,7 @@ def notes_on_time(stamps_ns: NDArray[np.int64]) -> list[str]:
     back = int(np.count_nonzero(stamps_ns[1:] < stamps_ns[:-1]))
     if back:
         times = "once" if back == 1 else f"{back} times"
-        notes.append(f"The time runs backwards {times}; the scans stay in the file's order.")
+        notes.append(f"The time runs backwards {times}; the scans stay in the file’s order.")
     steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9  # in 64 bits the step between two such stamps may overflow
     far = int(np.count_nonzero(np.abs(steps) > DAY_S))
     if far:
@@ -233,7 +233,7 @@ def note_on_largest_reading(ranges: NDArray[np.float32]) -> list[str]:
     if piled < max(20, 0.002 * finite.size):
         return []
     note = (
-        f"{piled} readings are at the largest value, {largest:.2f} m, which is likely the sensor's code for "
+        f"{piled} readings are at the largest value, {largest:.2f} m, which is likely the sensor’s code for "
         "no return: a max range below it leaves them out."
     )
     return [note]

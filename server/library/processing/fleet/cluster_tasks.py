@@ -61,7 +61,7 @@ async def write_piece(ticket: str, name: str, data: bytes, dask_worker: Worker) 
     log = _folder(dask_worker, ticket) / "log"
     path = log / name
     if not path.resolve().is_relative_to(log.resolve()):
-        raise PermissionError("a file of a log is in the log's folder")
+        raise PermissionError("a file of a log is in the log’s folder")
 
     def append() -> None:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -152,5 +152,5 @@ def test_a_real_folder_needs_no_file_of_intrinsics(data_file: Callable[[str], Pa
         (tmp_path / name).write_bytes(data_file(f"depth/{name}").read_bytes())
     folder = read_depth_folder(tmp_path)
     assert folder.notes == (
-        "The folder has no camera-intrinsics.txt: the data set's own are taken, fx fy cx cy = 585, 585, 320, 240.",
+        "The folder has no camera-intrinsics.txt: the data set’s own are taken, fx fy cx cy = 585, 585, 320, 240.",
     )

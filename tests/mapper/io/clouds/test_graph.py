@@ -68,7 +68,7 @@ def test_octomap_s_own_scan(data_file: Callable[[str], Path]) -> None:
         (graph(node((0, 0, 0), (1, 1, 0, 0), 0)), "node 0 of the scan graph is not a rotation"),
         (
             graph(node((0, 0, float("nan")), (1, 0, 0, 0), 0)),
-            "Node 0 of the scan graph: The cloud's pose is not finite",
+            "Node 0 of the scan graph: The cloud’s pose is not finite",
         ),
         (graph(STILL[:32] + b"\7" + STILL[33:]), "the sizes of its vectors are missing"),
         (b"NODE 0 0 0 0 0\n1 2 3\n", "must have six numbers"),

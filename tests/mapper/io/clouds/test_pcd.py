@@ -127,7 +127,7 @@ def test_a_real_compressed_cloud_is_what_a_second_reader_finds(data_file: Callab
         ("binary", "POINTS 4", "POINTS 1000000000", "1000000000 points, more than the limit"),
         ("binary", "COUNT 1 1 1 1", "COUNT 1 1 1", "have different lengths"),
         ("binary", "FIELDS x y z", "FIELDS x y w", "points have no field z"),
-        ("binary", "TYPE F F", "TYPE F Q", "header's TYPE is missing or wrong"),
+        ("binary", "TYPE F F", "TYPE F Q", "header’s TYPE is missing or wrong"),
         ("binary", "SIZE 4", "SIZE 3", "are not types of a PCD file"),
         ("ascii", "0.1", "O.1", "'O.1' near line 13 is not a number"),
         ("binary", "DATA binary", "", "ends before a line DATA"),

@@ -53,8 +53,8 @@ def test_a_place_is_seen_where_a_pinhole_sees_it(tmp_path: Path, kind: str, topi
     ("topic", "base", "recording", "why"),
     [
         ("/rear/image_raw", "base_link", said(), "the log has no CameraInfo on /rear/camera_info"),
-        (TOPIC, "robot", said(), "no transform joins the camera's frame 'optical' with 'robot'"),
-        (TOPIC, "base_link", said(camera="other"), "no transform joins the camera's frame 'optical' with 'base_link'"),
+        (TOPIC, "robot", said(), "no transform joins the camera’s frame 'optical' with 'robot'"),
+        (TOPIC, "base_link", said(camera="other"), "no transform joins the camera’s frame 'optical' with 'base_link'"),
         (TOPIC, "base_link", said("/tf"), "the transform from 'camera' to 'footprint' is not static"),
     ],
 )

@@ -32,9 +32,9 @@ def test_a_whole_tree_has_no_faults() -> None:
         (
             [("map", "odom"), ("base", "laser")],
             ["laser"],
-            "No transform joins 'base', the root above the sensor's frame 'laser', with 'map', the root above 'map'.",
+            "No transform joins 'base', the root above the sensor’s frame 'laser', with 'map', the root above 'map'.",
         ),
-        ([("map", "odom")], ["laser"], "No transform names the sensor's frame 'laser'."),
+        ([("map", "odom")], ["laser"], "No transform names the sensor’s frame 'laser'."),
         (
             [("odom", "base"), ("vision", "base"), ("odom", "map"), ("base", "laser")],
             ["laser"],

@@ -37,7 +37,7 @@ def test_scans_beyond_the_poses_move_as_the_log_says() -> None:
     got, notes = poses_at_all_scans(log, TimedPoses(log.stamps_ns[2:5], other[2:5]))
     np.testing.assert_allclose(got, other, atol=1e-12)
     assert notes == [
-        "3 scans lie before the first or after the last pose: the log's own poses continue the trajectory."
+        "3 scans lie before the first or after the last pose: the log’s own poses continue the trajectory."
     ]
 
 

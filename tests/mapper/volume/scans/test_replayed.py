@@ -114,7 +114,7 @@ def test_coordinates_of_a_map_projection_are_moved_to_the_origin(tmp_path: Path)
     scans = gather(path)
     np.testing.assert_allclose(scans.points + scans.offset, points, atol=0.01)
     assert np.abs(scans.points).max() < 100
-    assert any("The map's origin is at 512,800, 5,403,600, 300 m" in note for note in scans.notes)
+    assert any("The map’s origin is at 512,800, 5,403,600, 300 m" in note for note in scans.notes)
 
 
 def zipped(folder: Path, into: Path, prefix: str = "") -> Path:

@@ -107,7 +107,7 @@ def test_what_is_refused(tmp_path: Path) -> None:
     }
     for files, said in (
         (room | other, "there are 4 yamls here"),
-        (room | {"room_speed.pgm": b"P5 no numbers"}, "The map's image 'room_speed.pgm' is damaged"),
+        (room | {"room_speed.pgm": b"P5 no numbers"}, "The map’s image 'room_speed.pgm' is damaged"),
         (room | {"room_speed.yaml": b"image: room_speed.pgm"}, "resolution"),
         (room | mask, "'room_keepout.yaml' has other cells than the map 'room.yaml'"),
         ({"room.yaml": room["room.yaml"], "else.pgm": room["room.pgm"]}, "room.pgm"),

@@ -39,7 +39,7 @@ def test_it_leaves_a_trajectory_of_each_log_in_one_frame(tmp_path: Path) -> None
     # The log of both, as its own reader has it: the lidars differ, and both began at one time.
     both = open_log(tmp_path / f"out{LOG}", topic="/second/scan_0")
     assert outcome.topic == "/first/scan_0 + /second/scan_0"
-    assert "the second log's clock is set" in outcome.note
+    assert "the second log’s clock is set" in outcome.note
     assert both.stamps_ns[0] > first.stamps_ns[-1]
     np.testing.assert_array_equal(both.ranges, second.ranges)
     np.testing.assert_allclose(both.trajectory().poses, poses[1].poses, atol=1e-5)
