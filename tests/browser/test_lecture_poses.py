@@ -22,7 +22,7 @@ def test_a_loop_closes_the_graph_a_wrong_one_bends_it_and_a_kernel_refuses_it(pa
     caption = section.locator("figcaption")
 
     def off() -> float:
-        return metres(caption, r"Poses off by ([\d.]+) m")
+        return metres(caption, r"error of the poses: ([\d.]+) m")
 
     until("the figure", lambda: caption.count() > 0)
     drifted = off()

@@ -129,7 +129,7 @@ export function Prediction({ text, axis, step, reveal, because }: PredictionProp
         {result.value !== null && verdict(guess.value, result.value, step, formatted)}{" "}
         {result.value !== null && because}
         {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
-        {awaits && "Answer in the line of the class; the lecturer shows the result."}
+        {awaits && "Answer at the bottom of the page; the lecturer shows the result."}
       </p>
     </section>
   );

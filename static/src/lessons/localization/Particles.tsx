@@ -82,7 +82,7 @@ export function Particles() {
                   transform={transform}
                   at={[now.robot, 0]}
                   label="Robot in the corridor"
-                  sentence="Moves the robot without telling it: its next reading is another."
+                  sentence="Moves the robot; the filter is not told, and takes its next reading there."
                   text={`${written(now.robot, 1)} m, it sees ${seesDoor(now.robot) ? "a door" : "a wall"}`}
                   step={0.25}
                   onMove={([at]) => {

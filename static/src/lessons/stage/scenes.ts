@@ -55,8 +55,8 @@ const WALL_WORDS = {
 
 const POLICY_WORDS = {
   ignore: "Ignored: beams without a return add nothing, and what lies farther away stays unknown.",
-  free: "Taken as free: all cells up to the max range are cleared, also where a surface only reflects the light away.",
-  hit: "Taken as a hit: a ring of walls appears where there is nothing.",
+  free: "Counted as free: all cells up to the max range are cleared, also where a surface only reflects the light away.",
+  hit: "Counted as a hit: a ring of walls appears where there is nothing.",
 } as const;
 
 /** The three views of the algorithm. */

@@ -21,7 +21,7 @@ export function FleetStart() {
         </p>
         <ul>
           <li>its map, its number of scans and the size of the map,</li>
-          <li>the drift in metres and the sharpness of the map: the worst come first if you wish,</li>
+          <li>the drift in metres and the sharpness of the map, by which the cards can be ordered,</li>
           <li>what the doctor found in it, or why it could not be read.</li>
         </ul>
         <div class="actions">

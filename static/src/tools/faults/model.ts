@@ -22,7 +22,7 @@ export const FAULTS: readonly Fault[] = [
   {
     name: "rotated",
     label: "Laser mounted at an angle",
-    look: "Each scan is rotated about the robot: when it turns, walls split into several lines and corners become round.",
+    look: "Each scan is rotated about the robot: as it drives, walls ahead shift sideways, and one wall is drawn in several places.",
     sets: { mount_yaw: 0.15 },
   },
   {

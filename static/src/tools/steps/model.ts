@@ -19,7 +19,7 @@ export function whyNoSteps(values: Values): string | null {
   if (values.update !== "per_beam")
     return "Steps by cell and beam need the update per beam: with the update per scan the beams have no order.";
   if (values.traversal !== "bresenham")
-    return "Steps by cell and beam follow Bresenham’s line: choose bresenham as the traversal.";
+    return "Steps by cell and beam follow Bresenham’s line: choose Bresenham as the traversal.";
   return null;
 }
 

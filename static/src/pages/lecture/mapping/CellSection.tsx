@@ -331,7 +331,7 @@ export function CellSection({ id, number, title }: SectionHead) {
           {" "}
           Press the buttons, or <kbd>H</kbd> and <kbd>M</kbd> on one.{" "}
         </span>{" "}
-        After how many misses is a cell that was hit four times more likely free than occupied?
+        A cell was hit four times. After how many misses is it more likely free than occupied?
       </p>
     </Section>
   );

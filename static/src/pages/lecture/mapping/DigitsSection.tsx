@@ -43,7 +43,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
         <>
           <p>
             A product of probabilities fails too: a thousand of {(1 - pHit).toFixed(2)} make 10
-            <sup>{POWER(1 - pHit)}</sup>, less than the smallest 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
+            <sup>{POWER(1 - pHit)}</sup>, less than the smallest positive 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
             Their logarithms add up to {written(1000 * Math.log(1 - pHit), 0)}.
           </p>
           <p>
@@ -102,7 +102,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        a single miss p = {(1 - pHit).toFixed(2)}. All is computed in 32 bits: Bayes’ rule for{" "}
+        a single miss p = {(1 - pHit).toFixed(2)}. Everything is computed in 32 bits: Bayes’ rule for{" "}
         <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
       </p>
     </Section>

@@ -41,7 +41,7 @@ export function OdometrySection({ id, number, title }: SectionHead) {
       }
       predict={
         <Prediction
-          text="The error of the heading is doubled to 8° per metre. How far off are the poses by odometry then?"
+          text="The error of the heading is doubled to 8° per metre. How far off are the odometry poses then?"
           axis={{ low: 0, high: 6, unit: "m" }}
           step={0.1}
           reveal={() => {
