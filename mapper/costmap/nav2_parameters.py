@@ -71,7 +71,7 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
         if has:
             more = f"; it has {has:.300}."
         else:
-            more = f"; as it seems it is one of ROS 1's move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
+            more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
     return _Reader(root, *found).read()
@@ -129,7 +129,7 @@ class _Reader:
             message = f"{self.node}: plugin_names has {len(names)} names, and plugin_types {len(types)}."
             raise ConfigError("nav2.plugins", message)
         self.notes.append(
-            f"{self.node}.plugin_names and plugin_types are Nav2's names up to Eloquent: since Foxy the list is "
+            f"{self.node}.plugin_names and plugin_types are Nav2’s names up to Eloquent: since Foxy the list is "
             "'plugins', and each layer has a 'plugin'."
         )
         for name, kind in zip(names, types, strict=True):

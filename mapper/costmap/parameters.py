@@ -125,7 +125,7 @@ class VoxelConfig(ObstacleConfig):
     z_resolution: float = number("Height of a voxel", "voxel", 0.2, "Height of a voxel.", "m", 0.01, 5.0, 0.01)
     z_voxels: float = number("Voxels in a column", "voxel", 10, "Voxels in a column.", "", 1, 16, 1)
     mark_threshold: float = number(
-        "Marked voxels", "voxel", 0, "Marked voxels that a lethal column has more than.", "", 0, 16, 1,
+        "Marked voxels", "voxel", 0, "A column with more marked voxels is lethal.", "", 0, 16, 1,
     )
     unknown_threshold: float = number(
         "Unknown voxels", "voxel", 15, "A column with more unknown voxels, of 16, is unknown.", "", 0, 16, 1,

@@ -46,7 +46,7 @@ class LocalizationConfig:
         SENSOR_MODELS,
     )
     laser_max_beams: float = number(
-        "Beams", "sensor", 60, "So many beams of each scan, evenly spread, are used.", "", 2, 2000, 1,
+        "Beams", "sensor", 60, "Number of beams of each scan that are used, evenly spread.", "", 2, 2000, 1,
     )
     independent_beams: float = number(
         "Independent beams", "sensor", 10,
@@ -63,21 +63,25 @@ class LocalizationConfig:
         "Readings of this range and more are not used, or are no return to the beam model; -1: the sensor’s own limit.",
         "m", -1.0, 1000.0, 0.5,
     )
-    z_hit: float = _mix("z_hit", 0.5, "Share of readings of what the map has.")
-    z_short: float = _mix("z_short", 0.005, "Share of readings of what stands before it; the beam model uses it.")
+    z_hit: float = _mix("z_hit", 0.5, "Share of readings from surfaces that are in the map.")
+    z_short: float = _mix(
+        "z_short", 0.005, "Share of readings from things before the expected surface; the beam model uses it.",
+    )
     z_max: float = _mix("z_max", 0.05, "Share of readings without return; the beam model uses it.")
     z_rand: float = _mix("z_rand", 0.5, "Share of readings of any range.")
     sigma_hit: float = number(
-        "σ of a reading", "sensor", 0.2, "Standard deviation of readings of what the map has.", "m", 0.005, 5.0, 0.005,
+        "σ of a reading", "sensor", 0.2, "Standard deviation of readings from surfaces that are in the map.",
+        "m", 0.005, 5.0, 0.005,
     )
     lambda_short: float = number(
         "λ of short readings", "sensor", 0.1,
-        "How fast the likelihood of what stands before falls with the range; the beam model uses it.",
+        "How fast the likelihood of unexpected short readings falls with the range; the beam model uses it.",
         "1/m", 0.001, 10.0, 0.01,
     )
     laser_likelihood_max_dist: float = number(
         "Reach of the field", "sensor", 2.0,
-        "End points farther than this from anything occupied count as if they were so far.", "m", 0.05, 50.0, 0.05,
+        "Larger distances from an end point to the nearest occupied cell count as this distance.",
+        "m", 0.05, 50.0, 0.05,
     )
     robot_model_type: str = choice(
         "Motion model", "motion", "differential",
@@ -109,11 +113,11 @@ class LocalizationConfig:
         "", 0.0, 6.0, 0.01,
     )
     resample_interval: float = number(
-        "Updates per resampling", "filter", 1, "Particles are resampled each n-th.", "", 1, 100, 1,
+        "Updates per resampling", "filter", 1, "Particles are resampled at every n-th update.", "", 1, 100, 1,
     )
     selective_resampling: bool = flag(
         "Selective resampling", "filter", False,
-        "Particles are resampled only where the effective number N_eff is below half of theirs.",
+        "Particles are resampled only where N_eff, their effective number, is below half of their number.",
     )
     annealing_stages: float = number(
         "Stages of a scan", "filter", 4,

@@ -129,7 +129,7 @@ class MappingConfig:
     )
     sigma: float = number(
         "Spread σ₀", "model", 0.03,
-        "Standard deviation of a reading at no distance; the ramp reaches two of them to either side.",
+        "Standard deviation of a reading at range 0; the ramp is two of them wide on either side.",
         "m", 0.005, 0.5, 0.005, only_for=("smooth_ramp",),
     )
     sigma_growth: float = number(
@@ -177,9 +177,11 @@ class MappingConfig:
     clamp: bool = flag(
         "Clamp", "update", True, "Keep each cell’s log-odds between the two limits, so that the map can still change.",
     )
-    log_odds_min: float = number("Lower clamp", "update", -2.0, "The most free a cell can become.", "", -10.0, 0.0, 0.1)
+    log_odds_min: float = number(
+        "Lower clamp", "update", -2.0, "Lower limit of the log-odds of a cell.", "", -10.0, 0.0, 0.1,
+    )
     log_odds_max: float = number(
-        "Upper clamp", "update", 3.5, "The most occupied a cell can become.", "", 0.0, 10.0, 0.1,
+        "Upper clamp", "update", 3.5, "Upper limit of the log-odds of a cell.", "", 0.0, 10.0, 0.1,
     )
     log_odds_prior: float = number(
         "Prior ℓ₀", "map", 0.0, "Belief about a cell before any reading: 0 is fifty-fifty.", "", -2.0, 2.0, 0.05,

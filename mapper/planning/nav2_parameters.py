@@ -26,8 +26,8 @@ _DEFAULTS = {NODE: ("GridBased", "NavfnPlanner"), CONTROLLER: ("FollowPath", "DW
 _DECLARED = {NODE: PLANNER_SERVER | OF_EVERY_NODE, CONTROLLER: CONTROLLER_SERVER | OF_EVERY_NODE}
 #: What is computed where the file has no plugin of a kind that is built here.
 _IN_PLACE = {
-    NODE: "the path is that of NavFn with Nav2's defaults",
-    CONTROLLER: "the path is followed by Regulated Pure Pursuit with Nav2's defaults",
+    NODE: "the path is that of NavFn with Nav2’s defaults",
+    CONTROLLER: "the path is followed by Regulated Pure Pursuit with Nav2’s defaults",
 }
 _NAVFN = "nav2_navfn_planner::NavfnPlanner"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"

@@ -285,7 +285,9 @@ class SessionRegistry:
                 await self._evict(idle_guests if idle_guests or link else self.all(), "session.full", message)
             await self._free_cells(guest=link is not None, owner=owner)
             if self._limits(None, guest=link is not None, owner=owner).max_cells == 1:
-                message = "The open maps use all cells of the service, or all that one visitor may have: close one first."
+                message = (
+                    "The open maps use all cells of the service, or all that one visitor may have: close one first."
+                )
                 raise SessionBudgetError("session.memory", message)
             yield
         finally:

@@ -305,7 +305,7 @@ def test_a_planner_that_is_not_built_is_named_with_the_one_in_its_place(plugin: 
     block = f'{{plugin: "{plugin}", {OTHER_PLANNERS[plugin]}, smoother: {{w_smooth: 0.3}}}}'
     text = f"planner_server: {{ros__parameters: {{planner_plugins: [G], costmap_update_timeout: 1.0, G: {block}}}}}"
     (note,) = parse_nav2_path(text.encode()).notes
-    assert note == f"planner_server.G: {plugin!r} is not built here; the path is that of NavFn with Nav2's defaults."
+    assert note == f"planner_server.G: {plugin!r} is not built here; the path is that of NavFn with Nav2’s defaults."
     both = text.replace("[G]", "[N, G]").replace("G: {", "N: {plugin: n::NavfnPlanner}, G: {")
     assert parse_nav2_path(both.encode()).notes == ()
 
@@ -321,7 +321,7 @@ def test_a_follower_that_is_not_built_is_named_with_the_one_in_its_place() -> No
 
 @pytest.mark.parametrize("text", ["obstacle_range: 2.5\nfootprint: [[0, 0]]\n", "global_costmap: {robot_radius: 0.3}"])
 def test_a_file_of_ros_1_is_named_as_such(text: str) -> None:
-    with pytest.raises(MapperError, match="one of ROS 1's move_base, whose parameters stand in its nodes"):
+    with pytest.raises(MapperError, match="one of ROS 1’s move_base, whose parameters stand in its nodes"):
         parse_nav2_costmap(text.encode())
 
 

@@ -56,7 +56,7 @@ TABLE: tuple[Parameter, ...] = (
     _layer("speed_filter", "Speed limits", "Whether painted speed limits slow the robot down."),
     Parameter(
         "speed_limits", "Speed limits are", "layers", "choice", "percentage",
-        "Percentage: of the desired linear velocity, type 1 of Nav2's speed filter. Absolute: m/s, type 2.",
+        "Percentage: of the desired linear velocity, type 1 of Nav2’s speed filter. Absolute: m/s, type 2.",
         choices=SPEED_LIMITS,
     ),
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),

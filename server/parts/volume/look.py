@@ -51,7 +51,9 @@ class Look:
         "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
         "looked into from outside.",
     )
-    point_size: float = number("Point size", "look", 1.0, "Width of a point, of the usual one.", "", 0.25, 8.0, 0.25)
+    point_size: float = number(
+        "Point size", "look", 1.0, "Width of a point, relative to the usual one.", "", 0.25, 8.0, 0.25
+    )
     cut_x_low: float = _place("Clip x from", -FARTHEST_M, "What has a smaller x is not drawn.")
     cut_x_high: float = _place("Clip x to", FARTHEST_M, "What has a greater x is not drawn.")
     cut_y_low: float = _place("Clip y from", -FARTHEST_M, "What has a smaller y is not drawn.")
