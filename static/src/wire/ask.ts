@@ -30,11 +30,16 @@ export class RequestError extends Error {
   }
 }
 
-/** The statuses of a request that may succeed later: too many requests, no room, no memory, a server that begins again. */
-const PASSING: readonly (number | null)[] = [null, 408, 425, 429, 502, 503, 504];
+const PASSING: readonly number[] = [408, 425, 429, 502, 503, 504];
+
+/**
+ * Whether a request of this status may succeed later: there were too many, there is no room or memory now, the server
+ * begins again, or it did not answer (null).
+ */
+export const isPassing = (status: number | null): boolean => status === null || PASSING.includes(status);
 
 /** Whether the same request may succeed later. */
-export const mayPass = (error: unknown): boolean => error instanceof RequestError && PASSING.includes(error.status);
+export const mayPass = (error: unknown): boolean => error instanceof RequestError && isPassing(error.status);
 
 /** What a page says that asks again by itself after an error. */
 export const whyAgain = (error: unknown): string => `${(error as Error).message} The page tries again by itself.`;

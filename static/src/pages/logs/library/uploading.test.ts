@@ -32,8 +32,8 @@ describe("many files", () => {
         most = Math.max(most, open.size);
         setTimeout(() => {
           open.delete(this.#name);
-          this.status = refusals > 0 ? 503 : 202;
-          this.responseText = refusals > 0 ? JSON.stringify({ code: "library.busy", message: "Busy." }) : "{}";
+          this.status = [202, 429, 503][Math.max(0, refusals)] ?? 0;
+          this.responseText = JSON.stringify(refusals > 0 ? { code: "busy", message: "Busy." } : {});
           if (refusals-- <= 0) taken.push(this.#name);
           this.onloadend();
         }, 10);

@@ -1,7 +1,7 @@
 /** The upload of files: some at a time, each in as many connections as it takes. */
 
 import { signal } from "@preact/signals";
-import { ask } from "../../../wire/ask";
+import { ask, isPassing } from "../../../wire/ask";
 import { arrived, EVERYTHING, type LogRecord, refresh, wanted } from "./library";
 
 /** A file that is being uploaded. */
@@ -113,9 +113,9 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
       dismiss(key);
       break;
     }
-    const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
     tries += 1;
-    if (!isPassing || tries >= TRIES) {
+    // 409: another connection still sends it, or the next part begins elsewhere
+    if (!(request.status === 409 || isPassing(request.status || null)) || tries >= TRIES) {
       patch(key, { error: messageOf(request) });
       break;
     }
