@@ -43,7 +43,7 @@ LINES = {
     "a reading that is no number": (GOOD.replace("3.0", "3.O"), "log.not_a_number", "'3.O'"),
     "a number with an underscore": (GOOD.replace("3.0", "3_0"), "log.not_a_number", "'3_0'"),
     "a reading of 1e999": (GOOD.replace("3.0", "1e999"), "log.not_a_number", "'1e999' in this FLASER"),
-    "a pose of nan": (GOOD.replace("0.1", "nan", 1), "log.pose", "the laser's pose in this FLASER line is not finite"),
+    "a pose of nan": (GOOD.replace("0.1", "nan", 1), "log.pose", "the laser’s pose in this FLASER line is not finite"),
     "a pose of inf": (GOOD.replace("0.1", "inf", 1), "log.pose", "is not finite"),
     "a robot pose of nan": (GOOD.replace(" 0.1 0.2 0.3 12", " 0.1 0.2 nan 12"), "log.pose", "the robot’s pose"),
     "a pose on the moon": (GOOD.replace("0.1", "3.8e8", 1), "log.pose", "lies beyond"),

@@ -93,7 +93,7 @@ YAMLS = {
     "image absolute": (with_value("image", "/etc/passwd"), "map.image_outside", "no 'passwd' beside the yaml"),
     "image absolute elsewhere": (with_value("image", "C:\\n.pgm"), "map.image_missing", "no 'n.pgm' beside the yaml"),
     "image in the parent": (with_value("image", "../n.pgm"), "map.image_outside", "outside the yaml’s own folder"),
-    "image in the parent, hidden": (with_value("image", "a/../../n.pgm"), "map.image_outside", "outside the yaml's"),
+    "image in the parent, hidden": (with_value("image", "a/../../n.pgm"), "map.image_outside", "outside the yaml’s"),
     "image the parent": (with_value("image", ".."), "map.image_outside", "outside the yaml’s own folder"),
     "image empty": (with_value("image", '""'), "map.image_name", "names no image"),
     "image with NUL": (with_value("image", '"m\\0.pgm"'), "map.image_name", "names no image"),

@@ -137,7 +137,7 @@ def test_a_folder_without_what_it_needs_is_told(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match="for images of 3 × 2 pixels none are known"):
         read_depth_folder(tmp_path)
     (tmp_path / "frame-000000.pose.txt").unlink()
-    with pytest.raises(ReadError, match="None of the folder's 1 depth images has a pose"):
+    with pytest.raises(ReadError, match="None of the folder’s 1 depth images has a pose"):
         read_depth_folder(tmp_path)
     listed = tmp_path / "tum"
     listed.mkdir()

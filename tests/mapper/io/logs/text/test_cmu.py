@@ -55,7 +55,7 @@ def test_another_place_of_the_laser_in_one_line_is_noted(tmp_path):
         (laser(readings=["1", *READINGS]), "log.beam_count", "Line 2: an L line has 188 fields, this one has 189"),
         (laser(readings=["5O", *READINGS[1:]]), "log.not_a_number", "Line 2: '5O' in this L line"),
         (laser(robot=("nan", 0, 0)), "log.pose", "Line 2: the robot’s pose in this L line is not finite"),
-        (laser(sensor=(1e9, 0, 0)), "log.pose", "Line 2: the laser's pose"),
+        (laser(sensor=(1e9, 0, 0)), "log.pose", "Line 2: the laser’s pose"),
         ("O 1 2 3 1e12", "log.stamp", "Line 2: the time '1e12' of this O line is impossible"),
         ("O 1 2 3 1.6e18", "log.stamp", "impossible. It would be one in nanoseconds: divide the log’s times by"),
         ("X 1 2 3 4", "log.garbage", "Line 2 is not a CMU message"),
