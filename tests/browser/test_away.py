@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, end_session, frame, open_group, until
@@ -112,3 +113,34 @@ def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, se
         section.scroll_into_view_if_needed()
         section.get_by_role("button", name="Forward one cell").click()
         expect(section.locator("figcaption")).to_contain_text("Cell 11 of 19")
+
+
+@pytest.mark.parametrize(
+    ("path", "place"),
+    [
+        ("/", ".hero-maps"),
+        ("/lab.html", ".lab-trouble"),
+        ("/logs.html?log=sample-office", ".viewer-message"),
+        ("/puzzles.html?puzzle=doorway", ".viewer-message"),
+    ],
+    ids=["front page", "lab", "log", "puzzle"],
+)
+def test_a_page_that_is_refused_says_why_and_goes_on_by_itself(
+    context: BrowserContext, server: str, path: str, place: str
+) -> None:
+    page = context.new_page()  # not a watched one: a refused request is an error in the console
+    refusals = [(429, "Too many requests at once."), (503, "The service has no memory left for this now.")]
+    sentences = iter(refusals)
+
+    def refuse(route: Route) -> None:
+        if route.request.method != "POST" or (refusal := next(sentences, None)) is None:
+            route.continue_()
+            return
+        status, message = refusal
+        route.fulfill(status=status, json={"code": "refused", "message": message, "detail": None})
+
+    page.route(re.compile("/sessions(\\?|$)"), refuse)
+    page.goto(server + path)
+    for _, message in refusals:
+        says(page, place, f"{message} The page tries again by itself.")
+    await_map(page)
