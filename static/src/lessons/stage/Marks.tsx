@@ -264,14 +264,14 @@ function Noise({ transform, scene, shown }: MarkProps) {
   if (!pose) return null;
   const distance = castRay(WALLS, pose[0], pose[1], Math.PI / 2);
   const wall = pose[1] + distance;
-  const [sigma, r] = [Math.max(0.004, wallNoise.value), wallWindow.value];
+  const [sigma, w] = [Math.max(0.004, wallNoise.value), wallWindow.value];
   const x0 = transform.x(STRETCH.to + 0.02);
   const tall = 0.3 * transform.metre;
   const points = Array.from({ length: 61 }, (_, i) => {
     const off = ((i - 30) / 30) * 4 * sigma;
     return `${i === 0 ? "M" : "L"}${x0 + tall * Math.exp(-((off / sigma) ** 2) / 2)} ${transform.y(wall + off)}`;
   });
-  const [low, high] = [transform.y(wall - r / 2), transform.y(wall + r / 2)];
+  const [low, high] = [transform.y(wall - w / 2), transform.y(wall + w / 2)];
   return (
     <>
       <rect
@@ -291,7 +291,7 @@ function Noise({ transform, scene, shown }: MarkProps) {
         p(z), σ = {sigma.toFixed(2)} m
       </text>
       <text class="world-stage-label" x={transform.x(STRETCH.from)} y={transform.y(wall + 0.42)}>
-        window {r.toFixed(2)} m
+        window {w.toFixed(2)} m
       </text>
     </>
   );
