@@ -180,7 +180,7 @@ function Page() {
   if (failure.value !== null && opening.value === null) {
     return (
       <div class="viewer-message" role="alert">
-        <h1>This log cannot be opened</h1>
+        <h1>This log was not opened</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
           <Button kind="primary" icon="restart" onClick={again}>

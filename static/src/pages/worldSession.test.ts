@@ -47,7 +47,9 @@ it("shows nothing any more after a request that fails", async () => {
 it("keeps the world of this tab while the server has no room to answer, and replaces one that has ended", async () => {
   const kept = { getItem: () => "mine", setItem: vi.fn() };
   vi.stubGlobal("sessionStorage", kept);
-  vi.stubGlobal("fetch", () => Promise.resolve(Response.json({ message: "Too many requests at once." }, { status: 429 })));
+  vi.stubGlobal("fetch", () =>
+    Promise.resolve(Response.json({ message: "Too many requests at once." }, { status: 429 })),
+  );
   await expect(worldSession()).rejects.toThrow("Too many requests at once.");
   expect(kept.setItem).not.toHaveBeenCalled();
   vi.stubGlobal("fetch", (address: string) =>

@@ -43,8 +43,8 @@ export function DigitsSection({ id, number, title }: SectionHead) {
         <>
           <p>
             A product of probabilities fails too: a thousand of {(1 - pHit).toFixed(2)} make 10
-            <sup>{POWER(1 - pHit)}</sup>, less than the smallest positive 32-bit number, 1.4 · 10⁻⁴⁵, and <b>underflow</b> to 0.
-            Their logarithms add up to {written(1000 * Math.log(1 - pHit), 0)}.
+            <sup>{POWER(1 - pHit)}</sup>, less than the smallest positive 32-bit number, 1.4 · 10⁻⁴⁵, and{" "}
+            <b>underflow</b> to 0. Their logarithms add up to {written(1000 * Math.log(1 - pHit), 0)}.
           </p>
           <p>
             With ℓ clamped (<SectionLink to="forgetting" />) none of the three fails. Log-odds remain <b>cheaper</b> and{" "}

@@ -130,7 +130,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Yes, the particles follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {
-    question: "A plane of 9 points leaves a residual of 0.4 m². And if each is measured twice?",
+    question: "A plane of 9 points leaves a residual of 0.4 m². If each is measured twice?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
   },
   layers: {
