@@ -67,7 +67,7 @@ def test_the_numbers_of_deskewed_and_omitted_scans_are_printed(run, tmp_path):
     path = written(tmp_path, swept(20), "mcap")
     facts = state_counts(run, path)
     assert (facts["scans"], facts["deskewed_scans"]) == (20, 19)  # during the last sweep no pose is known
-    assert "19 of the log’s scans deskewed" in run("map", path).out
+    assert "19 of the log's scans deskewed" in run("map", path).out
     shifted = state_counts(run, path, "--time-offset", "0.35")
     assert shifted["deskewed_scans"] == 15  # 16 begin before the last pose
     assert "With this time offset 4 scans are from before or after all poses, and are left out." in shifted["notes"]
