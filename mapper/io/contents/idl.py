@@ -53,7 +53,7 @@ def definitions_in_idl(kind: str, text: str) -> Definitions:
 
 
 def _refused(word: str) -> ReadError:
-    return ReadError("message.definition", f"The recording's definition has {word!r:.100}, which is not read of IDL.")
+    return ReadError("message.definition", f"The recording’s definition has {word!r:.100}, which is not read of IDL.")
 
 
 class _Parser:
@@ -127,7 +127,7 @@ class _Parser:
             members += declared
             self._members += len(declared)
             if self._members > MAX_FIELDS:
-                raise ReadError("message.definition", f"The recording's definition has over {MAX_FIELDS} fields.")
+                raise ReadError("message.definition", f"The recording’s definition has over {MAX_FIELDS} fields.")
         return members
 
     def _type(self, word: str) -> _Type:
@@ -205,7 +205,7 @@ class _Parser:
         if self._at == len(self._tokens):
             if end == "":
                 return ""
-            raise ReadError("message.definition", "The recording's definition ends early.")
+            raise ReadError("message.definition", "The recording’s definition ends early.")
         self._at += 1
         return self._tokens[self._at - 1]
 

@@ -28,7 +28,7 @@ def check_size(values: int, depth: int, most: int = MAX_VALUES) -> None:
     if values > most:
         raise LimitError("message.too_large", f"The message has more than {most} values.")
     if depth > MAX_DEPTH:
-        raise LimitError("message.too_deep", f"The message's types are nested more than {MAX_DEPTH} deep.")
+        raise LimitError("message.too_deep", f"The message’s types are nested more than {MAX_DEPTH} deep.")
 
 
 def cut_list(kept: list[object], n: int) -> list[object]:
