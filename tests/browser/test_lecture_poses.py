@@ -50,7 +50,7 @@ def test_a_loop_closes_the_graph_a_wrong_one_bends_it_and_a_kernel_refuses_it(pa
 def test_the_noise_of_the_odometry_smears_the_map_and_matching_does_not(page: Page, server: str) -> None:
     section = open_section(page, server, "odometry")
     caption = section.locator("figcaption")
-    expect(caption).to_contain_text("corrected (root mean square)")
+    expect(caption).to_contain_text("corrected")
     expect(caption.locator(".drift-matched")).not_to_have_text("…")  # all scans are matched
     raw, corrected = metres(caption, r"([\d.]+) m by odometry"), metres(caption, r"odometry, ([\d.]+) m corrected")
     assert corrected < 0.3 < raw
