@@ -170,7 +170,7 @@ class Loading:
         if record is not None and record.state == "reading":
             return "Reading the log", self.readers.of(record.bytes).progress
         if record is not None and log_id in self.scans.read_now:
-            return "Reading the sensor's scans", self.readers.of(record.bytes).progress
+            return "Reading the sensor’s scans", self.readers.of(record.bytes).progress
         if record is not None and record.state == "queued":
             return "Waiting until other logs are read", None
         return "Loading the log", None

@@ -61,7 +61,7 @@ class Database:
         if opened.file is not None and opened.file.exists() and not os.access(opened.file, os.R_OK | os.W_OK):
             raise StorageError(
                 "library.closed",
-                f"The records in {folder} are another account's: the account of this service may not write them.",
+                f"The records in {folder} are another account’s: the account of this service may not write them.",
             )
         try:
             _attempt(engine, _check)
