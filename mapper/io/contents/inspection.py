@@ -209,7 +209,7 @@ class Inspector(MessageSink):
             edge = self._edges.get(name)
             if edge is None:
                 if len(self._edges) >= MAX_EDGES:
-                    raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_EDGES} edges.")
+                    raise LimitError("log.too_many_frames", f"The log’s tf tree has more than {MAX_EDGES} edges.")
                 edge = self._edges[name] = _Edge(one.pose)
             edge.pose = one.pose
             if publisher and len(edge.publishers) < MAX_PUBLISHERS:
