@@ -8,6 +8,7 @@ from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
 from tests.load.greedy import greedy
+from tests.load.killed import killed
 from tests.load.limited import limited
 from tests.load.memory import memory
 from tests.load.sessions import services, sessions, workers
@@ -25,12 +26,13 @@ RUNS = {
     "greedy": greedy,
     "memory": memory,
     "ending": ending,
+    "killed": killed,
     "soak": soak,
 }
 
 
 def main() -> None:
-    """Run what the first argument names; further arguments are numbers of sessions, followers or minutes."""
+    """Run what the first argument names; others are numbers of sessions, followers, minutes or repetitions."""
     name, numbers = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     if name not in RUNS or not all(number.isdigit() for number in numbers):
         sys.exit(f"python -m tests.load {'|'.join(RUNS)} [NUMBER...]")

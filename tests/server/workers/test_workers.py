@@ -41,8 +41,12 @@ class Workers:
 
     def workers(self) -> set[int]:
         """The processes of the workers."""
+        return set(self.numbered())
+
+    def numbered(self) -> list[int]:
+        """The processes of the workers in the order of their start: by number, as long as none was replaced."""
         children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
-        return set(map(int, children))
+        return list(map(int, children))
 
     def visitor_of(self, worker: int) -> httpx.Client:
         """A browser that this worker serves, by its cookie."""
