@@ -10,7 +10,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -53,13 +53,18 @@ def free_port() -> int:
 
 
 @contextmanager
-def running_server(data_dir: Path, *arguments: str, environment: dict[str, str] | None = None) -> Iterator[str]:
-    """Run `gridbloom serve` until the block ends; yield its address once it is ready. Its output goes to data_dir."""
+def running_server(
+    data_dir: Path, *arguments: str, environment: dict[str, str] | None = None, program: Sequence[str] = ()
+) -> Iterator[str]:
+    """Run `gridbloom serve` until the block ends; yield its address once it is ready. Its output goes to data_dir.
+
+    ``program`` is another command that takes the same arguments.
+    """
     data_dir.mkdir(parents=True, exist_ok=True)
     log = data_dir / "server.log"
-    gridbloom = str(Path(sys.executable).with_name("gridbloom"))
+    gridbloom = program or [str(Path(sys.executable).with_name("gridbloom"))]
     # It chooses its port: one that is found free before may be taken by another program before it is bound.
-    command = [gridbloom, "serve", "--port", "0", "--data-dir", str(data_dir), *arguments]
+    command = [*gridbloom, "serve", "--port", "0", "--data-dir", str(data_dir), *arguments]
     with log.open("ab") as output:
         told = output.tell()
         process = subprocess.Popen(

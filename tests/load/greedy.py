@@ -11,6 +11,7 @@ import json
 import multiprocessing
 import os
 import statistics
+import sys
 import tempfile
 import threading
 import time
@@ -29,6 +30,7 @@ from websockets.sync.client import connect as connect_sync
 from websockets.typing import Subprotocol
 
 from tests.browser.running import running_server
+from tests.load.timed_loop import LIMIT_S
 from tests.mapper.slam.worlds import along, drive
 from tests.server.cli.test_slam import carmen
 from tests.server.library.small_logs import carmen as small_log
@@ -44,6 +46,7 @@ COMMANDS_PER_S = 200.0  #: of each session
 PICTURES, UPLOADS, LOGS = 64, 200, 20
 LARGE, LARGE_BYTES = 3, 40_000_000  #: logs that take seconds to read, and about how large each is
 AGAIN_S = 1.0  #: after which what was refused is asked for again
+MOST_NAMED = 15
 QUIET_S, BEGUN_S, WATCHED_S = 10.0, 15.0, 40.0  #: alone; from the first greedy request; beside it
 STREAM = [Subprotocol("gridbloom.v3")]
 
@@ -213,7 +216,9 @@ class Quiet:
     def _frames(self, over: float, times: list[float]) -> None:
         address = f"{self._server.replace('http', 'ws', 1)}/api/sessions/{self._session}/stream"
         cookie = {"Cookie": "; ".join(f"{name}={value}" for name, value in self._http.cookies.items())}
-        with connect_sync(address, subprotocols=STREAM, additional_headers=cookie, max_size=None) as socket:
+        with connect_sync(
+            address, subprotocols=STREAM, additional_headers=cookie, max_size=None, open_timeout=PATIENCE_S
+        ) as socket:
             while (now := time.monotonic()) < over:
                 message = socket.recv(PATIENCE_S)
                 if isinstance(message, bytes):
@@ -266,7 +271,9 @@ def greedy() -> None:
     with tempfile.TemporaryDirectory() as name:
         corners = [(3.4, 3.6), (6.4, 3.6), (6.4, 5.4), (3.4, 5.4)] * 8
         log = carmen(Path(name) / "room.log", drive("room", along(corners, 0.2), turn_bias=0.05)).read_bytes()
-        with running_server(Path(name) / "data") as server:
+        report = Path(name) / "longest.json"
+        program = [sys.executable, "-m", "tests.load.timed_loop", str(report)]
+        with running_server(Path(name) / "data", program=program) as server:
             quiet = Quiet(server)
             quiet.watch(2.0)  # modules are loaded with the first session, and with the first log
             print(_row("alone", *quiet.watch(QUIET_S)), flush=True)
@@ -280,3 +287,6 @@ def greedy() -> None:
                 got: dict[str, int] = mine.recv()
                 process.join()
                 print("    got " + ", ".join(f"{count} {name}" for name, count in sorted(got.items())), flush=True)
+        print(f"callbacks of the event loop over {1e3 * LIMIT_S:g} ms of processor time, of {MOST_NAMED} kinds at most")
+        for what, times, longest in json.loads(report.read_text(encoding="utf-8"))[:MOST_NAMED]:
+            print(f"{1e3 * longest:>8.1f} ms, {times:>6} times: {what}")
