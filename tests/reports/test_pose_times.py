@@ -307,6 +307,17 @@ def test_odometry_that_begins_again_is_counted_on(tmp_path: Path, steps: tuple[i
     assert re.search(rf"odom begins again at 0 before scan {first}, as where its driver is restarted", note)
 
 
+def test_a_simulated_robot_that_is_set_back_is_where_its_odometry_says(tmp_path: Path) -> None:
+    """Gazebo's /reset_world carries the robot to where it began: what it sees changes as well."""
+    said = restarted(lambda k, pose: legs()[k - 60] if k >= 60 else pose, "odometry")
+    scans = [one for one in said if one.topic == "/scan"]
+    for one in scans[12:]:
+        one.fields["ranges"] = np.array([4.0, 5.0, 6.0], dtype=np.float32)
+    log = open_log(written(tmp_path, said, "mcap"))
+    np.testing.assert_allclose(log.trajectory().poses[13:, :2], np.array(legs()[5:40:5])[:, :2], atol=0.03)
+    assert log.notes == ()
+
+
 @pytest.mark.parametrize("lost", [1, 10])
 def test_a_tracker_that_states_0_for_a_while_does_not_begin_again(tmp_path: Path, lost: int) -> None:
     said = restarted(lambda k, pose: (0.0, 0.0, 0.0) if 60 <= k < 60 + lost else pose, "odometry")

@@ -24,6 +24,8 @@ EXACT = 1e-3  #: metres and radians from 0: only odometry that begins is there
 NEAR = 0.02  #: the same, where the robot would have come there faster than it ever moves
 LEAST_AWAY = 0.3  #: metres or radians, from which it would have come
 MOST_BETWEEN_S = 10.0  #: from the pose before; it may have driven there meanwhile, or a clock was set
+ALIKE_M, ALIKE = 0.1, 0.1  #: metres, and the share of a distance, by which that in another scan may differ
+MOST_ALIKE = 0.7  #: of the distances of two scans, if they are of one place
 FASTEST, FASTER = 3.0, 3.0  #: m/s and rad/s, and times as fast as in nineteen steps of twenty: so no robot moves
 
 
@@ -43,6 +45,18 @@ def restarts_of(stated: StatedPoses) -> Int64Array:
     if (is_fast & (sizes > LEAST_AWAY) & ~begins).any():
         return np.zeros(0, dtype=np.int64)
     return np.flatnonzero(begins) + 1
+
+
+def sees_the_same(one: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
+    """Return whether two scans may be of one place, however the robot has turned: their distances are alike.
+
+    Of a robot that was carried to where it began, as a simulated one that is reset, they are not.
+    """
+    known = [scan[np.isfinite(scan) & (scan > 0.0)] for scan in (one, other)]
+    if min(map(len, known)) == 0:
+        return False
+    first, second = (np.quantile(scan, np.linspace(0.025, 0.975, 20)) for scan in known)
+    return bool(np.mean(np.abs(first - second) < ALIKE_M + ALIKE * first) >= MOST_ALIKE)
 
 
 def counted_on(source: PoseSource, stated: StatedPoses, restarts: Int64Array) -> PoseSource:

@@ -18,7 +18,7 @@ from mapper.io.logs.recording.clocks import AHEAD_NS
 from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
-from mapper.io.logs.recording.restarts import counted_on, restarts_of
+from mapper.io.logs.recording.restarts import counted_on, restarts_of, sees_the_same
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import namespaces
@@ -98,9 +98,13 @@ class RobotPoses:
         restarts = np.zeros(0, dtype=np.int64) if stated is None else restarts_of(stated)
         if stated is None or not len(restarts) or len(self.taken.run_offsets) > 1:
             return source
-        scans = self._scans_after(stated.counted_ns[restarts].tolist())
+        for k in restarts.tolist():
+            scans = self.sensor.readings_around(int(stated.counted_ns[k - 1]), int(stated.counted_ns[k]))
+            if scans is None or not sees_the_same(*scans):
+                return source
+        first = self._scans_after(stated.counted_ns[restarts].tolist())
         self.notes.append(
-            f"The odometry of {source.name} begins again at 0 before scan {scans}, as where its driver is restarted: "
+            f"The odometry of {source.name} begins again at 0 before scan {first}, as where its driver is restarted: "
             "it is counted on from where it was."
         )
         return counted_on(source, stated, restarts)

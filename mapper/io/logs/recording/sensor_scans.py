@@ -150,6 +150,19 @@ class SensorScans:
         """Scans taken so far."""
         return len(self.stamps)
 
+    def readings_around(self, before_ns: int, after_ns: int) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+        """Return those of the last scan until a time and of the first one from another on; None where one is missing.
+
+        The times are counted on as those of :attr:`moments`.
+        """
+        stamps = self.moments.stamps_ns
+        earlier, later = np.flatnonzero(stamps <= before_ns), np.flatnonzero(stamps >= after_ns)
+        if not len(earlier) or not len(later):
+            return None
+        ends = np.cumsum(np.array([beaming.beams for beaming in self._numbers])[np.array(self._of_scan)])
+        parts = np.split(np.frombuffer(self._ranges, dtype=np.float32), ends[:-1])
+        return parts[earlier[np.argmax(stamps[earlier])]], parts[later[np.argmin(stamps[later])]]
+
     @property
     def stated(self) -> StatedScans:
         """The scans with what each message states."""
