@@ -16,7 +16,7 @@ from mapper.io.contents import message_tree
 from mapper.io.contents.fields import field_series, fields_of
 from mapper.io.contents.inspection import inspect
 from mapper.io.contents.raw_message import raw_message
-from mapper.io.contents.tree_values import check_size
+from mapper.io.contents.tree_values import Tree, check_size
 from tests.hostile.corpus import T0
 
 TOPIC, KIND = "/odd", "robot_msgs/Odd"
@@ -63,9 +63,9 @@ CASES: dict[str, tuple[str, bytes, type[MapperError], str]] = {
 def decoded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The types of the values whose decoding was begun, in order."""
     begun: list[str] = []
-    decode: Callable[..., message_tree.Tree] = message_tree._Decoder.message
+    decode: Callable[..., Tree] = message_tree._Decoder.message
 
-    def noting(self: message_tree._Decoder, kind: str, depth: int) -> message_tree.Tree:
+    def noting(self: message_tree._Decoder, kind: str, depth: int) -> Tree:
         begun.append(kind)
         return decode(self, kind, depth)
 
