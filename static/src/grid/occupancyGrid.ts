@@ -31,6 +31,8 @@ export interface LaserScan {
 export interface MappingConfig {
   readonly range_max: number;
   readonly window: number;
+  /** A smooth ramp in place of the window: of the standard deviation σ + growth · z, metres. */
+  readonly ramp?: { readonly sigma: number; readonly growth: number } | null;
   readonly log_odds_hit: number;
   readonly log_odds_miss: number;
   readonly update: "per_beam" | "per_scan";
@@ -43,7 +45,7 @@ export interface MappingConfig {
 }
 
 /** The table's default values; tested against the mapper's with the vectors. */
-export const INITIAL_CONFIG: MappingConfig = {
+export const INITIAL_CONFIG: Omit<MappingConfig, "ramp"> = {
   range_max: 30,
   window: 0,
   log_odds_hit: 0.85,

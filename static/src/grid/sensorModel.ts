@@ -107,6 +107,12 @@ const smoothStep = (t: number): number => {
   return u * u * (3 - 2 * u);
 };
 
+/** The smooth ramp in the window of half width `half` around `z`: from the miss to the hit at z, and to 0 behind it. */
+export function smoothRamp(r: number, z: number, half: number, { hit, miss }: BeamModel): number {
+  const t = (r - z) / half;
+  return t <= 0 ? miss + (hit - miss) * smoothStep(t + 1) : hit * smoothStep(1 - t);
+}
+
 /** Moravec & Elfes' quadratic in range: 1 at the sensor falling to 0 at the window, and 1 at z in it. */
 function rangeWeight(r: number, z: number, half: number): number {
   if (r < z - half) return 1 - (r / (z - half)) ** 2;
@@ -126,11 +132,8 @@ export function increment(r: number, reading: number, values: SensorModelParamet
     return flat * (1 - (r / values.range_max) ** 2) * (1 - (theta / (values.opening / 2)) ** 2);
   }
   switch (values.model) {
-    case "smooth_ramp": {
-      const t = (r - z) / half;
-      if (zone !== "hit") return flat;
-      return t <= 0 ? model.miss + (model.hit - model.miss) * smoothStep(t + 1) : model.hit * smoothStep(1 - t);
-    }
+    case "smooth_ramp":
+      return zone === "hit" ? smoothRamp(r, z, half, model) : flat;
     case "sonar_cone":
       if (values.cone_profile !== "gaussian" || zone === "beyond") return flat;
       return flat * rangeWeight(r, z, half) * Math.exp(-8 * (theta / values.opening) ** 2);

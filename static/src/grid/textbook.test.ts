@@ -3,13 +3,32 @@ import type { Point, Pose } from "../wire/protocol";
 import { amanatidesWoo } from "./amanatidesWoo";
 import { bresenham } from "./bresenham";
 import { emptyGrid, type GridGeometry, INITIAL_CONFIG, type MappingConfig } from "./occupancyGrid";
-import { occupancyGridMapping } from "./textbook";
+import { beamModel, cellIncrement, INITIAL_PARAMETERS } from "./sensorModel";
+import { evidenceOfBeam, occupancyGridMapping } from "./textbook";
 import vectors from "./textbook.vectors.json";
 
 const GEOMETRY: GridGeometry = { ...vectors.geometry, origin: vectors.geometry.origin as unknown as Pose };
 const reading = (value: string | number): number => (value === "inf" ? Number.POSITIVE_INFINITY : Number(value));
 
 describe("the lecture's textbook", () => {
+  it("has the smooth ramp's evidence in the window, as the curve of the mapper's model", () => {
+    const geometry = { resolution: 0.1, cols: 60, rows: 1, origin: [0, 0, 0] } as const;
+    const z = 3.03;
+    const scan = { angle_min: 0, angle_increment: 0.1, range_min: 0, range_max: 10, ranges: Float32Array.of(z) };
+    const values = {
+      ...INITIAL_PARAMETERS,
+      model: "smooth_ramp",
+      sigma: 0.1,
+      sigma_growth: 0.02,
+      resolution: 0.1,
+    } as const;
+    const { hit, miss } = beamModel(values);
+    const config = { ...INITIAL_CONFIG, ramp: { sigma: 0.1, growth: 0.02 }, log_odds_hit: hit, log_odds_miss: miss };
+    const found = evidenceOfBeam(geometry, scan, 0, [0, 0.05, 0], config);
+    expect(found.map(({ cell }) => cell.col)).toEqual(Array.from({ length: 34 }, (_, col) => col));
+    for (const { cell, evidence } of found) expect(evidence).toBeCloseTo(cellIncrement(cell.col, z, values), 6);
+  });
+
   it("begins with the mapper's first values", () => {
     expect(INITIAL_CONFIG).toEqual(vectors.initial);
   });

@@ -8,6 +8,7 @@ import { amanatidesWoo } from "./amanatidesWoo";
 import { bresenham } from "./bresenham";
 import { type Cell, toLattice } from "./lattice";
 import { type GridGeometry, indexOf, type LaserScan, type MappingConfig, type OccupancyGrid } from "./occupancyGrid";
+import { smoothRamp } from "./sensorModel";
 
 /** The evidence of one beam for a cell, log-odds. */
 export interface Evidence {
@@ -88,16 +89,18 @@ function evidenceAlongBeam(
   z: number,
   config: MappingConfig,
 ): readonly Evidence[] {
-  const w = config.window;
+  const { ramp } = config;
+  const half = ramp ? 2 * (ramp.sigma + ramp.growth * z) : config.window / 2;
+  const model = { hit: config.log_odds_hit, miss: config.log_odds_miss };
   const end = cellOfBeam(geometry, pose, bearing, z);
   const found: Evidence[] = [];
   let endFound = false;
-  for (const cell of cellsAlong(geometry, pose, bearing, z + w / 2, config)) {
+  for (const cell of cellsAlong(geometry, pose, bearing, z + half, config)) {
     const isEnd = cell.row === end.row && cell.col === end.col;
-    const r = w === 0 ? 0 : distance(geometry, pose, cell);
+    const r = half === 0 ? 0 : distance(geometry, pose, cell);
     if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
-    else if (w === 0 || r < z - w / 2) found.push({ cell, evidence: config.log_odds_miss });
-    else if (r <= z + w / 2) found.push({ cell, evidence: config.log_odds_hit });
+    else if (half === 0 || r < z - half) found.push({ cell, evidence: config.log_odds_miss });
+    else if (r <= z + half) found.push({ cell, evidence: ramp ? smoothRamp(r, z, half, model) : config.log_odds_hit });
     endFound ||= isEnd;
   }
   if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });

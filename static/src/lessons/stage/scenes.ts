@@ -145,7 +145,8 @@ export const SCENES = {
   model: () => {
     const values = parameters.value as SensorModelParameters & Readonly<Record<string, unknown>>;
     const { range_max, window } = values;
-    const isAdded = values.model === "step_window" || values.model === "fixed_increments";
+    const ramp = values.model === "smooth_ramp" ? { sigma: values.sigma, growth: values.sigma_growth } : null;
+    const isAdded = ramp !== null || values.model === "step_window" || values.model === "fixed_increments";
     const { hit, miss } = beamModel(isAdded ? values : { ...values, model: "fixed_increments" });
     const set = modelReading.value;
     const range = set === null || set <= range_max ? set : Number.POSITIVE_INFINITY;
@@ -154,10 +155,10 @@ export const SCENES = {
       marks: ["lines", "beam"],
       view: { x: 5.9, y: 2.6, width: 3.4, height: 3 },
       conditions: { reading: range === null ? null : { scan: MODEL_SCANS - 1, beam: pipelineBeam.value, range } },
-      config: { window, range_max, log_odds_hit: hit, log_odds_miss: miss },
+      config: { window, range_max, ramp, log_odds_hit: hit, log_odds_miss: miss },
       caption: isAdded
-        ? `The beam of the curve on the map: ${signed(miss)} for the cells before the window, ${signed(hit)} in it, nothing behind it. Every beam of the map uses these numbers.`
-        : `This map adds the fixed increments, ${signed(miss)} and ${signed(hit)}: the chosen model does not add a step for each beam.`,
+        ? `The beam of the curve on the map: ${signed(miss)} for the cells before the window, ${ramp ? `a ramp up to ${signed(hit)}` : signed(hit)} in it, nothing behind it. Every beam of the map uses these numbers.`
+        : `This map adds the fixed increments, ${signed(miss)} and ${signed(hit)}: the chosen model does not add up the evidence of single beams.`,
     });
   },
   window: () =>
