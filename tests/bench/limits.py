@@ -15,7 +15,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from mapper.core.array_types import UInt8Array
 from mapper.core.parallel import bands, cores, in_parallel
+from mapper.costmap.kernels.inflation import TILE_COLS, TILE_ROWS, mark_blocks, near_blocks
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.kernels.bresenham import AT, COL, END_COL, END_ROW, FAR, HIT_COL, HIT_ROW, NEAR, ROW
@@ -130,6 +132,44 @@ def mapping_limit(log: ScanLog, config: MappingConfig) -> tuple[float, float, in
         limit += _best_ms(partial(in_parallel, work))
         planning, count = planning + planned, count + len(entries)
     return limit, planning, count
+
+
+@njit(nogil=True, cache=True)
+def _inflation_passes(costs, blocks, table, radius, columns, distances, out):
+    """Read and write each cell of inflation's passes once: down the columns, up again, along the rows, and to costs."""
+    rows, cols = costs.shape
+    out[:] = costs
+    for row in range(0, rows, TILE_ROWS):
+        for col in range(0, cols, TILE_COLS):
+            top, left = max(row - radius, 0), max(col - radius, 0)
+            bottom, right = min(row + TILE_ROWS + radius, rows), min(col + TILE_COLS + radius, cols)
+            if not near_blocks(blocks, top, bottom, left, right):
+                continue
+            for r in range(top, bottom):
+                source, line = costs[r, left:right], columns[r - top, : right - left]
+                for k in range(line.shape[0]):
+                    line[k] = source[k]
+            for r in range(bottom - 2, top - 1, -1):
+                line, below = columns[r - top, : right - left], columns[r - top + 1, : right - left]
+                for k in range(line.shape[0]):
+                    line[k] = min(line[k], below[k])
+            last = min(col + TILE_COLS, cols)
+            for r in range(row, min(row + TILE_ROWS, rows)):
+                line, far = columns[r - top, col - left : last - left], distances[: last - col]
+                for k in range(far.shape[0]):
+                    far[k] = line[k]
+                old, new = costs[r, col:last], out[r, col:last]
+                for k in range(far.shape[0]):
+                    new[k] = max(old[k], table[far[k]])
+
+
+def inflation_limit(costs: UInt8Array, radius: int) -> Callable[[], None]:
+    """Return a function that takes the limit of inflation by ``radius`` cells: its passes without what they compute."""
+    blocks = np.empty((-(-costs.shape[0] // 64), -(-costs.shape[1] // 64)), dtype=np.bool_)
+    mark_blocks(costs, False, blocks)
+    columns = np.empty((TILE_ROWS + 2 * radius, TILE_COLS + 2 * radius), dtype=np.uint8)
+    table, distances = np.zeros(radius * radius + 256, dtype=np.uint8), np.empty(TILE_COLS, dtype=np.uint16)
+    return partial(_inflation_passes, costs, blocks, table, radius, columns, distances, np.empty_like(costs))
 
 
 def page_faults(work: Callable[[], Any]) -> tuple[int, float]:
