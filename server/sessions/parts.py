@@ -84,6 +84,11 @@ class Recording(ABC):
     def examined_share(self) -> float | None:
         """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
 
+    @property
+    @abstractmethod
+    def diagnosis(self) -> Diagnosis | None:
+        """The diagnosis with the present trajectory; None where the log was not examined, or is being so."""
+
     @abstractmethod
     async def examined(self) -> Diagnosis:
         """Return the diagnosis of the log with the present trajectory.

@@ -273,6 +273,13 @@ class LogRecording(Recording, Viewed):
         known = self._examinations.get(self.trajectory)
         return None if known is None else known.share
 
+    @property
+    def diagnosis(self) -> Diagnosis | None:
+        """The diagnosis with the present trajectory; None where the log was not examined, or is being so."""
+        known = self._examinations.get(self.trajectory)
+        is_there = known is not None and known.future.done() and not known.future.cancelled()
+        return known.future.result() if known and is_there and known.future.exception() is None else None
+
     async def examined(self) -> Diagnosis:
         """Return the diagnosis of the log with the present trajectory.
 

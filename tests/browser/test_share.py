@@ -8,6 +8,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import await_true, frame, open_group, settled_digest, until
 from tests.browser.test_axe import violations
+from tests.browser.test_workspace import SCREEN, opened
 from tests.browser.visits import WatchedPage
 from tests.server.library.small_logs import carmen, tum
 
@@ -75,6 +76,54 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     expect(guest.get_by_role("alert")).to_contain_text("This link was revoked")
     guest.goto(f"{server}/shared/{'x' * 32}")
     expect(guest.get_by_role("alert")).to_contain_text("or there never was one: ask for another.")
+
+
+def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
+) -> None:
+    opened(page, server, tmp_path)
+    page.get_by_label("Layout", exact=True).select_option("Map")
+    page.keyboard.press("4")
+    views = page.locator(".view-pane")
+    for n, title in enumerate(["Map", "3D", "Messages", "Plots"]):
+        page.get_by_label(f"View {n + 1}").select_option(title)
+    views.nth(2).get_by_label("Topic").select_option("/imu")
+    field = views.nth(3).get_by_label("Add a field to the plot")
+    field.fill("imu yaw")
+    views.nth(3).get_by_role("button", name="/imu orientation.yaw").click()
+    expect(views.nth(3).get_by_role("list", name="Fields of the plot").get_by_role("listitem")).to_have_count(1)
+    page.get_by_role("region", name="Playback").get_by_role("switch", name="UTC").click()
+    lines = open_group(page, "Log lines")
+    lines.get_by_label("Search in the lines").fill("slips")
+    page.evaluate("() => gridbloom.connection.store.explain([0.5, 0.5])")
+    page.get_by_role("button", name="Measure a distance").click()
+    for point in ([1.0, 1.0], [2.0, 1.0]):
+        page.mouse.click(*page.evaluate(SCREEN, point))
+    measured = page.get_by_role("region", name="Measured").locator(".number").first
+    expect(measured).to_contain_text(" m ± ")
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+
+    watched = WatchedPage(visitor, server)
+    guest = watched.page
+    guest.goto(address)
+    await_true(guest, SHOWN)
+    theirs = guest.locator(".view-pane")
+    expect(theirs).to_have_count(4)
+    # Guests have no 3D: the first of the other views is in its place, and the rest as their sender had them.
+    titles = ["Map", "Pictures", "Messages", "Plots"]
+    assert [one.get_attribute("aria-label") for one in theirs.all()] == titles
+    expect(theirs.nth(2).get_by_label("Topic")).to_have_value("/imu")
+    expect(theirs.nth(3).get_by_role("list", name="Fields of the plot")).to_contain_text("/imu orientation.yaw")
+    playback = guest.get_by_role("region", name="Playback")
+    expect(playback.get_by_role("switch", name="UTC")).to_have_attribute("aria-checked", "true")
+    expect(guest.get_by_role("region", name="Measured").locator(".number").first).to_have_text(measured.inner_text())
+    assert guest.evaluate("() => gridbloom.connection.store.explainedPoint.value") == [0.5, 0.5]
+    rows = open_group(guest, "Log lines").locator(".log-line")
+    expect(rows).to_have_count(1)
+    expect(rows).to_contain_text("Wheel slips")
+    assert watched.problems == []
 
 
 def test_whoever_has_the_address_of_a_session_shares_it_and_sees_notes_come(

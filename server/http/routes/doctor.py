@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
 from pydantic import Field
@@ -15,6 +15,9 @@ from server.http.clients import while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Sessions, Visitor
 from server.sessions.parts import Recording
+
+if TYPE_CHECKING:
+    from mapper.diagnosis import Diagnosis
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -101,6 +104,11 @@ async def doctor(
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
         found = await while_connected(request, recording.examined())
+    return doctor_answer(recording, trajectory, found)
+
+
+def doctor_answer(recording: Recording, trajectory: str, found: Diagnosis) -> DoctorAnswer:
+    """Return the diagnosis of a session's log along a trajectory as it is answered."""
     seconds = recorded_seconds(recording.log)
     return DoctorAnswer(
         trajectory=trajectory,

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 from msgspec import Struct
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
 from server.http.clients import chosen_place, client_address, while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
+from server.http.routes.doctor import DoctorAnswer, doctor_answer
+from server.http.routes.fields import Made
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 
 router = APIRouter(tags=["links"])
 
+_EXAMINATION = TypeAdapter(DoctorAnswer)
+
 
 class Look(BaseModel):
     """Part of the map that a picture shows."""
@@ -49,6 +53,47 @@ class Look(BaseModel):
     height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
 
 
+class ShownField(BaseModel):
+    """A number that is plotted."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    topic: str = Field(max_length=400)
+    field: str = Field(max_length=400, description="Its path in the message.")
+    made: Made = Field(description="The value, its change per second, or its moving average.")
+    window: FiniteFloat = Field(gt=0.0, le=86_400.0, description="Of the moving average, seconds.")
+
+
+class ShownPlots(BaseModel):
+    """The plots of a log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    fields: list[ShownField] = Field(max_length=20)
+    across: str | None = Field(None, max_length=801, description="The number on the horizontal axis; null for time.")
+    zoom: tuple[FiniteFloat, FiniteFloat] | None = Field(None, description="The interval, seconds; null for all.")
+    below: bool = Field(description="Whether there are plots below the time slider.")
+
+
+class ShownLines(BaseModel):
+    """Which lines that nodes logged are listed."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    least: int = Field(ge=0, le=255, description="The least level.")
+    node: str = Field(max_length=200, description="The node; empty for all.")
+    text: str = Field(max_length=200, description="What they contain.")
+
+
+class ShownMeasure(BaseModel):
+    """What is measured on the map."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    tool: Literal["distance", "area"]
+    points: list[tuple[FiniteFloat, FiniteFloat]] = Field(max_length=1000, description="Metres.")
+
+
 class Shown(BaseModel):
     """What else of the page its sender saw."""
 
@@ -57,6 +102,14 @@ class Shown(BaseModel):
     group: str | None = Field(None, max_length=40, description="The open group of controls.")
     note: str | None = Field(None, max_length=100, description="Id of the chosen note.")
     layout: str | None = Field(None, max_length=2000, description="The views beside the map, as the page writes them.")
+    message: str | None = Field(None, max_length=400, description="The topic whose messages are shown.")
+    picture: str | None = Field(None, max_length=400, description="The topic whose pictures are shown.")
+    plots: ShownPlots | None = Field(None)
+    lines: ShownLines | None = Field(None)
+    place: tuple[FiniteFloat, FiniteFloat] | None = Field(None, description="The explained cell's place, metres.")
+    measured: ShownMeasure | None = Field(None)
+    utc: bool | None = Field(None, description="Whether times are in UTC.")
+    comparison: str | None = Field(None, max_length=16_000, description="The comparison, as the page writes it.")
 
 
 class NewLink(BaseModel):
@@ -124,6 +177,8 @@ async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLi
     seen = viewed.view()
     look = None if wanted.look is None else wanted.look.model_dump()
     recording = model.find(Recording)
+    diagnosis = None if recording is None else recording.diagnosis
+    examination = doctor_answer(recording, recording.trajectory, diagnosis) if recording and diagnosis else None
     first = {} if recording is None else asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
@@ -133,6 +188,7 @@ async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLi
         "view": asdict(seen),
         "look": look,
         "shown": None if wanted.shown is None else wanted.shown.model_dump(),
+        "examination": None if examination is None else asdict(examination),
         "count": count,
         "changed": changed,
         "navigation": navigation,
@@ -176,12 +232,14 @@ async def revoke(sessions: Sessions, library: Logs, visitor: Visitor, token: str
 class SharedAnswer:
     """A link as everyone who has it sees it; ``look`` is the visible part of the map, null for all of it.
 
-    ``shown`` is what else its sender saw, null of a link that tells nothing of it.
+    ``shown`` is what else its sender saw, null of a link that tells nothing of it; ``examination`` what had been found
+    out about the log, null where it had not been examined.
     """
 
     title: str
     look: Look | None
     shown: Shown | None
+    examination: DoctorAnswer | None
 
 
 @router.get("/api/shared/{token}")
@@ -189,9 +247,12 @@ class SharedAnswer:
 async def shared(library: Logs, token: str) -> SharedAnswer:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    look, shown = link.view["look"], link.view.get("shown")
+    look, shown, examination = link.view["look"], link.view.get("shown"), link.view.get("examination")
     return SharedAnswer(
-        _record_name(library, link), None if look is None else Look(**look), None if shown is None else Shown(**shown)
+        _record_name(library, link),
+        None if look is None else Look(**look),
+        None if shown is None else Shown(**shown),
+        None if examination is None else _EXAMINATION.validate_python(examination),
     )
 
 

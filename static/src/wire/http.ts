@@ -904,12 +904,14 @@ export interface SessionList {
 
 /**
  * A link as everyone who has it sees it; `look` is the visible part of the map, null for all of it. `shown` is what
- * else its sender saw, null of a link that tells nothing of it.
+ * else its sender saw, null of a link that tells nothing of it; `examination` what had been found out about the log,
+ * null where it had not been examined.
  */
 export interface SharedAnswer {
   readonly title: string;
   readonly look: Look | null;
   readonly shown: Shown | null;
+  readonly examination: DoctorAnswer | null;
 }
 
 /** The title of a puzzle that a visitor made. */
@@ -925,6 +927,58 @@ export interface Shown {
   readonly note: string | null;
   /** The views beside the map, as the page writes them. */
   readonly layout: string | null;
+  /** The topic whose messages are shown. */
+  readonly message: string | null;
+  /** The topic whose pictures are shown. */
+  readonly picture: string | null;
+  readonly plots: ShownPlots | null;
+  readonly lines: ShownLines | null;
+  /** The explained cell's place, metres. */
+  readonly place: readonly [number, number] | null;
+  readonly measured: ShownMeasure | null;
+  /** Whether times are in UTC. */
+  readonly utc: boolean | null;
+  /** The comparison, as the page writes it. */
+  readonly comparison: string | null;
+}
+
+/** A number that is plotted. */
+export interface ShownField {
+  readonly topic: string;
+  /** Its path in the message. */
+  readonly field: string;
+  /** The value, its change per second, or its moving average. */
+  readonly made: "value" | "derivative" | "average";
+  /** Of the moving average, seconds. */
+  readonly window: number;
+}
+
+/** Which lines that nodes logged are listed. */
+export interface ShownLines {
+  /** The least level. */
+  readonly least: number;
+  /** The node; empty for all. */
+  readonly node: string;
+  /** What they contain. */
+  readonly text: string;
+}
+
+/** What is measured on the map. */
+export interface ShownMeasure {
+  readonly tool: "distance" | "area";
+  /** Metres. */
+  readonly points: readonly (readonly [number, number])[];
+}
+
+/** The plots of a log. */
+export interface ShownPlots {
+  readonly fields: readonly ShownField[];
+  /** The number on the horizontal axis; null for time. */
+  readonly across: string | null;
+  /** The interval, seconds; null for all. */
+  readonly zoom: readonly [number, number] | null;
+  /** Whether there are plots below the time slider. */
+  readonly below: boolean;
 }
 
 /** The history of a simulation, and the world and the seed that it begins with. */

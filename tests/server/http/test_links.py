@@ -107,6 +107,45 @@ def stream(service: Service, session: str, client: httpx.Client) -> Any:
     return stream_at(service.address(session), additional_headers=headers)
 
 
+def test_a_link_keeps_what_its_page_shows_and_what_was_found_out_about_the_log(
+    browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    session = opened(ann, uploaded(ann))
+    shown = {
+        "group": "notes",
+        "note": None,
+        "layout": "beside:map,messages:60:50",
+        "message": "/imu",
+        "picture": None,
+        "plots": {
+            "fields": [{"topic": "/imu", "field": "a.x", "made": "average", "window": 5.0}],
+            "across": None,
+            "zoom": [1.5, 3.0],
+            "below": True,
+        },
+        "lines": {"least": 30, "node": "", "text": "slip"},
+        "place": [1.0, -2.0],
+        "measured": {"tool": "area", "points": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]},
+        "utc": True,
+        "comparison": None,
+    }
+    guest = browser(guest=True)
+    before = guest.get(f"/api{linked(ann, session, shown=shown)['address']}").json()
+    assert (before["shown"], before["examination"]) == (shown, None)
+    examination = ann.get(f"/api/sessions/{session}/doctor").json()
+    after = guest.get(f"/api{linked(ann, session)['address']}").json()
+    assert (after["shown"], after["examination"]) == (None, examination)
+    assert examination["findings"], "an empty examination would be equal to any other"
+    refused: tuple[dict[str, Any], ...] = (
+        {"message": "x" * 401},
+        {"place": [1.0]},
+        {"plots": {"fields": []}},
+        {"other": 1},
+    )
+    for wrong in refused:
+        assert ann.post(f"/api/sessions/{session}/links", json={"shown": wrong}).status_code == 422
+
+
 async def test_a_guest_sees_this_very_view_and_nothing_else(
     service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
 ) -> None:
@@ -131,7 +170,12 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
 
     guest = browser(guest=True)
     assert guest.get(link["address"]).status_code in (200, 404), "404 where the pages are not built"
-    assert guest.get(f"/api{link['address']}").json() == {"title": "run.log", "look": look, "shown": None}
+    assert guest.get(f"/api{link['address']}").json() == {
+        "title": "run.log",
+        "look": look,
+        "shown": None,
+        "examination": None,
+    }
     own = guest.post(f"/api{link['address']}/sessions").json()["id"]
     async with stream(service, own, guest) as socket:
         watcher = Watcher(socket)
@@ -261,6 +305,7 @@ async def test_a_guest_sees_this_costmap_of_a_recording_until_the_link_is_revoke
         "title": "costs.mcap",
         "look": look,
         "shown": None,
+        "examination": None,
     }
     begun = (await ask(guest, "post", f"/api{link['address']}/sessions")).json()
     assert (begun["kind"], begun["index"], begun["count"], begun["playing"]) == ("costmaps", 6, 9, False)

@@ -81,9 +81,17 @@ export interface DoctorState {
   readonly cancel: () => void;
 }
 
-/** The examination starts when the page is idle; a guest's, and that of a very short log, with the button. */
-export function useDoctor(store: Store, session: string, isGuest: boolean): DoctorState {
-  const state = useSignal<State>({ kind: "idle" });
+/**
+ * The examination starts when the page is idle; a guest's, and that of a very short log, with the button. A guest has
+ * what the link's sender had been told: `given`.
+ */
+export function useDoctor(
+  store: Store,
+  session: string,
+  isGuest: boolean,
+  given: DoctorAnswer | null = null,
+): DoctorState {
+  const state = useSignal<State>(given ? { kind: "done", examination: given } : { kind: "idle" });
   const progress = useSignal<Making | null>(null);
   const cancelledOf = useRef<string | undefined>(undefined); // the trajectory whose examination was cancelled
   useSignalEffect(() => {

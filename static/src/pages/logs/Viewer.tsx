@@ -13,7 +13,6 @@ import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
 import { Icon } from "../../ui/Icon";
 import { LayoutChoice } from "../../ui/stage/LayoutChoice";
-import { written } from "../../ui/stage/layout";
 import { Stage } from "../../ui/stage/Stage";
 import { useLayout } from "../../ui/stage/useLayout";
 import { toast } from "../../ui/Toast";
@@ -21,6 +20,7 @@ import type { TrajectoryErrors } from "../../wire/http";
 import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
+import { comparisonFragment } from "./compare/link";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { ContentsContext, useContents } from "./contents/useContents";
 import { eventsOf, useDoctor } from "./Doctor";
@@ -36,6 +36,7 @@ import { TimelinePlots } from "./plots/TimelinePlots";
 import { useTimelinePlots } from "./plots/timelinePlots";
 import { useSensor } from "./sensor/useSensor";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedView";
+import { applyShown, shownOf } from "./share/shown";
 import { CorrectionOffer } from "./slam/CorrectionOffer";
 import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
@@ -63,26 +64,28 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
-  const comparison = useComparison(session, store);
-  const doctor = useDoctor(store, session, guest !== undefined);
+  const given = guest?.shown ?? null; // what a link has its guest see
+  const comparison = useComparison(session, store, given?.comparison);
+  const doctor = useDoctor(store, session, guest !== undefined, guest?.examination);
   const correction = usePoseCorrection(store, session, guest !== undefined);
   const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
-  const notes = useNotes(session, store, guest?.shown?.note);
-  const plots = useTimelinePlots();
+  const notes = useNotes(session, store, given?.note ?? undefined);
+  const plots = useTimelinePlots(given?.plots);
   const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
   const layout = useLayout({
     kinds,
     usual: MAP_ALONE,
-    linked: guest?.shown?.layout ?? null,
+    linked: given?.layout ?? null,
     last: guest ? null : lastLayout,
   });
   const contents = useContents(session);
-  const lines = useLines(session, store, contents);
-  const fields = useFieldsState(session);
-  const topic = useSignal(""); // whose messages are shown
+  const lines = useLines(session, store, contents, given?.lines);
+  const fields = useFieldsState(session, given?.plots);
+  const topic = useSignal(given?.message ?? ""); // whose messages are shown
+  const pictured = useSignal(given?.picture ?? ""); // the topic whose pictures are shown
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
-  const openGroup = useOpenGroup(store, guest?.shown?.group ?? OVERVIEW);
+  const openGroup = useOpenGroup(store, given?.group ?? OVERVIEW);
   const lastGroup = useRef(openGroup.peek()); // before that of links, in which one is made
   if (openGroup.value !== SHARE) lastGroup.current = openGroup.value;
   const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
@@ -104,6 +107,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const hello = store.hello.value;
 
   useEffect(() => applySharedView(store, picture, guest?.view ?? null), [connection]);
+  useEffect(() => (given ? applyShown(store, given, openGroup) : undefined), [connection]);
   const ended = status.value === "gone";
   useEffect(() => {
     if (ended) guest?.onEnded();
@@ -190,12 +194,25 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
               trajectoryErrors,
               openGroup,
               topic,
+              pictured,
               lines,
               fields,
               zoom: plots.zoom,
               onCorrectPoses,
               sharedView: () => sharedViewOf(store, picture),
-              shown: () => ({ group: lastGroup.current, note: notes.chosen.peek(), layout: written(layout.peek()) }),
+              shown: () =>
+                shownOf({
+                  store,
+                  group: lastGroup.current,
+                  note: notes.chosen.peek(),
+                  layout,
+                  topic,
+                  pictured,
+                  fields,
+                  lines,
+                  plots,
+                  comparison: comparisonFragment(store, comparison),
+                }),
             })}
             open={openGroup}
           />
@@ -210,7 +227,11 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         </Head>
         <div class="viewer-stage" ref={stage}>
           <Stage
-            views={viewsOf({ store, session, topic, comparison, lines, fields, zoom: plots.zoom }, isGuest, map)}
+            views={viewsOf(
+              { store, session, topic, pictured, comparison, lines, fields, zoom: plots.zoom },
+              isGuest,
+              map,
+            )}
             layout={layout.value}
             onLayout={(next) => {
               layout.value = next;

@@ -56,6 +56,8 @@ interface LogView {
   readonly openGroup: Signal<string>;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  /** The topic whose pictures are shown. */
+  readonly pictured: Signal<string>;
   readonly lines: LinesState;
   readonly fields: FieldsState;
   /** The interval that all plots show. */
@@ -193,7 +195,7 @@ const GROUPS: readonly Group[] = [
     id: "pictures",
     title: "Pictures",
     section: "Data",
-    content: ({ store, session }) => <Pictures store={store} session={session} />,
+    content: ({ store, session, pictured }) => <Pictures store={store} session={session} pictured={pictured} />,
   },
   {
     id: "plots",

@@ -10,9 +10,15 @@ test("a layout is read as it was written", () => {
 });
 
 test("a text that is no layout is none", () => {
-  const wrong = ["", "five:map:50:50", "beside:map:50:50", "beside:map,map:50:50", "one:radar:50:50", "one::50:50"];
+  const wrong = ["", "five:map:50:50", "beside:map:50:50", "beside:map,map:50:50", "one:map,3d:50:50"];
   expect(wrong.map((text) => read(text, KINDS))).toEqual(wrong.map(() => null));
   expect(read("one:map:0:x", KINDS)).toEqual(layoutOf("one", ["map"]));
+});
+
+test("a view that is not there gives its place to another one", () => {
+  expect(read("beside:3d,plots:60:50", ["map", "plots"])).toEqual({ ...layoutOf("beside", ["map", "plots"]), x: 0.6 });
+  expect(read("four:map,3d,radar,plots:50:50", KINDS)?.views).toEqual(["map", "3d", "picture", "plots"]);
+  expect(read("four:map,3d,radar,plots:50:50", ["map", "plots", "frames"])).toBeNull();
 });
 
 test("another arrangement keeps the views that it has room for", () => {

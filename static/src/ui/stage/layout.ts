@@ -46,14 +46,19 @@ export function written({ arrangement, views, x, y }: Layout): string {
   return [arrangement, views.join(","), Math.round(100 * x), Math.round(100 * y)].join(":");
 }
 
-/** The layout of such a text; null for a text that is none, or has views that are not among `kinds`. */
+/**
+ * The layout of such a text; null for a text that is none. A view that is not among `kinds`, as of another visitor,
+ * gives its place to the first of the others.
+ */
 export function read(text: string, kinds: readonly string[]): Layout | null {
   const [arrangement, list = "", ...shares] = text.split(":");
   const named = ARRANGEMENTS.find((one) => one === arrangement);
-  const views = list.split(",");
+  const wanted = list.split(",");
+  const others = kinds.filter((kind) => !wanted.includes(kind));
+  const views = wanted.flatMap((view) => (kinds.includes(view) ? [view] : others.splice(0, 1)));
   const [x = Number.NaN, y = Number.NaN] = shares.map((share) => Number(share) / 100);
   const isWhole = named !== undefined && views.length === COUNTS[named] && new Set(views).size === views.length;
-  if (!isWhole || !views.every((view) => kinds.includes(view))) return null;
+  if (!isWhole) return null;
   const isShare = (share: number): boolean => share >= LIMITS.low && share <= LIMITS.high;
   return { arrangement: named, views, x: isShare(x) ? x : HALF, y: isShare(y) ? y : HALF };
 }

@@ -53,7 +53,12 @@ export const whole = (table: readonly Parameter[], values: Values): Values => ({
   ...values,
 });
 
-/** The current comparison. */
+/** The current comparison as a fragment; "" for none. */
+export function comparisonFragment(store: Store, comparison: Comparison): string {
+  const linked = linkedOf(store, comparison);
+  return linked ? fragmentOf(linked) : "";
+}
+
 function linkedOf(store: Store, comparison: Comparison): Linked | null {
   const compared = store.compared.value;
   const table = store.hello.value?.parameters.table;
@@ -87,10 +92,7 @@ const SETTLE_MS = 400;
 /** Keep the address up to date with the comparison; the returned function stops it. */
 export function keepAddress(store: Store, comparison: Comparison): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const fragment = computed(() => {
-    const linked = linkedOf(store, comparison);
-    return linked ? fragmentOf(linked) : "";
-  });
+  const fragment = computed(() => comparisonFragment(store, comparison));
   const stop = effect(() => {
     const now = fragment.value;
     clearTimeout(timer);

@@ -8,12 +8,12 @@ import { toast } from "../../../ui/Toast";
 import { keepAddress, linkFromAddress, restore } from "./link";
 import { names } from "./sides";
 
-/** Both maps of a comparison in the one picture, as the address says while it says so. */
-export function useComparison(session: string, store: Store): Comparison {
+/** Both maps of a comparison in the one picture, as the address says while it says so, or the fragment of a link. */
+export function useComparison(session: string, store: Store, fragment: string | null = null): Comparison {
   const comparison = useMemo(() => new Comparison(store), [store]);
   useEffect(() => {
     const stops = [comparison.start()];
-    const linked = linkFromAddress(location.hash);
+    const linked = linkFromAddress(location.hash) ?? linkFromAddress(fragment ?? "");
     const follow = (): void => void stops.push(keepAddress(store, comparison));
     if (!linked) follow();
     else {

@@ -1,6 +1,6 @@
 /** Images and clouds of the moment that the log is at. */
 
-import { useSignal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
@@ -16,14 +16,16 @@ import { WhenKnown } from "./useContents";
 interface PicturesProps {
   readonly store: Store;
   readonly session: string;
+  /** The topic that is shown; "" for the first. */
+  readonly pictured: Signal<string>;
 }
 
-export function Pictures({ store, session }: PicturesProps) {
+export function Pictures({ store, session, pictured }: PicturesProps) {
   return (
     <WhenKnown>
       {({ pictures }) =>
         pictures.length > 0 ? (
-          <OfTopic store={store} session={session} topics={pictures} />
+          <OfTopic store={store} session={session} pictured={pictured} topics={pictures} />
         ) : (
           <p class="quiet">The log has no images and no point clouds.</p>
         )
@@ -48,12 +50,11 @@ async function fetchPicture(address: string, signal: AbortSignal): Promise<Shown
   return { topic, address: URL.createObjectURL(picture), seconds, isCloud: picture.type === "image/png" };
 }
 
-function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: readonly string[] }) {
-  const topic = useSignal(topics[0] ?? "");
+function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonly topics: readonly string[] }) {
+  const topic = topics.includes(pictured.value) ? pictured.value : (topics[0] ?? "");
   const answer = useAtMoment<Shown>(
     store,
-    (at) =>
-      addressOf("GET /api/sessions/{session_id}/contents/picture", { session_id: session }, { topic: topic.value, at }),
+    (at) => addressOf("GET /api/sessions/{session_id}/contents/picture", { session_id: session }, { topic, at }),
     fetchPicture,
   );
   const shown = answer.kind === "ready" ? answer.value : null;
@@ -66,10 +67,10 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
     <div class="pictures stack">
       <SelectField
         title="Topic"
-        value={topic.value}
+        value={topic}
         options={topics}
         onChange={(name) => {
-          topic.value = name;
+          pictured.value = name;
         }}
       />
       {answer.kind === "failed" && <p role="alert">{answer.why}</p>}
@@ -80,7 +81,7 @@ function OfTopic({ store, session, topics }: PicturesProps & { readonly topics: 
       )}
       {shown && (
         <figure>
-          <Marked src={shown.address} alt={`${topic.value} at ${shownTime(store, shown.seconds)}`} sight={sight} />
+          <Marked src={shown.address} alt={`${topic} at ${shownTime(store, shown.seconds)}`} sight={sight} />
           <figcaption class="quiet">
             {shownTime(store, shown.seconds)}, {signed(shown.seconds - at, 3)} s from the moment of the map
             {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}

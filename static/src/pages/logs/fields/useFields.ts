@@ -1,7 +1,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { ask } from "../../../wire/ask";
-import type { SeriesAnswer, TopicFieldsAnswer } from "../../../wire/http";
+import type { SeriesAnswer, ShownPlots, TopicFieldsAnswer } from "../../../wire/http";
 import type { Span } from "../contents/series";
 import { type Chosen, keyOf } from "./fields";
 
@@ -14,11 +14,12 @@ export interface FieldsState {
   readonly across: Signal<string | null>;
 }
 
-export function useFieldsState(session: string): FieldsState {
+/** At first what a link `shown` has. */
+export function useFieldsState(session: string, shown: ShownPlots | null = null): FieldsState {
   const state: FieldsState = { chosen: useSignal([]), across: useSignal(null) };
   useEffect(() => {
-    state.chosen.value = [];
-    state.across.value = null;
+    state.chosen.value = shown?.fields ?? [];
+    state.across.value = shown?.across ?? null;
   }, [session]);
   return state;
 }

@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { showAnswer } from "../../../ui/browser/attempts";
 import { ask } from "../../../wire/ask";
+import type { ShownLines } from "../../../wire/http";
 import type { ContentsOfSession } from "../contents/useContents";
 import type { LinesState } from "./lines";
 
@@ -10,17 +11,22 @@ import type { LinesState } from "./lines";
 const RECORDING = /^(MCAP|ROS )/;
 
 /**
- * The lines of a session's recording. They are asked for when its log is open, for the marks on the time slider; the
+ * The lines of a session's recording, at first those that a link `shown` has. They are asked for when its log is open, for the marks on the time slider; the
  * recording is gone through for that where its contents are not known.
  */
-export function useLines(session: string, store: Store, contents: ContentsOfSession): LinesState {
+export function useLines(
+  session: string,
+  store: Store,
+  contents: ContentsOfSession,
+  shown: ShownLines | null = null,
+): LinesState {
   const state: LinesState = {
     lines: useSignal(null),
     failure: useSignal(null),
     leftOut: useSignal(0),
-    least: useSignal(0),
-    node: useSignal(""),
-    text: useSignal(""),
+    least: useSignal(shown?.least ?? 0),
+    node: useSignal(shown?.node ?? ""),
+    text: useSignal(shown?.text ?? ""),
     chosen: useSignal(null),
   };
   const isReady = useComputed(() => store.frame.value !== null).value;

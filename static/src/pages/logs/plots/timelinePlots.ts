@@ -1,6 +1,7 @@
 /** What the plots below a log's timeline share with it. */
 
 import { type Signal, useSignal } from "@preact/signals";
+import type { ShownPlots } from "../../../wire/http";
 import type { Span } from "../contents/series";
 
 export interface TimelinePlotsState {
@@ -13,6 +14,12 @@ export interface TimelinePlotsState {
   readonly zoom: Signal<Span | null>;
 }
 
-export function useTimelinePlots(): TimelinePlotsState {
-  return { isOpen: useSignal(false), onTimeline: useSignal(null), inPlots: useSignal(null), zoom: useSignal(null) };
+/** At first as a link `shown` has it. */
+export function useTimelinePlots(shown: ShownPlots | null = null): TimelinePlotsState {
+  return {
+    isOpen: useSignal(shown?.below ?? false),
+    onTimeline: useSignal(null),
+    inPlots: useSignal(null),
+    zoom: useSignal(shown?.zoom ?? null),
+  };
 }

@@ -74,7 +74,12 @@ export function Guest({ token }: { token: string }) {
       key={session.id}
       session={session.id}
       onGone={() => void open()}
-      guest={{ view: view.look, shown: view.shown, onEnded: () => void checkLink() }}
+      guest={{
+        view: view.look,
+        shown: view.shown,
+        examination: view.examination,
+        onEnded: () => void checkLink(),
+      }}
     />
   );
 }

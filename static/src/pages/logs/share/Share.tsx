@@ -4,8 +4,8 @@ import type { Shown } from "./links";
 import { ShareLinks } from "./ShareLinks";
 
 const TEXT =
-  "A link opens what you see: parameters, poses, moment, visible part of the map, open group and chosen note. Everyone who " +
-  "opens it gets a session of their own, in which they can play, change parameters and ask why. They cannot delete or " +
+  "A link opens what you see: parameters, poses, moment, visible part of the map, views and what they show, comparison, " +
+  "measured lines, selected place, open group and chosen note. Everyone who opens it gets a session of their own, in which they can play, change parameters and ask why. They cannot delete or " +
   "download the log or open other logs. The link works until you revoke it.";
 
 interface ShareProps {

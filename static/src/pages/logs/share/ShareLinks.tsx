@@ -59,8 +59,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
     attempt(async () => {
       const link = await makeLink(session, sharedView(), shown?.() ?? null);
       links.value = [link, ...(links.peek() ?? [])];
-      // The comparison is in the fragment of the address.
-      await copy(absolute(link) + location.hash, "Link copied.");
+      await copy(absolute(link), "Link copied.");
     });
   const revoke = async (link: Link): Promise<void> => {
     const warning = "The link stops working, and the sessions of everyone who opened it end.";

@@ -4,12 +4,15 @@ import type { RefObject } from "preact";
 import type { Picture } from "../../../render/picture/Picture";
 import { framed, type SharedView } from "../../../render/view";
 import type { Store } from "../../../store/store";
+import type { DoctorAnswer } from "../../../wire/http";
 import type { Shown } from "./links";
 
 /** A visitor with a shared link: the initial view, and a callback for the end of the session. */
 export interface GuestOfLink {
   readonly view: SharedView | null;
   readonly shown?: Shown | null;
+  /** What the sender had been told about the log; null where it had not been examined. */
+  readonly examination?: DoctorAnswer | null;
   readonly onEnded: () => void;
 }
 

@@ -27,6 +27,8 @@ interface LogOfView {
   readonly session: string;
   /** The topic whose messages are shown. */
   readonly topic: Signal<string>;
+  /** The topic whose pictures are shown. */
+  readonly pictured: Signal<string>;
   readonly comparison: Comparison;
   readonly lines: LinesState;
   readonly fields: FieldsState;

@@ -1,0 +1,80 @@
+/** What a link keeps of the page beside the visible part of the map, and how a page comes to show it. */
+
+import type { Signal } from "@preact/signals";
+import { effect } from "@preact/signals";
+import { inUtc } from "../../../store/shownTime";
+import type { Store } from "../../../store/store";
+import { measuringOf } from "../../../tools/measure/measuring";
+import { selectionOf } from "../../../tools/scene/selection";
+import { type Layout, written } from "../../../ui/stage/layout";
+import type { FieldsState } from "../fields/useFields";
+import type { LinesState } from "../lines/lines";
+import type { TimelinePlotsState } from "../plots/timelinePlots";
+import type { Shown } from "./links";
+
+/** The most that the server keeps of each. */
+const MOST = { fields: 20, points: 1000, text: 200, comparison: 16_000 };
+
+interface ShownPage {
+  readonly store: Store;
+  readonly group: string;
+  readonly note: string | null;
+  readonly layout: Signal<Layout>;
+  readonly topic: Signal<string>;
+  readonly pictured: Signal<string>;
+  readonly fields: FieldsState;
+  readonly lines: LinesState;
+  readonly plots: TimelinePlotsState;
+  /** The comparison as a fragment of an address; "" for none. */
+  readonly comparison: string;
+}
+
+export function shownOf(page: ShownPage): Shown {
+  const { store, fields, lines, plots, comparison } = page;
+  const measuring = measuringOf(store);
+  const tool = measuring.tool.peek();
+  const selected = selectionOf(store).peek();
+  return {
+    group: page.group,
+    note: page.note,
+    layout: written(page.layout.peek()),
+    message: page.topic.peek() || null,
+    picture: page.pictured.peek() || null,
+    plots: {
+      fields: fields.chosen.peek().slice(0, MOST.fields),
+      across: fields.across.peek(),
+      zoom: plots.zoom.peek(),
+      below: plots.isOpen.peek(),
+    },
+    lines: {
+      least: lines.least.peek(),
+      node: lines.node.peek().slice(0, MOST.text),
+      text: lines.text.peek().slice(0, MOST.text),
+    },
+    place: selected?.what === "cell" ? selected.place : null,
+    measured: tool && { tool, points: measuring.points.peek().slice(0, MOST.points) },
+    utc: inUtc.peek(),
+    comparison: comparison !== "" && comparison.length <= MOST.comparison ? comparison : null,
+  };
+}
+
+/** Show the times, the selected place and what is measured as a link has them; the returned function ends waiting. */
+export function applyShown(store: Store, shown: Shown, openGroup: Signal<string>): () => void {
+  if (shown.utc !== null) inUtc.value = shown.utc;
+  let isDone = false;
+  const stop = effect(() => {
+    if (isDone || !store.map.value) return;
+    isDone = true;
+    if (shown.measured) {
+      const measuring = measuringOf(store);
+      measuring.take(shown.measured.tool);
+      measuring.points.value = shown.measured.points;
+      measuring.isDone.value = true;
+    }
+    if (shown.place) {
+      store.explain(shown.place);
+      if (shown.group) openGroup.value = shown.group; // which an explanation takes the place of
+    }
+  });
+  return stop;
+}
