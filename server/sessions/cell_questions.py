@@ -38,6 +38,7 @@ class CellQuestions(Part):
     """Answers questions about cells of the maps that ``maps`` returns; the default map is the first."""
 
     commands = (InspectCommand, WhyCommand)
+    is_on = False  # it only answers
 
     def __init__(self, maps: Callable[[], Sequence[ExplainedMap]]) -> None:
         self._maps = maps

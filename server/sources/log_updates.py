@@ -97,6 +97,7 @@ class LogUpdates(Part):
         PosesSoFar,
         PosesEnded,
     )
+    is_on = False  # it only takes commands
 
     def __init__(self, model: Updated, followed: FollowedPoses) -> None:
         self._model, self._followed = model, followed

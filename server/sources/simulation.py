@@ -289,7 +289,7 @@ class SimulationModel(SessionModel):
             result.changed = True
             left = dt * self.playback.speed
             while left > 0.0:
-                step = min(part.advance(left, result) for part in self.parts_on)
+                step = min((part.advance(left, result) for part in self.parts_on), default=left)
                 left -= step
                 for change in self._mapper.advance(step):
                     result.add(change)

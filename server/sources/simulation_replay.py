@@ -115,6 +115,8 @@ class SimulationReplay(Part, Replayable):
     ``max_s`` as in :func:`history_of`; ``navigation`` returns the commands that begin the costmap and set its goal.
     """
 
+    is_on = False  # it only answers
+
     def __init__(
         self,
         host: ModelHost,

@@ -28,6 +28,7 @@ class MappingParameters(Part):
     """
 
     commands = (ParametersCommand,)
+    is_on = False  # the map that it changes is its source's
 
     def __init__(
         self,
