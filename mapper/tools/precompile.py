@@ -34,9 +34,8 @@ from mapper.costmap.inflation import inflate, squared_distances
 from mapper.costmap.nav2_costmap import NamedLayer
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
-from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.lattice import Frame
-from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells, sort_by_tile
 from mapper.grid.metrics import map_metrics
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.mapping.integrate import integrate_scan

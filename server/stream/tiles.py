@@ -16,9 +16,8 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
-from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.lattice import to_lattice
-from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells, sort_by_tile
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import CellChanges, TilePayload
 from server.stream.messages import Geometry

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
-from mapper.grid.kernels.changed_cells import sort_by_tile
-from mapper.grid.kernels.quantise import quantise, quantise_cells
+from mapper.grid.kernels.quantise import quantise, quantise_cells, sort_by_tile
 from mapper.grid.merge import merged
 from mapper.grid.metrics import entropy
 from tests.agreement.inputs import ListedCells, PictureCase, StatesCase, TwoMaps
