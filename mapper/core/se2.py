@@ -1,4 +1,4 @@
-"""Planar rigid motions, SE(2): compose, inverse, interpolate, transform points, wrap angles.
+"""Planar rigid motions, SE(2): compose, inverse, interpolate, transform points, wrap angles, check.
 
 A pose is ``(x, y, theta)``: metres, metres, radians counter-clockwise (REP 103). ``T_a_b`` takes
 coordinates in frame b to coordinates in frame a, so ``compose(T_map_base, T_base_laser)`` is ``T_map_laser``.
@@ -11,6 +11,9 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
 
 Float64Array = NDArray[np.float64]
 
@@ -99,3 +102,18 @@ def transform_points(t_a_b: ArrayLike, points_xy: ArrayLike) -> Float64Array:
     p = np.asarray(points_xy, dtype=np.float64)
     cos, sin = np.cos(theta), np.sin(theta)
     return np.stack([x + cos * p[..., 0] - sin * p[..., 1], y + sin * p[..., 0] + cos * p[..., 1]], axis=-1)
+
+
+def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
+    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
+    if poses.shape != shape:
+        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
+    finite = np.isfinite(poses)
+    if not finite.all():
+        bad = ~finite.all(axis=-1)
+        raise ConfigError(
+            "scan.pose",
+            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
+        )
+    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
+        raise ConfigError("scan.pose_far", f"A pose is more than {limits.max_pose:g} m from the origin.")

@@ -14,7 +14,6 @@ from mapper.diagnosis.walls import check_drift, check_still
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import by_sensor, each_part
-from mapper.sensors.motion import can_deskew
 from mapper.sensors.scan import ScanLog
 
 
@@ -57,7 +56,7 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
         # A mount that is far off draws all walls so wide that scans a moment apart contradict each other as well. So
         # does a sweep that is stamped at its end.
         names = {sweep.CHECK} | ({"mount.offset"} if log.mount_assumed else set())
-        names |= {"timing.delay"} if can_deskew(corrected, trajectory) else set()
+        names |= {"timing.delay"} if corrected.can_deskew(trajectory) else set()
         found = _sure(still or causes_of_drift(corrected, trajectory, frozenset(names)))
         return found[0] if found else None
     if drift is None:

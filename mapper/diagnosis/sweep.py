@@ -7,7 +7,6 @@ from dataclasses import replace
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.joint_log import sensors_of, with_trajectories
-from mapper.sensors.motion import can_deskew
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
 
@@ -24,7 +23,7 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
     to agree less with every delay.
     """
     name = seen.trajectory
-    if not can_deskew(log, name):
+    if not log.can_deskew(name):
         return []
     way = log.trajectory(name)
     timed = way.timed if way.timed is not None and len(way.timed) else TimedPoses(log.stamps_ns, way.poses)

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import check_poses, compose, inverse
 from mapper.evaluation.pose_error import magnitudes
 from mapper.evaluation.statistics import ErrorSeries
-from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]

@@ -19,21 +19,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.core.se2 import compose_one
+from mapper.core.se2 import check_poses, compose_one
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping import cell_statistics
 from mapper.mapping.custom_model import add_with_model
 from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, turns_of
 from mapper.mapping.kernels.one_scan import BEYOND, add_scan
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
-from mapper.mapping.scan_batch import ScanBatch, directions
+from mapper.mapping.scan_batch import ScanBatch, directions, scan_batch_of_scan, scan_batches_of_log
 from mapper.mapping.sensor_model import InverseSensorModel
 from mapper.mapping.update import WORTH_SHARING, update_grid, update_in_turns
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length, plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
-from mapper.sensors.timed_poses import check_poses
 
 #: The number of cell updates, the box (row0, row1, col0, col1), and the cells that were written, row · cols + col, some
 #: of them repeatedly; None where they are too many.

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
-from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.scan_batch import ScanBatch, bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
 from mapper.mapping.update_plan import Run, Turns, UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog
@@ -214,7 +213,7 @@ def sensor_poses_of(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return ``T_map_laser`` (n, 3) and the bearing (n,), radians, of readings: ``beams`` (n,) of ``scans`` (n,).
 
-    The poses are those of :func:`mapper.mapping.prepare_scans.sensor_poses_of_readings`, in each sensor's own log.
+    The poses are those of :func:`mapper.mapping.scan_batch.sensor_poses_of_readings`, in each sensor's own log.
     """
     if not isinstance(log, JointLog):
         plan = plan_update(config, log.range_min, log.range_max)

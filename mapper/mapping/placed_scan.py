@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, inverse
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import bearings, is_deskewed, sensor_poses_of_readings
+from mapper.mapping.scan_batch import bearings, is_deskewed, sensor_poses_of_readings
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog
-from mapper.sensors.motion import Motion, offset_along, seconds
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import RangeScan, ScanLog, SonarScan
 
 Float64Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, ind
 
 def base_pose(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int) -> Float64Array:
     """Return the robot's pose (3,) at the stamp of scan ``index``, shifted by the plan's time offset."""
-    offset = offset_along(log, trajectory, plan.time_offset)
+    offset = log.trajectory(trajectory).offset_of_stamps(plan.time_offset)
     if offset == 0.0:
         return np.asarray(log.trajectory(trajectory).poses[index])
     return np.asarray(Motion.of(log, trajectory).at(seconds(log)[index : index + 1] + offset)[0])

@@ -29,8 +29,7 @@ from mapper.mapping.kernels.contributions import (
     running_sum,
 )
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import scan_batch_of_log
-from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.scan_batch import ScanBatch, scan_batch_of_log
 from mapper.mapping.thin_update import plan_beams
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog

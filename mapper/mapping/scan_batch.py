@@ -1,7 +1,12 @@
-"""A batch of scans of one sensor, with its poses: the data that all updates read."""
+"""Batches of scans of one sensor, with its poses: the data that all updates read.
+
+The mount is corrected, fields are computed, and "no return" is replaced for "hit". Beams that are deskewed are scans of
+one beam each, in the order of the log: beam k of scan t is number t · n_beams + k, as a reading is numbered everywhere.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -9,11 +14,18 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.se2 import compose
 from mapper.grid import GridGeometry
 from mapper.mapping.kernels.bresenham import reach
 from mapper.mapping.kernels.types import ReadingFilter, Scans
+from mapper.mapping.update_plan import UpdatePlan, part_of
+from mapper.sensors.beam_fields import beam_fields, cones
+from mapper.sensors.motion import Motion, seconds
+from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 
 _CHUNK_READINGS = 1 << 19  # planned at once: each chunk costs two rounds of the threads
+_DESKEWED_READINGS = 1 << 18  # in one batch: each has a pose of its own, some 200 bytes with what is computed from it
+_NO_FIELDS = np.empty((0, 4))
 
 
 @dataclass(frozen=True)  # without slots: cached properties need a __dict__
@@ -23,7 +35,7 @@ class ScanBatch:
     ranges: NDArray[np.float32]  #: (n_scans, n_beams), m
     sensor_poses: NDArray[np.float64]  #: (n_scans, 3), T_map_laser
     angles: NDArray[np.float64]  #: (n_beams,), rad in the laser frame
-    fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields
+    fields: NDArray[np.float64]  #: (n_beams, 4), see mapper.sensors.beam_fields.beam_fields; (0, 4) where none is seen
     range_min: float  #: m
     range_max: float  #: m
     numbers: NDArray[np.int64]  #: (n_scans,) of the scan; rows of one scan, its deskewed beams, follow one another
@@ -88,12 +100,167 @@ def scan_ends(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.flatnonzero(np.diff(numbers, append=numbers[-1:] - 1)) + 1
 
 
-def part_of(scans: Scans, start: int, stop: int) -> Scans:
-    """Return the scans [start, stop) as views."""
-    part = slice(start, stop)
-    return scans._replace(
-        ranges=scans.ranges[part],
-        sensors=scans.sensors[part],
-        headings=scans.headings[part],
-        numbers=scans.numbers[part],
+def is_deskewed(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> bool:
+    """Return whether beams are placed each at a pose of its own where the poses allow it."""
+    return plan.deskew != "off" and log.can_deskew(trajectory)
+
+
+def deskewed_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
+    """Return which scans (n_scans,) are deskewed."""
+    if not is_deskewed(log, plan, trajectory):
+        return np.zeros(log.n_scans, dtype=np.bool_)
+    if plan.deskew == "on":
+        return np.ones(log.n_scans, dtype=np.bool_)
+    return _are_dense(log, Motion.of(log, trajectory), _shifted(log, plan, trajectory))
+
+
+def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
+    """Return which scans (n_scans,) lie between the first and the last pose by the time offset; others say nothing."""
+    if log.trajectory(trajectory).offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
+        return np.ones(log.n_scans, dtype=np.bool_)
+    return Motion.of(log, trajectory).covers(_shifted(log, plan, trajectory))
+
+
+def _shifted(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
+    """Return the times (n_scans,), seconds, at which the poses of the scans are looked up along a trajectory."""
+    return seconds(log) + log.trajectory(trajectory).offset_of_stamps(plan.time_offset)
+
+
+def _are_dense(log: ScanLog, motion: Motion, first: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether the poses are dense around sweeps whose first beams are measured at ``first`` (n,), seconds."""
+    return motion.is_dense(first, first + log.time_increment * (log.n_beams - 1))
+
+
+def base_poses(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
+    """Return the robot's pose (n_scans, 3) at each scan's stamp, the stamps shifted by the plan's time offset."""
+    if log.trajectory(trajectory).offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
+        return log.trajectory(trajectory).poses
+    return Motion.of(log, trajectory).at(_shifted(log, plan, trajectory))
+
+
+def sensor_poses_of_readings(
+    log: ScanLog, plan: UpdatePlan, trajectory: str | None, scans: NDArray[np.int64], beams: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return ``T_map_laser`` (n, 3), mount corrected, of n readings: ``beams`` (n,) of ``scans`` (n,).
+
+    A deskewed beam gets the pose at its own time, stamp + offset + beam · time_increment, interpolated between the
+    poses of the trajectory. With ``deskew`` "auto" beams of a scan get it where the poses around its sweep are dense,
+    as :meth:`mapper.sensors.motion.Motion.is_dense`; all others have the pose of their scan.
+    """
+    if is_deskewed(log, plan, trajectory):
+        poses = _poses_of_beams(log, plan, trajectory, scans, beams[:, np.newaxis])[:, 0]
+    else:
+        poses = base_poses(log, plan, trajectory)[scans]
+    return compose(compose(poses, log.mounts_at(scans)), np.array(plan.mount))
+
+
+def _poses_of_beams(
+    log: ScanLog, plan: UpdatePlan, trajectory: str | None, scans: NDArray[np.int64], beams: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return the robot's poses (n, b, 3) at the times of the deskewed ``beams`` (n or 1, b) of ``scans`` (n,)."""
+    motion = Motion.of(log, trajectory)
+    first = _shifted(log, plan, trajectory)[scans]
+    poses = motion.along(first[:, np.newaxis] + log.time_increment * beams)
+    if plan.deskew == "auto":
+        sparse = ~_are_dense(log, motion, first)
+        if sparse.any():
+            poses[sparse] = base_poses(log, plan, trajectory)[scans[sparse], np.newaxis]
+    return poses
+
+
+def scan_batches_of_log(
+    log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
+) -> Iterator[ScanBatch]:
+    """Yield the scans [start, stop) of a log, in parts that bound the memory where they are deskewed."""
+    step = max(1, stop - start)
+    if is_deskewed(log, plan, trajectory):
+        step = max(1, _DESKEWED_READINGS // log.n_beams)
+    for first in range(start, stop, step) if start < stop else (start,):
+        yield scan_batch_of_log(log, plan, trajectory, first, min(first + step, stop))
+
+
+def scan_batch_of_log(log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int) -> ScanBatch:
+    """Return the scans [start, stop) of a log with the poses of one of its trajectories and the corrected mount.
+
+    Scans that a time offset moves to before the first or after the last pose say nothing.
+    """
+    ranges = _covered_ranges(log, plan, trajectory, start, stop)
+    if not is_deskewed(log, plan, trajectory):
+        poses = compose(base_poses(log, plan, trajectory)[start:stop], log.mounts_at(slice(start, stop)))
+        return _batch(log, ranges, compose(poses, np.array(plan.mount)), plan, np.arange(start, stop))
+    poses = _poses_of_beams(log, plan, trajectory, np.arange(start, stop), np.arange(log.n_beams)[np.newaxis])
+    turns = np.zeros((log.n_beams, 3))
+    turns[:, 2] = bearings(log, plan)
+    mounts = compose(log.mounts_at(slice(start, stop)), np.array(plan.mount))
+    poses = compose(poses, compose(mounts[..., np.newaxis, :], turns))
+    ahead = np.zeros(1)
+    return ScanBatch(
+        _readings(ranges, plan).reshape(-1, 1),
+        poses.reshape(-1, 3),
+        ahead,
+        cones(ahead, plan.cone.opening),
+        plan.reading_filter.range_min,
+        plan.reading_filter.range_max,
+        np.repeat(np.arange(start, stop), log.n_beams),
     )
+
+
+def scan_batch_of_scan(scan: RangeScan, sensor_pose: NDArray[np.float64], plan: UpdatePlan) -> ScanBatch:
+    """Return one scan, taken at ``sensor_pose`` (3,), ``T_map_laser``, with the corrected mount."""
+    pose = compose(sensor_pose[np.newaxis], np.array(plan.mount))
+    return _batch(scan, scan.ranges[np.newaxis], pose, plan, np.zeros(1, dtype=np.int64))
+
+
+def _batch(
+    sensor: RangeScan | ScanLog,
+    ranges: NDArray[np.float32],
+    poses: NDArray[np.float64],
+    plan: UpdatePlan,
+    numbers: NDArray[np.int64],
+) -> ScanBatch:
+    angles = bearings(sensor, plan)
+    fields = _fields(sensor, angles, plan) if plan.sees_fields else _NO_FIELDS
+    range_min, range_max = plan.reading_filter.range_min, plan.reading_filter.range_max
+    return ScanBatch(_readings(ranges, plan), poses, angles, fields, range_min, range_max, numbers)
+
+
+def _fields(sensor: RangeScan | ScanLog, angles: NDArray[np.float64], plan: UpdatePlan) -> NDArray[np.float64]:
+    """Return the fields (n_beams, 4) of beams at ``angles`` (n_beams,), radians."""
+    if plan.strategy.cone and not plan.per_scan:
+        return cones(angles, plan.cone.opening)
+    widest = plan.cone.opening / 2.0 if plan.strategy.cone else np.pi / 4.0
+    if isinstance(sensor, LaserScan):
+        sign = -1.0 if plan.upside_down else 1.0
+        return _even_fields(sign * sensor.angle_min, sign * sensor.angle_increment, len(angles), widest)
+    return sensor.fields(widest, turned_over=plan.upside_down)
+
+
+@lru_cache(maxsize=32)
+def _even_fields(angle_min: float, angle_increment: float, n_beams: int, widest: float) -> NDArray[np.float64]:
+    """Return :func:`beam_fields`. It is shared by all scans of one kind and must not be modified."""
+    return beam_fields(angle_min, angle_increment, n_beams, widest)
+
+
+def bearings(sensor: RangeScan | ScanLog, plan: UpdatePlan) -> NDArray[np.float64]:
+    """Return the bearings (n_beams,) as the corrected mount has them, radians."""
+    return -sensor.angles if plan.upside_down else sensor.angles
+
+
+def _covered_ranges(
+    log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
+) -> NDArray[np.float32]:
+    """Return the ranges (stop − start, n_beams), NaN in scans whose shifted time the trajectory does not cover."""
+    ranges, covered = log.ranges[start:stop], covered_scans(log, plan, trajectory)[start:stop]
+    return ranges if covered.all() else np.where(covered[:, np.newaxis], ranges, np.float32(np.nan))
+
+
+def _readings(ranges: NDArray[np.float32], plan: UpdatePlan) -> NDArray[np.float32]:
+    """Return the ranges as they are mapped: no return as the greatest range where it is taken for a hit."""
+    if not plan.no_return_is_hit:
+        return ranges
+    # NumPy compares a float32 with a Python float as two float32, hence the float().
+    range_max = plan.reading_filter.range_max
+    greatest = np.float32(range_max)
+    if float(greatest) > range_max:
+        greatest = np.nextafter(greatest, np.float32(0.0))
+    return np.where(ranges > greatest, greatest, ranges)

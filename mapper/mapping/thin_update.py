@@ -21,8 +21,8 @@ from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
-from mapper.mapping.scan_batch import part_of, scan_ends
-from mapper.mapping.update_plan import Turns, UpdatePlan
+from mapper.mapping.scan_batch import scan_ends
+from mapper.mapping.update_plan import Turns, UpdatePlan, part_of
 
 _ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
 #: One map counts the hits and one the misses: in each of them one of the two adds 1 and the other 0.

@@ -24,9 +24,9 @@ from mapper.mapping.kernels.cones import draw_cones
 from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fields
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
 from mapper.mapping.parameters import Statistics
-from mapper.mapping.scan_batch import ScanBatch, part_of
+from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.thin_update import ONE_HIT, ONE_MISS, Draw, count_beams, draw_beam_evidence, draw_in_bands
-from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length
+from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length, part_of
 
 WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
 #: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).

@@ -13,7 +13,6 @@ from mapper.mapping.kernels.bresenham import MAX_STEPS
 from mapper.mapping.kernels.cones import FLAT, GAUSSIAN, RAMP
 from mapper.mapping.kernels.types import Cone, Evidence, LogOddsUpdate, ReadingFilter, Scans
 from mapper.mapping.parameters import MappingConfig, ModelStrategy
-from mapper.mapping.scan_batch import part_of
 from mapper.mapping.sensor_model import BeamModel
 
 
@@ -105,6 +104,17 @@ def check_beam_length(metres: float, resolution: float) -> None:
         raise ConfigError(
             "grid.resolution", f"A beam of {metres:g} m crosses {MAX_STEPS} cells or more; choose coarser ones."
         )
+
+
+def part_of(scans: Scans, start: int, stop: int) -> Scans:
+    """Return the scans [start, stop) as views."""
+    part = slice(start, stop)
+    return scans._replace(
+        ranges=scans.ranges[part],
+        sensors=scans.sensors[part],
+        headings=scans.headings[part],
+        numbers=scans.numbers[part],
+    )
 
 
 Run = tuple[int, int, int]  #: a sensor's number, and its scans [first, stop)

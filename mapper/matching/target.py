@@ -8,10 +8,10 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
+from mapper.core.se2 import check_poses
 from mapper.grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from mapper.matching.beams import scan_rows
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
-from mapper.sensors.timed_poses import check_poses
 
 FEWEST_POINTS = 3
 MOST_MAP_POINTS = 5_000  #: occupied cells of a map beyond which only each n-th is taken

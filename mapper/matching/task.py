@@ -9,6 +9,7 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError, LimitError
+from mapper.core.se2 import check_poses
 from mapper.grid import GridGeometry
 from mapper.matching.fields import gaussian_stamps
 from mapper.matching.kernels.correlative import Window
@@ -16,7 +17,6 @@ from mapper.matching.kernels.score_field import add_scan
 from mapper.matching.kernels.types import LINE, POINTS, Iterations, PairRule, ScanArrays
 from mapper.matching.parameters import WEIGHTS, MatchConfig
 from mapper.matching.target import Target, check_points
-from mapper.sensors.timed_poses import check_poses
 
 MOST_BLOCKS = 1 << 24  #: of a window that is searched: 64 MB of bounds
 TOP_LEVEL = 3  #: blocks of 8 × 8 cells are bounded first

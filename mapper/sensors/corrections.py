@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from mapper.core.se2 import compose
 from mapper.sensors.joint_log import JointLog, each_part
-from mapper.sensors.motion import Motion, offset_along, seconds
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 
@@ -44,7 +44,7 @@ def corrected_log(
 
 def _shifted(log: ScanLog, name: str, time_offset: float) -> Trajectory:
     one = log.trajectory(name)
-    offset = offset_along(log, name, time_offset)
+    offset = one.offset_of_stamps(time_offset)
     if offset == 0.0 or not log.n_scans or one.is_placeholder:
         return one
     poses = Motion.of(log, name).at(seconds(log) + offset)

@@ -142,6 +142,10 @@ class JointLog(ScanLog):
         part = self.parts[int(self.part_of_scan[index])]
         return part.mount_of(int(self.scan_of_part[index]))
 
+    def can_deskew(self, trajectory: str | None = None) -> bool:
+        """Return whether the beams of a scan of any sensor were measured at known times, as its own log does."""
+        return any(part.can_deskew(trajectory) for part in self.parts)
+
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3), each of its own sensor."""
         poses = np.empty((self.n_scans, 3))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.sensors.joint_log import JointLog, each_part
-from mapper.sensors.scan import MAX_STATED_S, ScanLog
+from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses, number_before, poses_at, poses_between
 
 Float64Array = NDArray[np.float64]
@@ -68,31 +68,9 @@ class Motion:
         return np.asarray(inside & (self.times[high] - self.times[low] <= DENSE_S))
 
 
-def offset_along(log: ScanLog, trajectory: str | None, time_offset: float) -> float:
-    """Return the seconds that are added to the scans' stamps to find their poses along a trajectory.
-
-    That is ``time_offset``, but 0 for poses that were found from the scans. Raises :class:`ConfigError` for a
-    trajectory that the log lacks.
-    """
-    return 0.0 if log.trajectory(trajectory).from_scans else time_offset
-
-
 def seconds(log: ScanLog) -> Float64Array:
     """Return the stamps of the scans (n_scans,) in seconds."""
     return log.stamps_ns.astype(np.float64) * 1e-9
-
-
-def can_deskew(log: ScanLog, trajectory: str | None = None) -> bool:
-    """Return whether the beams of a scan were measured at times that are known, while the robot's poses are.
-
-    Of several sensors, whether those of any were.
-    """
-    if isinstance(log, JointLog):
-        return any(can_deskew(part, trajectory) for part in log.parts)
-    stated = 0.0 < abs(log.time_increment) <= MAX_STATED_S
-    if not stated or log.n_beams < 2 or log.trajectory(trajectory).is_placeholder:
-        return False
-    return bool((log.stamps_ns != log.stamps_ns[:1]).any())
 
 
 def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset: float = 0.0) -> ScanLog:
@@ -107,9 +85,9 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
     if isinstance(log, JointLog):
         return each_part(log, lambda part: at_middle_of_sweep(part, name, time_offset))
     way = log.trajectory(name)
-    time_offset = offset_along(log, name, time_offset)
+    time_offset = way.offset_of_stamps(time_offset)
     times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges
-    if can_deskew(log, name):
+    if log.can_deskew(name):
         sweep = (log.n_beams - 1) * log.time_increment
     if log.n_scans and (sweep or time_offset):
         motion = Motion.of(log, name)

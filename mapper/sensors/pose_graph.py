@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.sensors.timed_poses import check_poses
+from mapper.core.se2 import check_poses
 
 ODOMETRY, LOOP = 0, 1  #: kinds of edges: between nodes that follow one another, and between others
 #: Residuals from which a loop is strained, and from which it contradicts the rest; standard deviations.

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.core.se2 import compose
+from mapper.core.se2 import check_poses, compose
 from mapper.sensors.beam_fields import beam_fields, uneven_fields
 from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offset_of
-from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
@@ -176,6 +176,13 @@ class Trajectory:
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
         check_poses(self.poses, (len(self.poses), 3))
+
+    def offset_of_stamps(self, time_offset: float) -> float:
+        """Return the seconds that are added to the scans' stamps to find their poses: ``time_offset``, or 0.
+
+        It is 0 for poses that were found from the scans.
+        """
+        return 0.0 if self.from_scans else time_offset
 
 
 def georeferenced(
@@ -358,6 +365,16 @@ class ScanLog:
                 f"The log has no trajectory {key!r:.80}; it has {', '.join(map(repr, self.trajectories))}.",
             )
         return self.trajectories[key]
+
+    def can_deskew(self, trajectory: str | None = None) -> bool:
+        """Return whether the beams of a scan were measured at times that are known, while the robot's poses are.
+
+        Of several sensors, whether those of any were.
+        """
+        stated = 0.0 < abs(self.time_increment) <= MAX_STATED_S
+        if not stated or self.n_beams < 2 or self.trajectory(trajectory).is_placeholder:
+            return False
+        return bool((self.stamps_ns != self.stamps_ns[:1]).any())
 
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""

@@ -8,26 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.core.se2 import interpolate
+from mapper.core.se2 import check_poses, interpolate
 from mapper.sensors.georeference import NO_OFFSET, Offset
 
 Times = NDArray[np.int64] | NDArray[np.float64]
-
-
-def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
-    """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
-    if poses.shape != shape:
-        raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
-    finite = np.isfinite(poses)
-    if not finite.all():
-        bad = ~finite.all(axis=-1)
-        raise ConfigError(
-            "scan.pose",
-            f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",
-        )
-    if np.any(np.abs(poses[..., :2]) > limits.max_pose):
-        raise ConfigError("scan.pose_far", f"A pose is more than {limits.max_pose:g} m from the origin.")
 
 
 def poses_at(times: Times, poses: NDArray[np.float64], wanted: Times) -> NDArray[np.float64]:

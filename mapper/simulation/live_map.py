@@ -130,10 +130,17 @@ class LiveMap:
         return OccupancyGrid(geometry, config.log_odds_prior)
 
     def logs(self, faults: Faults | None = None) -> list[ScanLog]:
-        """Readings of the sensors so far, one log for each kind of sensor; None for the present faults."""
+        """Readings of the sensors so far, one log for each kind of sensor; None for the present faults.
+
+        With None, and with faults that correct poses, they have the corrected poses, if those of all scans are known.
+        """
+        is_corrected = faults is None or faults.corrects_poses
         faults = faults or self.faults
         return [
-            recording.as_log(specular=faults.specular, corrected=self.pose_correction.poses_of(recording))
+            recording.as_log(
+                specular=faults.specular,
+                corrected=self.pose_correction.poses_of(recording) if is_corrected else None,
+            )
             for recording in self.recordings
             if len(recording)
         ]

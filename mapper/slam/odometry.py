@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, interpolate, inverse
 from mapper.sensors.joint_log import part_of_scan, sensors_of
-from mapper.sensors.motion import Motion, can_deskew, seconds
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 
@@ -80,7 +80,7 @@ def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
     """
     out = np.zeros((log.n_scans, 3))
     for number, part in enumerate(sensors_of(log)):
-        if can_deskew(part, name):
+        if part.can_deskew(name):
             times, sweep = seconds(part), (part.n_beams - 1) * part.time_increment
             way = Motion.of(part, name)
             moved = compose(inverse(way.at(times)), way.at(times + sweep))

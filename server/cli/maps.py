@@ -194,7 +194,7 @@ def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, lis
 
 def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
-    from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
+    from mapper.mapping.scan_batch import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
     from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
     from mapper.sensors.joint_log import sensors_of  # noqa: PLC0415 - start-up
 

@@ -374,7 +374,6 @@ SHARED: dict[str, tuple[str, ...]] = {
         "unexplained readings",
     ),
     "mapper.mapping.integrate": ("scan by scan",),
-    "mapper.mapping.prepare_scans": ("scan by scan",),
     "mapper.mapping.scan_batch": ("scan by scan",),
     "mapper.mapping.sensor_model": _MODELS,  # tests/mapper/mapping compares the models with their formulas
     "mapper.mapping.update_plan": ("scan by scan",),

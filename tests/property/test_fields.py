@@ -13,7 +13,7 @@ from mapper.mapping import update as fields
 from mapper.mapping.integrate import integrate_log
 from mapper.mapping.kernels.bitmask_fill import HITS
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import scan_batch_of_log
+from mapper.mapping.scan_batch import scan_batch_of_log
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, Trajectory
 

@@ -28,7 +28,7 @@ from mapper.io.logs import open_log
 from mapper.io.logs.text.carmen_beams import front_laser_beams
 from mapper.io.trajectories import with_trajectory
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.prepare_scans import is_deskewed
+from mapper.mapping.scan_batch import is_deskewed
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
