@@ -1,6 +1,5 @@
 import "../style/index.css";
 import "./logs/library/library.css";
-import "./logs/library/finder.css";
 import "./fleet/fleet.css";
 import { render } from "preact";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";

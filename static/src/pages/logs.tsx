@@ -1,7 +1,6 @@
 import "../style/index.css";
 import "./logs/library/library.css";
 import "./logs/library/card.css";
-import "./logs/library/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";

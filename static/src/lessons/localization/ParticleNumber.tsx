@@ -5,8 +5,7 @@ import { linePath } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
-import { BINS, occupiedBins } from "./corridor";
-import { corridor } from "./corridorState";
+import { BINS, corridor, occupiedBins } from "./corridor";
 import "./localization.css";
 
 const HEIGHT = 230;

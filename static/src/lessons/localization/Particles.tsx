@@ -10,7 +10,9 @@ import { Plot } from "../common/Plot";
 import type { StageTransform } from "../common/Stage";
 import {
   belief,
+  COUNT,
   centre,
+  corridor,
   DOOR_WIDTH,
   DOORS,
   DRIVEN,
@@ -23,7 +25,6 @@ import {
   start,
   weights,
 } from "./corridor";
-import { COUNT, corridor } from "./corridorState";
 import "../../render/chart/chart.css";
 import "./localization.css";
 import { Wheel } from "./Wheel";

@@ -5,6 +5,7 @@
  * particles. Metres along the corridor.
  */
 
+import { signal } from "@preact/signals";
 import { independentSampler, lowVarianceSampler, normalized } from "../../grid/particleFilter";
 import { normal, seeded } from "../../grid/random";
 
@@ -128,3 +129,8 @@ function moved(prior: Float64Array, by: number): Float64Array {
   });
   return normalized(out);
 }
+
+/** How many particles it begins with. */
+export const COUNT = 24;
+/** The filter of the corridor, which two figures of the section show. */
+export const corridor = signal<Filter>(start(COUNT));

@@ -1,3 +1,4 @@
+import { useSignal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -5,8 +6,10 @@ import { Icon } from "../../ui/Icon";
 import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
-import { FleetCard } from "./FleetCard";
-import { FleetStart } from "./FleetStart";
+import { ask } from "../../wire/ask";
+import { run } from "../logs/library/describeLog";
+import { LogPicture } from "../logs/library/LogPicture";
+import type { LogRecord } from "../logs/library/library";
 import {
   type Counts,
   chosen,
@@ -14,6 +17,9 @@ import {
   counts,
   DRIFTS,
   EVERY,
+  type Facts,
+  type Finding,
+  type FleetLog,
   firstFindings,
   fleetError,
   fleetLogs,
@@ -31,6 +37,150 @@ import {
   watchFleet,
   workers,
 } from "./fleetLogs";
+
+const SAMPLE = "sample-office";
+/** Time between two questions whether the sample was made. */
+const AGAIN_MS = 1000;
+
+/** What stands here while there are no logs: what the page does, and the sample as an example of its cards. */
+function FleetStart() {
+  return (
+    <section class="fleet-start" aria-label="Without logs">
+      <div class="fleet-start-text">
+        <p>
+          <strong>There are no logs with scans here yet.</strong> Once there are, one press maps all of them, and each
+          gets a card with
+        </p>
+        <ul>
+          <li>its map, its number of scans and the size of the map,</li>
+          <li>the drift in metres and the sharpness of the map, by which the cards can be ordered,</li>
+          <li>what the doctor found in it, or why it could not be read.</li>
+        </ul>
+        <div class="actions">
+          <Button kind="primary" icon="upload" href="/logs.html">
+            Add logs
+          </Button>
+        </div>
+        <p class="quiet">
+          A folder of this machine: <code>gridbloom serve --logs-dir FOLDER</code>. Without pages:{" "}
+          <code>gridbloom fleet LOGS --out FOLDER</code>.
+        </p>
+      </div>
+      <Example />
+    </section>
+  );
+}
+
+function Example() {
+  const sample = useSignal<LogRecord | null>(null);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let isGone = false;
+    const look = async (): Promise<void> => {
+      // without an answer the page says so above
+      sample.value = await ask("GET /api/logs/{log_id}", { log_id: SAMPLE }).catch(() => null);
+      if (!isGone && !sample.value?.has_picture) timer = setTimeout(() => void look(), AGAIN_MS);
+    };
+    void look();
+    return () => {
+      isGone = true;
+      clearTimeout(timer);
+    };
+  }, []);
+  const log = sample.value;
+  return (
+    <div class="fleet-example">
+      <p class="quiet">An example</p>
+      <div class="card fleet-card">
+        <LogPicture
+          id={SAMPLE}
+          hasPicture={log?.has_picture ?? false}
+          isAwaited={!log?.has_picture}
+          alt="Map of the sample"
+        />
+        <h2>
+          <a href={`/logs.html?log=${SAMPLE}`}>{log?.name ?? "Sample"}</a>
+        </h2>
+        <p class="quiet number">{log ? run(log).join(", ") : ""}</p>
+      </div>
+    </div>
+  );
+}
+
+const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;
+
+/** One log: its map, or why there is none. */
+function FleetCard({ log }: { log: FleetLog }) {
+  return (
+    <li class={`card fleet-card ${log.state}`}>
+      {log.state === "failed" ? null : <Picture log={log} />}
+      <h2>
+        <a href={`/logs.html?log=${encodeURIComponent(log.id)}`}>{log.name}</a>
+      </h2>
+      {log.facts ? <About facts={log.facts} /> : <State log={log} />}
+    </li>
+  );
+}
+
+function Picture({ log }: { log: FleetLog }) {
+  return (
+    <LogPicture id={log.id} hasPicture={log.facts?.picture ?? false} isAwaited={false} alt={`Map of ${log.name}`}>
+      {log.state === "running" && (
+        <ProgressBar fraction={log.fraction > 0 ? log.fraction : null} label={`Mapping ${log.name}`} />
+      )}
+    </LogPicture>
+  );
+}
+
+function About({ facts }: { facts: Facts }) {
+  const { rows, cols, resolution, findings } = facts;
+  const [first, ...others] = findings;
+  return (
+    <>
+      <p class="quiet number">
+        <strong>{facts.drift_m === null ? "Drift not measured" : `Drift ${facts.drift_m.toFixed(2)} m`}</strong>
+        {facts.contrast !== null && (
+          <>
+            , <span class="fleet-measure">sharpness {facts.contrast.toFixed(2)}</span>
+          </>
+        )}
+      </p>
+      <p class="quiet number">
+        {facts.scans.toLocaleString("en")} scans, {metres(cols, resolution)} × {metres(rows, resolution)} m
+      </p>
+      {first ? (
+        <details>
+          <summary>
+            <span class="fleet-finding">{sentenceOf(first)}</span>
+            {others.length > 0 && <span class="quiet">and {others.length} more</span>}
+          </summary>
+          <ul>
+            {others.map((other) => (
+              <li key={other.check + other.sentence}>{sentenceOf(other)}</li>
+            ))}
+          </ul>
+        </details>
+      ) : (
+        <p class="quiet">No findings</p>
+      )}
+    </>
+  );
+}
+
+const sentenceOf = ({ possible, sentence }: Finding): string => (possible ? `Possibly: ${sentence}` : sentence);
+
+const STATES = { none: "Not mapped yet", queued: "Waiting", running: "Being mapped", done: "", failed: "" } as const;
+
+function State({ log }: { log: FleetLog }) {
+  if (log.error) {
+    return (
+      <p class="card-error">
+        <Icon name="warning" /> <span>{log.error.message}</span>
+      </p>
+    );
+  }
+  return <p class="quiet">{STATES[log.state]}</p>;
+}
 
 /** Cards that are shown at first, and with each press of "Show more". */
 const PAGE = 120;

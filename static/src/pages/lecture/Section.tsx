@@ -1,8 +1,12 @@
-import { useSignal } from "@preact/signals";
+import { computed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
+import { type LaterId, later } from "../../lessons/stage/later";
+import { SCENES, type SceneId } from "../../lessons/stage/scenes";
+import { WorldStage } from "../../lessons/stage/WorldStage";
 import { printing } from "../../ui/browser/theme";
 import { awaitFigure } from "./awaitedFigures";
+import { LESSONS, type LessonId } from "./lessons";
 import { SlideQuestion } from "./present/SlideQuestion";
 import { place, presenting, shownOf, stage } from "./present/state";
 import { useFittedFigure } from "./present/useFittedFigure";
@@ -121,4 +125,45 @@ export function Section({ id, number, title, figure, children, after, predict, s
       )}
     </section>
   );
+}
+
+/** "section 4", as a link to it: the number is that of the section's place now. */
+export function SectionLink({ to, capital = false }: { readonly to: LessonId; readonly capital?: boolean }) {
+  const number = LESSONS.findIndex(({ id }) => id === to) + 1;
+  return (
+    <a href={`#${to}`}>
+      {capital ? "Section" : "section"} {number}
+    </a>
+  );
+}
+
+interface OnStageProps {
+  readonly scene: SceneId;
+  /** Description for screen readers. */
+  readonly label: string;
+  /** Controls of the scene, and what it says in numbers. */
+  readonly children?: ComponentChildren;
+}
+
+/** A figure whose picture is the stage; on a slide and in print, where no stage is, it contains the picture. */
+export function OnStage({ scene, label, children }: OnStageProps) {
+  const now = useMemo(() => computed(() => SCENES[scene]()), [scene]);
+  return (
+    <figure class="on-stage" aria-label={label}>
+      {(presenting.value || printing.value) && <WorldStage scene={now} still={printing.value} />}
+      <div class="on-stage-controls">{children}</div>
+    </figure>
+  );
+}
+
+/** The figure of a section whose code is fetched after the first ones; empty on a slide until then. */
+export function LaterFigure({ id }: { readonly id: LaterId }) {
+  const Figure = later.value?.[id].figure;
+  return Figure ? <Figure /> : <figure aria-busy="true" />;
+}
+
+/** The figure in the text after the figure of such a section. */
+export function LaterMore({ id }: { readonly id: LaterId }) {
+  const More = later.value?.[id].more;
+  return <div class="lesson-more">{More && <More />}</div>;
 }

@@ -1,8 +1,44 @@
-/** Buttons that begin and end the costmap. */
+/** The beginning and the end of the costmap: by a group that shows it, and by buttons. */
 
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { PLAN, SPEED_LIMITS } from "./paint";
 import { costmapOf } from "./state";
+
+/**
+ * Begin the costmap of a session, unless the user has ended it; receive the path and what is laid over the belief, and
+ * give the user the tools of the map while a group shows them.
+ */
+export function useCostmap(store: Store): void {
+  const { layers } = store;
+  const state = costmapOf(store);
+  const isOn = state.costmap.value?.is_on === true;
+  const isEnded = state.isEnded.value;
+  const over = state.over.value;
+  // A reference map may have speed limits of its own.
+  const isGiven = state.values.values.value.map === "given";
+  const isLimited = isGiven || state.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
+  useEffect(() => {
+    if (!isOn && !isEnded && state.costmap.peek()) store.send({ type: "costmap" });
+  }, [store, isOn, isEnded, state.costmap.value === null]);
+  useEffect(() => (isOn ? layers.subscribe(PLAN) : undefined), [store, isOn]);
+  useEffect(() => (isOn && over ? layers.subscribe(over) : undefined), [store, isOn, over]);
+  useEffect(() => (isOn && isLimited ? layers.subscribe(SPEED_LIMITS) : undefined), [store, isOn, isLimited]);
+  useEffect(() => {
+    state.over.value ??= "costmap";
+    state.tool.value = state.lastTool.peek();
+    return () => {
+      state.tool.value = null;
+    };
+  }, [store]);
+}
+
+/** The rows of the parameters of these names, in this order. */
+export function useRows(store: Store, names: readonly string[]) {
+  const table = store.hello.value?.tables.costmap;
+  return useMemo(() => names.flatMap((name) => table?.filter((row) => row.name === name) ?? []), [table, names]);
+}
 
 /** A button that begins the costmap after the user has ended it. */
 export function Begin({ store }: { readonly store: Store }) {

@@ -9,13 +9,12 @@ import { Button } from "../../ui/Button";
 import { saveAs } from "../../ui/files/saveAs";
 import type { Range } from "../../ui/numbers";
 import { ParameterRows } from "../parameters/ParameterRows";
-import { Begin, End } from "./BeginEnd";
+import { Begin, End, useCostmap, useRows } from "./BeginEnd";
 import { CostFiles } from "./CostFiles";
 import { Outline } from "./Outline";
 import { Sheets } from "./Sheets";
 import { costmapOf } from "./state";
 import { OverChoice } from "./Tools";
-import { useCostmap, useRows } from "./useCostmap";
 import { WhyCost } from "./WhyCost";
 import "./costmap.css";
 

@@ -6,7 +6,7 @@ import { type Cell, cellAt, centreOf } from "../../grid/lattice";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/browser/reducedMotion";
-import { useWidth } from "../../ui/browser/useWidth";
+import { useWidth } from "../../ui/browser/useSize";
 import { zoomOf } from "../../ui/browser/zoom";
 import { Slider } from "../../ui/Slider";
 import type { Geometry, Point } from "../../wire/protocol";

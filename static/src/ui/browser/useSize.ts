@@ -1,4 +1,4 @@
-import { type ReadonlySignal, useSignal } from "@preact/signals";
+import { type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useLayoutEffect } from "preact/hooks";
 
@@ -26,4 +26,10 @@ export function useSize(element: RefObject<Element | null>, width: number): Read
     return () => observer.disconnect();
   }, [element, size]);
   return size;
+}
+
+/** The content width of an element in whole pixels, known before its first paint; `first` until it has one. */
+export function useWidth(element: RefObject<Element | null>, first: number): ReadonlySignal<number> {
+  const size = useSize(element, first);
+  return useComputed(() => size.value.width);
 }

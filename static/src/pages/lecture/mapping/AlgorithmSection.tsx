@@ -3,9 +3,7 @@ import { Program } from "../../../lessons/program/Program";
 import { algorithmView } from "../../../lessons/stage/controls";
 import { Table91 } from "../../../lessons/table91/Table91";
 import { Choice } from "../../../ui/Choice";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
 const VIEWS = [
   { value: "table", label: "table 9.1" },

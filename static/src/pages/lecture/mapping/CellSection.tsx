@@ -7,8 +7,7 @@ import { cellParameters, numbersOf, setParameter } from "../../../lessons/common
 import { DragNumber } from "../../../ui/DragNumber";
 import { signed, written } from "../../../ui/numbers";
 import { Sub } from "../formulas";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 /** The cell has no reading at first: the text and the slide ask about four hits. */
 const events = signal<readonly CellEvent[]>([]);

@@ -4,8 +4,7 @@ import { Digits } from "../../../lessons/digits/Digits";
 import { type Readings, run, saturatedAt } from "../../../lessons/digits/model";
 import { DragNumber } from "../../../ui/DragNumber";
 import { written } from "../../../ui/numbers";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
 

@@ -1,6 +1,5 @@
 import { Endpoint } from "../../../lessons/endpoint/Endpoint";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { OnStage, Section, type SectionHead } from "../Section";
 
 export function EndpointSection({ id, number, title }: SectionHead) {
   return (

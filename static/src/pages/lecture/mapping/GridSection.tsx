@@ -3,8 +3,7 @@ import { Independence } from "../../../lessons/independence/Independence";
 import type { SensorParameters } from "../../../lessons/independence/model";
 import { DragNumber } from "../../../ui/DragNumber";
 import { BayesRule, MapProduct } from "../formulas";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 const sensor = signal<SensorParameters>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
 

@@ -1,7 +1,6 @@
 import { mapKind } from "../../../lessons/stage/controls";
 import { Choice } from "../../../ui/Choice";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { OnStage, Section, type SectionHead } from "../Section";
 
 const KINDS = [
   { value: "corners", label: "landmarks" },

@@ -7,8 +7,7 @@ import { Profile } from "../../../tools/profile/Profile";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
 import { signed, written } from "../../../ui/numbers";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { OnStage, Section, type SectionHead } from "../Section";
 
 /** Each model in one sentence. */
 const DESCRIPTIONS: Readonly<Record<string, string>> = {

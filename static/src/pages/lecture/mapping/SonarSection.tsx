@@ -2,8 +2,7 @@ import { signal } from "@preact/signals";
 import type { SonarSettings } from "../../../lessons/sonar/model";
 import { Sonar } from "../../../lessons/sonar/Sonar";
 import { DragNumber } from "../../../ui/DragNumber";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 const DEGREE = Math.PI / 180;
 const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });

@@ -3,8 +3,7 @@ import { Button } from "../../../ui/Button";
 import { DragNumber } from "../../../ui/DragNumber";
 import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { OnStage, Section, type SectionHead } from "../Section";
 
 const PRESETS = [
   { name: "broken", noise: 0.05, window: 0 },

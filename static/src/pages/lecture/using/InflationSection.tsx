@@ -1,6 +1,4 @@
-import { LaterFigure } from "../LaterFigure";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { LaterFigure, OnStage, Section, type SectionHead } from "../Section";
 
 export function InflationSection({ id, number, title }: SectionHead) {
   return (

@@ -1,7 +1,5 @@
 import { Prediction } from "../../../lessons/common/Prediction";
-import { LaterFigure } from "../LaterFigure";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
+import { LaterFigure, OnStage, Section, type SectionHead } from "../Section";
 
 export function KidnappingSection({ id, number, title }: SectionHead) {
   return (

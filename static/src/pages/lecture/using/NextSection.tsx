@@ -1,7 +1,5 @@
 import { Button } from "../../../ui/Button";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 import { SOURCES } from "../sources";
 
 export function NextSection({ id, number, title }: SectionHead) {

@@ -1,7 +1,4 @@
-import { LaterFigure } from "../LaterFigure";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { LaterFigure, OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
 export function OctreeSection({ id, number, title }: SectionHead) {
   return (

@@ -1,7 +1,5 @@
 import { KldNumber } from "../formulas";
-import { LaterFigure, LaterMore } from "../LaterFigure";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { LaterFigure, LaterMore, Section, type SectionHead, SectionLink } from "../Section";
 
 export function ParticlesSection({ id, number, title }: SectionHead) {
   return (

@@ -1,6 +1,4 @@
-import { LaterFigure } from "../LaterFigure";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { LaterFigure, Section, type SectionHead, SectionLink } from "../Section";
 
 export function SensorModelsSection({ id, number, title }: SectionHead) {
   return (

@@ -5,9 +5,7 @@ import { peopleOn, peopleScans, polishedOn } from "../../../lessons/stage/contro
 import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { ToggleOf } from "../../../ui/Toggle";
-import { OnStage } from "../OnStage";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
 export function PolishedSection({ id, number, title }: SectionHead) {
   return (

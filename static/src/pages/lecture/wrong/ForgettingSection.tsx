@@ -6,8 +6,7 @@ import { scansAfter } from "../../../lessons/stage/controls";
 import { DragNumber } from "../../../ui/DragNumber";
 import { bound, signed } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 const seen = signal(40);
 const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });

@@ -6,8 +6,7 @@ import { driftError } from "../../../lessons/stage/controls";
 import { DragNumber } from "../../../ui/DragNumber";
 import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
-import { Section, type SectionHead } from "../Section";
-import { SectionLink } from "../SectionLink";
+import { Section, type SectionHead, SectionLink } from "../Section";
 
 const noise = signal(USUAL);
 const DEGREE = Math.PI / 180;

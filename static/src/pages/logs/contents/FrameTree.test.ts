@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { FrameEdgeAnswer } from "../../../wire/http";
-import { ageLabel, rateLabel } from "./contents";
 import { isLate, placedFrames, unjoinedFrames } from "./FrameTree";
+import { ageLabel, rateLabel } from "./labels";
 
 const edge = (parent: string, child: string, more: Partial<FrameEdgeAnswer> = {}): FrameEdgeAnswer => ({
   parent,

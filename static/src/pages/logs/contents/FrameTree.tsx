@@ -9,8 +9,8 @@ import { SelectField } from "../../../ui/Select";
 import { addressOf, answerAt, ask } from "../../../wire/ask";
 import type { FrameEdgeAnswer, FramesAnswer, SeriesAnswer, TopicFieldsAnswer } from "../../../wire/http";
 import { useFieldNames } from "../fields/useFields";
-import { ageLabel, rateLabel } from "./contents";
 import { Plot } from "./LazyPlot";
+import { ageLabel, rateLabel } from "./labels";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
 

@@ -7,11 +7,11 @@ import "uplot/dist/uPlot.min.css";
 import { shownStart } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
-import { useWidth } from "../../../ui/browser/useWidth";
+import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { Plotted } from "../fields/fields";
-import { selectedTimes } from "../time/selectedTimes";
+import { selectedTimes } from "../time/scanTimes";
 import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
 import {

@@ -7,7 +7,7 @@ import type { LogInfo } from "../../../wire/protocol";
 import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
-import { rateLabel } from "./contents";
+import { rateLabel } from "./labels";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
 

@@ -1,5 +1,5 @@
-import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { computed, useSignal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../../render/picture/Picture";
 import type { SharedView } from "../../../render/view";
 import type { Store } from "../../../store/store";
@@ -8,6 +8,7 @@ import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
+import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
 import { SessionEnded } from "../../SessionEnded";
@@ -18,10 +19,81 @@ import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/shared
 import { Transport } from "../Transport";
 import { ViewerFrame } from "../ViewerFrame";
 import { fragmentOf, viewOf } from "./address";
-import { CostReadout } from "./CostReadout";
-import { MEANINGS } from "./meanings";
+import "../../../tools/readout/readout.css";
 import "../../../tools/costmap/costmap.css";
 import "./costmaps.css";
+
+/** What the costs of Nav2's costmaps mean. Source: nav2_costmap_2d, cost_values.hpp. */
+interface Meaning {
+  /** The background that shows its colour on the map. */
+  readonly token: string;
+  readonly costs: string;
+  readonly text: string;
+}
+
+const MEANINGS: readonly Meaning[] = [
+  { token: "var(--map-free)", costs: "0", text: "free" },
+  {
+    token: "linear-gradient(90deg, var(--cost-low), var(--cost-high))",
+    costs: "1 … 252",
+    text: "near an obstacle",
+  },
+  { token: "var(--cost-inscribed)", costs: "253", text: "inscribed: the robot touches an obstacle" },
+  { token: "var(--cost-lethal)", costs: "254", text: "lethal: an obstacle" },
+  { token: "var(--map-unobserved)", costs: "255", text: "no information" },
+];
+
+/** The cost of a cell's byte on the wire: byte 0 is no information, bytes 1 … 255 are 0 … 254. */
+const costOf = (byte: number): number => (byte === 0 ? 255 : byte - 1);
+
+/** A cost in words. */
+function meaningOf(cost: number): string {
+  if (cost === 0) return "free";
+  if (cost <= 252) return "near an obstacle";
+  return { 253: "inscribed", 254: "lethal" }[cost] ?? "no information";
+}
+
+/** The cost of the inspected cell, as text of constant layout and for screen readers. */
+function CostReadout({ store }: { readonly store: Store }) {
+  const reading = useMemo(
+    () =>
+      computed(() => {
+        const map = store.map.value;
+        const cell = store.cell.value;
+        void store.mapVersion.value;
+        if (!map || !cell) return null;
+        const cost = costOf(map.cells.at(cell.row, cell.col));
+        return { row: cell.row, col: cell.col, cost, text: meaningOf(cost) };
+      }),
+    [store],
+  );
+  const now = reading.value;
+  return (
+    <div class="readout">
+      <dl>
+        <div>
+          <dt>row</dt>
+          <dd class="number">{now?.row ?? "–"}</dd>
+        </div>
+        <div>
+          <dt>col</dt>
+          <dd class="number">{now?.col ?? "–"}</dd>
+        </div>
+        <div>
+          <dt>cost</dt>
+          <dd class="number" data-cost={now?.cost}>
+            {now?.cost ?? "–"}
+          </dd>
+        </div>
+        <div class="readout-last">
+          <dt class="visually-hidden">meaning</dt>
+          <dd class="readout-state">{now?.text ?? "point at a cell"}</dd>
+        </div>
+      </dl>
+      <LiveRegion text={now ? `Row ${now.row}, column ${now.col}: cost ${now.cost}, ${now.text}` : ""} />
+    </div>
+  );
+}
 
 const TEXT =
   "A link opens this costmap of the recording, with the visible part of it. Everyone who opens it gets a session of " +

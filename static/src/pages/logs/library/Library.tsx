@@ -1,16 +1,143 @@
-import { useSignalEffect } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import { toastFailure } from "../../../ui/browser/attempts";
 import { Dropzone } from "../../../ui/files/Dropzone";
 import { Icon } from "../../../ui/Icon";
 import { ProgressBar } from "../../../ui/ProgressBar";
-import { Examples } from "./Examples";
-import { Finder, isFiltered } from "./Finder";
+import { Select } from "../../../ui/Select";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
-import { arrived, isMoving, type LogRecord, listError, logs, PAGE, total, wanted, watch } from "./library";
+import {
+  allTags,
+  arrived,
+  EVERYTHING,
+  type ExampleName,
+  isMoving,
+  type LogRecord,
+  listError,
+  logs,
+  ORDERS,
+  openExample,
+  PAGE,
+  total,
+  type Wanted,
+  wanted,
+  watch,
+} from "./library";
 import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
 import { uploadText } from "./uploadText";
+
+/** Number of logs from which on they are searched and sorted. */
+const MANY = 7;
+/** Delay from a key to the search. */
+const SETTLE_MS = 200;
+
+const isFiltered = (): boolean => wanted.value.words !== "" || wanted.value.tags.length > 0;
+
+const choose = (change: Partial<Wanted>): void => {
+  wanted.value = { ...wanted.peek(), limit: PAGE, ...change };
+};
+
+/** Search, order and tags; nothing while there are few logs. */
+function Finder() {
+  const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
+  const tags = Object.entries(allTags.value);
+  const now = wanted.value;
+  const isAsIs = now === EVERYTHING || (!isFiltered() && now.order === "newest");
+  if (logs.value === null || (total.value < MANY && tags.length === 0 && isAsIs)) return null;
+  return (
+    <search class="finder">
+      <input
+        class="field-text finder-words"
+        type="search"
+        placeholder="Search name, format, topic, tag"
+        aria-label="Search logs"
+        defaultValue={now.words}
+        onInput={(event) => {
+          const words = event.currentTarget.value.trim();
+          clearTimeout(timer.current);
+          timer.current = setTimeout(() => choose({ words }), SETTLE_MS);
+        }}
+      />
+      <Select
+        class="finder-order"
+        label="Order"
+        value={now.order}
+        options={ORDERS}
+        onChange={(order) => choose({ order: order as Wanted["order"] })}
+      />
+      {tags.map(([tag, count]) => {
+        const isOn = now.tags.includes(tag);
+        return (
+          <button
+            key={tag}
+            type="button"
+            class="tag"
+            aria-pressed={isOn}
+            onClick={() => choose({ tags: isOn ? now.tags.filter((one) => one !== tag) : [...now.tags, tag] })}
+          >
+            {tag} <span class="number">{count}</span>
+          </button>
+        );
+      })}
+      <span class="visually-hidden" role="status">
+        {isFiltered() ? `${total.value} logs found` : ""}
+      </span>
+    </search>
+  );
+}
+
+interface Example {
+  readonly name: ExampleName;
+  readonly title: string;
+  /** What to try with it. */
+  readonly hint: string;
+}
+
+const EXAMPLES: readonly Example[] = [
+  {
+    name: "drift",
+    title: "Poses that drift",
+    hint: "Walls appear twice because the wheels slip a little. Press Heal: SLAM corrects the poses; then compare both maps.",
+  },
+  {
+    name: "mount",
+    title: "A wrong mount",
+    hint: "The lidar is turned in its mount, by how much is not stated. The findings name it, with a button that corrects it.",
+  },
+  {
+    name: "camera",
+    title: "Camera and 3D lidar",
+    hint: "Choose the layout Map and camera. The button Open in 3D on its card makes voxels: clip them to a box, click one.",
+  },
+];
+
+/** Logs of the simulator for a visitor who has none. */
+function Examples() {
+  const making = useSignal<ExampleName | null>(null);
+  const begin = async (name: ExampleName): Promise<void> => {
+    making.value = name;
+    await toastFailure(() => openExample(name));
+    making.value = null;
+  };
+  return (
+    <section class="shelf">
+      <h2>No log at hand?</h2>
+      <ul class="cards">
+        {EXAMPLES.map(({ name, title, hint }) => (
+          <li key={name} class="card example-card">
+            <h3>{title}</h3>
+            <p>{hint}</p>
+            <Button disabled={making.value !== null} onClick={() => void begin(name)}>
+              {making.value === name ? "Simulating …" : `Open: ${title.charAt(0).toLowerCase()}${title.slice(1)}`}
+            </Button>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
 
 /** What can be dropped, by what it is opened as. */
 const FORMATS: readonly (readonly [opened: string, formats: string])[] = [

@@ -1,19 +1,133 @@
-import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { computed, signal, useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { stateAt } from "../../../grid/cellValues";
+import { centreOf } from "../../../grid/lattice";
+import { costOfByte } from "../../../render/map/costColours";
 import type { Picture } from "../../../render/picture/Picture";
+import { pictureColours } from "../../../render/picture/pictureColours";
 import type { Store } from "../../../store/store";
-import { MapView } from "../../../tools/mapediting/MapView";
+import { SPEED_LIMITS } from "../../../tools/costmap/paint";
+import { paintEditing, watchEditing, ZONES, zonesOver } from "../../../tools/mapediting/paint";
 import { mapEditingOf } from "../../../tools/mapediting/state";
+import { key, stroke } from "../../../tools/mapediting/strokes";
 import { Tools, WholeMap } from "../../../tools/mapediting/Tools";
+import { LinkedPicture } from "../../../tools/picture/LinkedPicture";
+import { mapSurface } from "../../../tools/picture/mapSurface";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
 import { Icon } from "../../../ui/Icon";
+import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { ViewerFrame } from "../ViewerFrame";
-import { MapReadout } from "./MapReadout";
 import { Saving } from "./Saving";
+import "../../../tools/readout/readout.css";
+
+interface MapViewProps {
+  readonly store: Store;
+  /** Called with the picture. */
+  readonly onPicture?: (picture: Picture) => void;
+}
+
+/** The picture of a map that is edited. */
+function MapView({ store, onPicture }: MapViewProps) {
+  const failure = useMemo(() => signal(""), []);
+  const shown = useRef(0);
+  useEffect(() => store.layers.subscribe(ZONES), [store]);
+  useEffect(() => store.layers.subscribe(SPEED_LIMITS), [store]);
+  useSignalEffect(() => {
+    // A turn, a crop or another origin puts the map elsewhere.
+    const epoch = store.map.value?.geometry.epoch ?? 0;
+    if (shown.current !== 0 && epoch !== shown.current) store.viewHeld.value = false;
+    shown.current = epoch;
+  });
+  return (
+    <LinkedPicture
+      store={store}
+      label="The map. Arrow keys move the cell cursor, Enter uses the tool there, Escape puts it away; square brackets change the brush, plus and minus zoom, 0 shows everything."
+      onTap={(point) => {
+        store.pinned.value = store.pinned.peek() ? null : point;
+      }}
+      tool={{
+        draws: () => mapEditingOf(store).tool.peek() !== null,
+        stroke: (from, to, isDone) => stroke(store, from, to, isDone),
+        key: (pressed) => key(store, pressed),
+      }}
+      {...(onPicture ? { onPicture } : {})}
+      setUp={(canvas, invalidate) => {
+        const surface = mapSurface(
+          store,
+          canvas,
+          invalidate,
+          () => [{ map: store.map.peek() }, ...zonesOver(store)],
+          (brush) => {
+            paintEditing(store, brush);
+            return false;
+          },
+        );
+        failure.value = surface.failure;
+        return {
+          watch: () => {
+            void [store.map.value, store.mapVersion.value, store.probe.value, pictureColours.value];
+            watchEditing(store);
+          },
+          paint: surface.paint,
+        };
+      }}
+    >
+      {failure.value && <p class="picture-failure">{failure.value}</p>}
+    </LinkedPicture>
+  );
+}
+
+/** The inspected cell of a map, as text of constant layout and for screen readers. */
+function MapReadout({ store }: { readonly store: Store }) {
+  const reading = useMemo(
+    () =>
+      computed(() => {
+        const map = store.map.value;
+        const cell = store.cell.value;
+        void store.mapVersion.value;
+        if (!map || !cell) return null;
+        const zones = store.layers.grid(ZONES).map.value;
+        const isForbidden = zones !== null && zones.cells.at(cell.row, cell.col) > 0;
+        const state = stateAt(map.cells.at(cell.row, cell.col), map.geometry);
+        const [x, y] = centreOf(map.geometry, cell);
+        const limits = store.layers.grid(SPEED_LIMITS).map.value;
+        const limit = limits ? costOfByte(limits.cells.at(cell.row, cell.col)) : 0;
+        const words = [
+          state,
+          ...(isForbidden ? ["keepout"] : []),
+          ...(limit > 0 && limit <= 100 ? [`speed ${limit} %`] : []),
+        ];
+        return { x: x.toFixed(2), y: y.toFixed(2), text: words.join(", ") };
+      }),
+    [store],
+  );
+  const now = reading.value;
+  return (
+    <div class="readout">
+      <dl>
+        <div>
+          <dt>x, m</dt>
+          <dd class="number">{now?.x ?? "–"}</dd>
+        </div>
+        <div>
+          <dt>y, m</dt>
+          <dd class="number">{now?.y ?? "–"}</dd>
+        </div>
+        <div class="readout-last">
+          <dt class="visually-hidden">state</dt>
+          <dd class="readout-state" data-state={now?.text}>
+            {now?.text ?? "point at a cell"}
+          </dd>
+        </div>
+      </dl>
+      <LiveRegion text={now && store.pinned.value ? `x ${now.x}, y ${now.y}: ${now.text}` : ""} />
+    </div>
+  );
+}
 
 interface MapEditorProps {
   readonly session: string;

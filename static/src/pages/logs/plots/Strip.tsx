@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { isDark } from "../../../ui/browser/theme";
-import { useWidth } from "../../../ui/browser/useWidth";
+import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
 import type { ScanSeries, SeriesColumn } from "../../../wire/http";
 import { brokenAtGaps } from "../contents/gaps";

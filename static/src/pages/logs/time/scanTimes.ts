@@ -1,5 +1,7 @@
 /** From scans to their times and back. The trajectory has the times of scans 0, `every`, 2 · `every` … */
 
+import type { Store } from "../../../store/store";
+import { selectionOf } from "../../../tools/scene/selection";
 import type { Trajectory } from "../../../wire/protocol";
 
 type Times = Pick<Trajectory, "stamps" | "every">;
@@ -27,4 +29,15 @@ export function scansAt({ stamps, every }: Times, seconds: number, count: number
   const to = stamps[low] ?? from;
   const beyond = to > from ? Math.floor(((seconds - from) / (to - from)) * every + 1e-6) : every - 1;
   return Math.min(count, (low - 1) * every + Math.min(every - 1, Math.max(0, beyond)) + 1);
+}
+
+/** The times of what is selected in all views, s from the first scan: of the selected beam, or of the scans. */
+export function selectedTimes(store: Store): readonly number[] {
+  const selection = selectionOf(store).value;
+  if (selection?.what === "cell") {
+    const beam = store.selectedContribution.value;
+    return beam ? [beam.stamp] : [];
+  }
+  const trajectory = store.trajectory.value;
+  return trajectory && selection ? selection.scans.map((scan) => secondsAt(trajectory, scan + 1)) : [];
 }

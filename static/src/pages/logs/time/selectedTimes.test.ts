@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Store } from "../../../store/store";
 import type { PickedMessage, Trajectory, WhyMessage } from "../../../wire/protocol";
-import { selectedTimes } from "./selectedTimes";
+import { selectedTimes } from "./scanTimes";
 
 test("what is selected has the times of its scans, a cell that of the selected beam", () => {
   const store = new Store(() => true);

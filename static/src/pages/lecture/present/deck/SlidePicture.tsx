@@ -1,6 +1,6 @@
 import "./slidePicture.css";
 import { useEffect, useRef } from "preact/hooks";
-import { useWidth } from "../../../../ui/browser/useWidth";
+import { useWidth } from "../../../../ui/browser/useSize";
 import { SLIDE } from "../scale";
 
 /** A slide as the audience sees it, without its controls: laid out at full size, and scaled down as a whole. */
