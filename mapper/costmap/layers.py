@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -23,8 +24,10 @@ from mapper.costmap.parameters import (
 )
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import GridGeometry
+from mapper.sensors.scan import RangeScan
 
 _OVERWRITE_ALL = 3
+_SHORT_OF_RANGE_MAX = 1e-4  #: metres, as Nav2 shortens a beam without return
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,3 +321,27 @@ def clear_footprint(geometry: GridGeometry, robot: Robot, value: float, out: np.
     """Write ``value`` into the cells under the robot."""
     lattice = geometry.to_lattice(robot.footprint.at(robot.pose))
     fill_polygon(lattice, out.dtype.type(value), out, bounds)
+
+
+def observation_of_scan(
+    scan: RangeScan,
+    sensor_pose: Sequence[float] | Float64Array,
+    *,
+    inf_is_valid: bool = False,
+    height: float = 0.0,
+    stamp: float | None = None,
+) -> Observation:
+    """Return the end points of a scan by a sensor at ``sensor_pose`` (x, y, yaw) in the map, ``height`` m up.
+
+    With ``inf_is_valid`` a beam without return ends at the scan's greatest range, otherwise it is left out, as are
+    readings that are invalid. ``stamp`` in seconds is that of the scan unless given. Source: nav2_costmap_2d,
+    obstacle_layer.cpp, laserScanValidInfCallback.
+    """
+    x, y, yaw = (float(v) for v in sensor_pose)
+    ranges = scan.ranges.astype(np.float64)
+    if inf_is_valid:
+        ranges = np.where(np.isposinf(ranges), scan.range_max - _SHORT_OF_RANGE_MAX, ranges)
+    valid = (ranges >= scan.range_min) & (ranges <= scan.range_max)
+    ranges, angles = ranges[valid], scan.angles[valid] + yaw
+    points = np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles), np.full(len(ranges), height)])
+    return Observation(np.array([x, y, height]), points, scan.stamp_ns * 1e-9 if stamp is None else stamp)

@@ -1,4 +1,4 @@
-"""Put one scan, or a whole log, into a grid.
+"""Put one scan, a whole log, or the logs of several sensors into a grid.
 
 The update is ``ℓ ← clamp(ℓ + inverse_sensor_model − ℓ₀)``, Thrun, Burgard & Fox, Probabilistic Robotics, tables 9.1 and
 9.2; :mod:`mapper.mapping.textbook` says the same in plain Python. Additions and clamps are done in float32, in the
@@ -321,3 +321,34 @@ def integrate_log(
         count += integrate(first, last).cells_updated
         progress(last - start, stop - start)
     return count
+
+
+def integrate_logs(
+    grid: OccupancyGrid,
+    logs: Sequence[ScanLog],
+    config: MappingConfig,
+    trajectory: str | None = None,
+    count: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Add the first ``count`` scans (None: all) of the logs to ``grid``; return the number of cell updates.
+
+    The logs are those of the sensors of one recording, each with its own mount, and with a trajectory of the same name
+    in one frame. ``progress(done, total)`` is called now and then with scans. What falls outside the grid is clipped.
+    Raises :class:`ConfigError` for a trajectory that a log lacks, or more scans than there are.
+    """
+    if len(logs) == 1:
+        return integrate_log(grid, logs[0], config, trajectory, 0, count, progress)
+    have = sum(log.n_scans for log in logs)
+    total = have if count is None else count
+    if not 0 <= total <= have:
+        raise ConfigError("log.scans", f"The logs have no scans 0 to {total}; they have {have}.")
+    order = SensorOrder.of_logs(logs)
+    step = max(1, CHUNK_READINGS // max(1, *(log.n_beams for log in logs)))
+    updated = 0
+    for first in range(0, total, step):
+        last = min(first + step, total)
+        updated += integrate_order(grid, order, config, trajectory, first, last).cells_updated
+        if progress is not None:
+            progress(last, total)
+    return updated

@@ -1,13 +1,20 @@
-"""The plan of a world as a map, such as a robot is given that is to find itself in it."""
+"""The plan of a world as a map, such as a robot is given that is to find itself in it; its furniture can be moved."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.simulation.shapes import Polygon
 from mapper.simulation.worlds import World
 
 SURE = 4.0  #: log-odds of a cell of the plan, either way
+LONGEST = 2.7  #: metres: a longer solid is a wall or a core,
+THINNEST = 0.2  #: and so is one that is no wider than this
+POST = 0.5  #: metres: unless it is no longer than this either, as the leg of a table
+_WAYS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 
 
 def plan_map(world: World, resolution: float = 0.05) -> OccupancyGrid:
@@ -25,3 +32,28 @@ def plan_map(world: World, resolution: float = 0.05) -> OccupancyGrid:
     grid.observed = wall | free
     grid.log_odds = np.where(wall, SURE, np.where(free, -SURE, 0.0)).astype(np.float32)
     return grid
+
+
+def is_furniture(solid: Polygon) -> bool:
+    """Return whether a polygon (n, 2) is small enough to be furniture, and no piece of a wall."""
+    short, long = np.sort(np.ptp(solid, axis=0)).tolist()
+    return bool(long <= LONGEST and (short > THINNEST or long <= POST))
+
+
+def with_moved_furniture(world: World, distance: float = 1.0) -> World:
+    """Return a world whose furniture stands ``distance`` metres from where it does in ``world``.
+
+    Each piece is moved east, north, west or south, in the first direction in which its middle is free; a piece that is
+    hemmed in stays.
+    """
+    bare = replace(world, solids=tuple(solid for solid in world.solids if not is_furniture(solid)))
+
+    def moved(solid: Polygon) -> Polygon:
+        if not is_furniture(solid):
+            return solid
+        ways = distance * _WAYS
+        room = 0.5 * float(np.ptp(solid, axis=0).max())
+        free = bare.clearance(solid.mean(axis=0) + ways) >= room
+        return solid + ways[int(np.argmax(free))] if free.any() else solid
+
+    return replace(world, solids=tuple(moved(solid) for solid in world.solids))

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mapper.core.errors import ConfigError
-from mapper.simulation.changed_plan import is_furniture
 from mapper.simulation.kernels.space import Space, cast_in_space
+from mapper.simulation.plan_map import is_furniture
 from mapper.simulation.shapes import Polygon
 from mapper.simulation.worlds import Float64Array, World
 

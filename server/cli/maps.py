@@ -79,8 +79,12 @@ def map_log(
 ) -> None:
     """Make the map of a log."""
     from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.several import integrate_logs  # noqa: PLC0415 - start-up
+    from mapper.mapping.integrate import (  # noqa: PLC0415 - start-up
+        bounds_of_logs,
+        grid_for,
+        integrate_log,
+        integrate_logs,
+    )
 
     cut = given_cut(parameters)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))

@@ -15,10 +15,10 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan, ScanLog, Trajectory
-from mapper.simulation.changed_plan import with_moved_furniture
 from mapper.simulation.floor_plans import WORLDS
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 from mapper.simulation.odometry import ALPHAS, TURN_BIAS, WORN_ALPHAS, WORN_TURN_BIAS, drifting_odometry
+from mapper.simulation.plan_map import with_moved_furniture
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.shapes import box, outer_walls, wall
 from mapper.simulation.simulation import Simulation

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from mapper.io.clouds import read_cloud, read_depth_folder
-from mapper.sensors.depth_folder import DepthFolder
+from mapper.sensors.depth_image import DepthFolder
 from mapper.volume import TsdfConfig, TsdfVolume, VolumeConfig
 from mapper.volume.mesh.chunk_mesh import ChunkMesh
 from mapper.volume.mesh.faces import ChunkKey, VoxelFaces, chunks_of, face_rule

@@ -19,7 +19,7 @@ import numpy as np
 
 from mapper.core.errors import ReadError
 from mapper.io.clouds import read_depth_folder
-from mapper.sensors.depth_folder import DepthFolder
+from mapper.sensors.depth_image import DepthFolder
 from mapper.volume import Mesh, TsdfConfig, TsdfVolume, surface_mesh
 from mapper.volume.mesh.meshing import blocks_of_change
 from mapper.volume.surface.parameters import TRUNCATION_VOXELS

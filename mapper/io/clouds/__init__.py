@@ -3,7 +3,7 @@
 from mapper.io.clouds.depth_folder import read_depth_folder
 from mapper.io.clouds.posed import PosedClouds, open_posed_clouds
 from mapper.io.clouds.reading import open_clouds, read_cloud, read_scan_graph
-from mapper.sensors.depth_folder import DepthFolder, DepthFrame
+from mapper.sensors.depth_image import DepthFolder, DepthFrame
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 __all__ = [

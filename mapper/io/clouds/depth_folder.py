@@ -23,7 +23,7 @@ from mapper.io.clouds.content import content
 from mapper.io.clouds.numbers import table
 from mapper.io.clouds.tum_poses import tum_frames
 from mapper.sensors.camera import Intrinsics
-from mapper.sensors.depth_folder import DepthFolder, DepthFrame
+from mapper.sensors.depth_image import DepthFolder, DepthFrame
 
 NO_DEPTH = (0, 65535)  #: values without a depth: 0 of TUM and of most cameras, 65535 of 7-Scenes
 

@@ -1,4 +1,5 @@
-"""A planar scan out of a point cloud: the nearest point of a height band in each direction.
+"""A planar scan out of a point cloud: the nearest point of a height band in each direction. Beams of a sensor that
+tilts end at points, which are cut as a cloud's.
 
 Source: the ROS package pointcloud_to_laserscan. It differs in two ways. Ranges are measured from where the sensor is,
 seen from above, not from the target frame's origin, since that is where its rays begin; and a direction in which the
@@ -67,3 +68,28 @@ def add_points(points: NDArray[np.float64], placement: Placement, cut: PlanarCut
     sectors = beam[seen]
     ranges[sectors[np.isnan(ranges[sectors])]] = np.inf
     np.minimum.at(ranges, beam[counts], nearest)
+
+
+def cut_tilted(
+    ranges: NDArray[np.float32],
+    bearings: NDArray[np.float64],
+    limits: tuple[float, float],
+    rotations: NDArray[np.float64],
+    translations: NDArray[np.float64],
+    cut: PlanarCut,
+) -> NDArray[np.float32]:
+    """Return level scans (n, cut.n_beams) of a sensor that was at other poses in the base frame at each of n scans.
+
+    ``ranges`` (n, n_beams) metres with ``bearings`` (n_beams,) radians in the sensor's plane; those outside ``limits``
+    are no points. ``rotations`` (n, 3, 3) and ``translations`` (n, 3) are ``T_base_sensor``. Each scan is what
+    :func:`mapper.sensors.planar.cloud.add_points` makes of the points where its beams ended; a beam without a return
+    says nothing, for what it passed above is not known.
+    """
+    out = np.tile(empty_scan(cut), (len(ranges), 1))
+    rays = np.stack([np.cos(bearings), np.sin(bearings), np.zeros(len(bearings))], axis=1)
+    least, greatest = limits
+    for row, scan in enumerate(ranges.astype(np.float64)):
+        measured = (scan >= least) & (scan <= greatest) & np.isfinite(scan)
+        points = scan[measured, np.newaxis] * rays[measured]
+        add_points(points, Placement(rotations[row], translations[row]), cut, out[row])
+    return out

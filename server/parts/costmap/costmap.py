@@ -24,7 +24,7 @@ from mapper.costmap import (
     StaticLayer,
 )
 from mapper.costmap.layers import Layer as CostLayer
-from mapper.costmap.observing import observation_of_scan
+from mapper.costmap.layers import observation_of_scan
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.planning.parameters import PlannerConfig, PursuitConfig

@@ -1,16 +1,191 @@
-"""The localization of a simulation while it is on: begun, changed and ended by commands, and what is shown of it."""
+"""Localization of the simulated robot in a reference map: its filter, what is shown of it, and how far off it is."""
 
 from __future__ import annotations
 
-from msgspec import Struct
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
 
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.localization import LocalizationConfig, MonteCarloLocalizer
+from mapper.localization.likelihood_field import beam_likelihood
+from mapper.localization.map_model import map_model
+from mapper.localization.scan_beams import limits_of, scan_beams
+from mapper.sensors.scan import RangeScan
+from mapper.simulation.floor_plans import another_world
+from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 from mapper.simulation.live_map import LiveMap
-from server.parts.localization.live_filter import LabLocalization
-from server.parts.localization.messages import OFF, LocalizationMessage, LocalizeCommand
+from mapper.simulation.odometry import Odometer
+from mapper.simulation.plan_map import plan_map, with_moved_furniture
+from mapper.simulation.robot import PoseTuple
+from mapper.simulation.worlds import World
+from server.parts.localization.messages import (
+    COLUMNS,
+    OFF,
+    LocalizationMessage,
+    LocalizeCommand,
+    rounded_covariance,
+    rounded_pose,
+)
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
 from server.stream.commands import RestartCommand, SensorCommand, TeleportCommand, WorldCommand
-from server.stream.layers import Layer
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import TableLayer
+
+Float64Array = NDArray[np.float64]
+
+MOST_SHOWN = 10_000  #: particles that are sent
+MOST_PARTICLES = 100_000  #: that one session may have
+SEED = 16
+
+
+#: The maps that a filter may be given of the world.
+MAPS: Mapping[str, Callable[[World], World]] = {
+    "plan": lambda world: world,
+    "moved": with_moved_furniture,
+    "other": lambda world: another_world(world.name),
+}
+
+
+class LabLocalization:
+    """A filter that is given a plan of the world as it was when it began, odometry with errors, and the scans.
+
+    It is not told of teleports: :meth:`note_teleport`. ``message`` is what the page shows of it.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        sensor: SensorConfig,
+        mount: tuple[float, float, float],
+        pose: PoseTuple,
+        values: Mapping[str, Any],
+        given: str = "plan",
+    ) -> None:
+        """Begin at ``pose`` without telling it to the filter; ``given`` names one of :data:`MAPS`.
+
+        Raises :class:`ConfigError` for values it refuses.
+        """
+        if given not in MAPS:
+            raise ConfigError("localization.map", f"The map must be one of {', '.join(MAPS)}, not {given!r:.80}.")
+        self.given = given
+        self._plan = plan_map(MAPS[given](world))
+        self._range_max = sensor.range_max
+        config = self._take(values)
+        self._filter = MonteCarloLocalizer(
+            map_model(self._plan, config, self._longest(config)),
+            config,
+            range_min=RANGE_MIN,
+            range_max=sensor.range_max,
+            mount=mount,
+            seed=SEED,
+        )  # fmt: skip
+        self._odometer = Odometer(pose, np.random.default_rng(SEED))
+        self._seen: RangeScan | None = None
+        self._true = pose
+        self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
+        self._field = GridLayer("likelihood_field", "Likelihood field", "likelihood_field")
+        self._draw_field()
+        self._draw(*self._filter.weighed)
+
+    def _take(self, values: Mapping[str, Any]) -> LocalizationConfig:
+        """Return the parameters with ``values`` replaced. Raises :class:`ConfigError` for values it refuses."""
+        config = LocalizationConfig(global_particles=20_000).with_values(values)
+        fewer = {
+            name: min(getattr(config, name), MOST_PARTICLES)
+            for name in ("min_particles", "max_particles", "global_particles")
+        }
+        self.values = dict(values)
+        return config.with_values(fewer)
+
+    def _longest(self, config: LocalizationConfig) -> float:
+        return limits_of(config, RANGE_MIN, self._range_max)[1]
+
+    def change(self, values: Mapping[str, Any]) -> None:
+        """Go on with other parameters: the particles stay, and show how the newest scan weighs them now.
+
+        Raises :class:`ConfigError` for values it refuses; nothing has changed then.
+        """
+        before = self.values
+        try:
+            config = self._take(values)
+            model = map_model(self._plan, config, self._longest(config))
+        except ConfigError:
+            self.values = before
+            raise
+        self._filter.reconfigure(config, model)
+        self._draw_field()
+        poses, weights = self._filter.weighed
+        if self._seen is not None:
+            beams = scan_beams(self._seen, self._filter.mount, config)
+            weights = self._filter.weights_by(beams) if len(beams.points) else weights
+        self._draw(poses, weights)
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The particles, and the likelihood field."""
+        return (self._particles, self._field)
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 3 * self._filter.model.geometry.rows * self._filter.model.geometry.cols
+
+    def note_teleport(self, pose: PoseTuple) -> None:
+        """Note that the robot was carried to ``pose``: its wheels did not turn."""
+        self._odometer.carry(pose)
+        self._true = pose
+
+    def look(self, scan: RangeScan, pose: PoseTuple) -> bool:
+        """Take a scan, unless it was taken before, at the true ``pose``; return whether there is something new."""
+        if scan is self._seen:
+            return False
+        self._seen, self._true = scan, pose
+        found = self._filter.update(self._odometer.move(pose), scan)
+        if found.is_updated:
+            self._draw(*self._filter.weighed)
+        return True
+
+    def _draw_field(self) -> None:
+        """Write the likelihood of a reading that ends in each cell into its layer."""
+        config, model = self._filter.config, self._filter.model
+        longest = self._longest(config)
+        likelihood = beam_likelihood(model.field.distances, config, longest)
+        self._field.set(model.geometry, likelihood.astype(np.float32), 0.0, config.z_hit + config.z_rand / longest)
+
+    def _draw(self, particles: Float64Array, weights: Float64Array) -> None:
+        """Write particles (n, 3) into their layer, coloured by their weights (n,)."""
+        step = -(-len(particles) // MOST_SHOWN)
+        value = weights[::step] / weights.max()
+        self._particles.set(np.vstack([particles[::step].T, value[np.newaxis]]))
+
+    def message(self) -> LocalizationMessage:
+        """Return the message ``localization``."""
+        found, model = self._filter.estimate, self._filter
+        off = found.pose[:2] - np.array(self._true[:2])
+        turned = math.remainder(float(found.pose[2]) - self._true[2], math.tau)
+        return LocalizationMessage(
+            is_on=True,
+            map=self.given,
+            values=self.values,
+            pose=rounded_pose(found.pose),
+            at=rounded_pose(self._true),
+            covariance=rounded_covariance(found.covariance),
+            is_converged=found.is_converged,
+            is_sure=found.is_sure,
+            share=round(found.share, 4),
+            fit=round(found.fit, 4),
+            entropy=round(found.entropy, 3),
+            n_particles=len(model.particles),
+            n_updates=model.n_updates,
+            error_m=round(math.hypot(*off), 4),
+            error_rad=round(abs(turned), 4),
+        )
 
 
 class LocalizationView(Part):

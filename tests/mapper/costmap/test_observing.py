@@ -7,7 +7,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, CostmapConfig, KeepoutLayer, StaticConfig, StaticLayer
-from mapper.costmap.observing import observation_of_scan
+from mapper.costmap.layers import observation_of_scan
 from mapper.grid import CellBox, GridGeometry
 from mapper.sensors.scan import LaserScan
 

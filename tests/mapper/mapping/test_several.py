@@ -10,11 +10,10 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
-from mapper.mapping.integrate import bounds_of_logs, geometry_for, integrate_log, integrate_scan
+from mapper.mapping.integrate import bounds_of_logs, geometry_for, integrate_log, integrate_logs, integrate_scan
 from mapper.mapping.joint_scans import SensorOrder, planned_parts
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import provenance
-from mapper.mapping.several import integrate_logs
 from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.mapping.sweeping import HALF, off_the_walls, to_the_walls, true_poses

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mapper.simulation import WORLDS
-from mapper.simulation.changed_plan import is_furniture, with_moved_furniture
+from mapper.simulation.plan_map import is_furniture, with_moved_furniture
 
 
 @pytest.mark.parametrize("name", ["office", "room", "twins"])

@@ -10,7 +10,7 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
-from server.parts.localization.live_filter import MOST_SHOWN, LabLocalization
+from server.parts.localization.live import MOST_SHOWN, LabLocalization
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult

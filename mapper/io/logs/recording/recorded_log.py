@@ -27,9 +27,8 @@ from mapper.io.logs.ros.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.text.packing import notes_on_time
 from mapper.sensors.joint_log import JointLog, ascending_times, with_notes
-from mapper.sensors.planar.cloud import first_beam
+from mapper.sensors.planar.cloud import cut_tilted, first_beam
 from mapper.sensors.planar.options import PlanarCut, is_cut
-from mapper.sensors.planar.tilted import cut_tilted
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
 

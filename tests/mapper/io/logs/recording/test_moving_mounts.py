@@ -21,9 +21,8 @@ from mapper.io.logs.selection import Selection
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.planar import textbook
-from mapper.sensors.planar.cloud import Placement
+from mapper.sensors.planar.cloud import Placement, cut_tilted
 from mapper.sensors.planar.options import PlanarCut
-from mapper.sensors.planar.tilted import cut_tilted
 from tests.mapper.io.logs.recorded import KINDS, SECOND, Said, cloud, odometry, scan, transform, written
 
 ROOM = np.array([[-3.0, -2.0, 0.0], [3.0, 2.0, 2.5]])  #: corners, metres
