@@ -16,8 +16,8 @@ from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import LayeredCostmap
 from mapper.costmap.layers import InflationLayer, Layer, ObstacleLayer, StaticLayer
 from mapper.costmap.masks import Mask
-from mapper.costmap.nav2_costmap import NamedLayer, Nav2Costmap
-from mapper.costmap.nav2_filters import NamedFilter
+from mapper.costmap.nav2.costmap import NamedLayer, Nav2Costmap
+from mapper.costmap.nav2.filters import NamedFilter
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,

@@ -31,7 +31,7 @@ from mapper.core.kernels.decimals import write_thousandths
 from mapper.costmap import DecayConfig, InflationConfig, Observation, ObstacleConfig, VoxelConfig
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.inflation import inflate, squared_distances
-from mapper.costmap.nav2_costmap import NamedLayer
+from mapper.costmap.nav2.costmap import NamedLayer
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
 from mapper.grid.kernels.lattice import Frame

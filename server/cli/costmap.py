@@ -14,7 +14,7 @@ from server.cli.common import AsJson, app, print_json, print_notes, refusing
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array, UInt8Array
     from mapper.costmap import Mask
-    from mapper.costmap.nav2_costmap import Nav2Costmap
+    from mapper.costmap.nav2.costmap import Nav2Costmap
 KeepoutMask = Annotated[
     Path | None,
     typer.Option("--keepout", metavar="MASK.yaml", help="Mask of a keepout filter, besides those of the parameters."),
@@ -60,7 +60,7 @@ def costmap(
     from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
     from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
     from mapper.costmap.files import save_costmap, save_costmap_mcap  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2.reading import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
 
@@ -154,7 +154,7 @@ def with_masks(
     ``params`` is the parameter file, None without one. A file that is no mask ends the command with a sentence.
     """
     from mapper.costmap.build import load_masks  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2_filters import NamedFilter  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2.filters import NamedFilter  # noqa: PLC0415 - start-up
     from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE  # noqa: PLC0415 - start-up
 
     masks: dict[str, Mask] = {}

@@ -55,7 +55,7 @@ def path(
     """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
     from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
     from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2_parameters import costmap_of  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2.reading import costmap_of  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file  # noqa: PLC0415 - start-up
     from mapper.planning import plan_path  # noqa: PLC0415 - start-up

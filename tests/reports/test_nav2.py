@@ -15,9 +15,9 @@ import yaml
 from mapper.core.errors import MapperError
 from mapper.costmap.build import build_costmap
 from mapper.costmap.costs import LETHAL, NO_INFORMATION
-from mapper.costmap.nav2_costmap import Nav2Costmap
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
-from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.costmap.nav2.costmap import Nav2Costmap
+from mapper.costmap.nav2.reading import parse_nav2_costmap
+from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
 from mapper.localization import parse_amcl_yaml

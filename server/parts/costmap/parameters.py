@@ -9,7 +9,7 @@ from typing import Any
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap.footprint import Footprint
-from mapper.costmap.nav2_costmap import LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
+from mapper.costmap.nav2.costmap import LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
 from mapper.costmap.parameters import (
     COSTMAP_PARAMETERS,
     DECAY_PARAMETERS,
@@ -100,7 +100,7 @@ _CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2
 class CostmapParameters:
     """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
 
-    ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2_parameters.Nav2Costmap`
+    ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2.reading.Nav2Costmap`
     has them, with the table's names of its layers, and ``skipped`` the layers that are not built. ``loaded_path`` is
     the planner and the follower of that file: of their parameters those that the table lacks.
     """

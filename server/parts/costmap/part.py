@@ -13,8 +13,8 @@ from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Values
 from mapper.costmap import NO_INFORMATION
-from mapper.costmap.nav2_parameters import costmap_of
-from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.costmap.nav2.reading import costmap_of
+from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.ros_parameters import parse_ros_parameters

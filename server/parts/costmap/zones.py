@@ -14,7 +14,7 @@ from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
 from mapper.costmap import NO_INFORMATION, Mask, SpeedFilter, SpeedLimit
 from mapper.costmap.kernels.observation import fill_polygon
 from mapper.costmap.layers import no_bounds
-from mapper.costmap.nav2_filters import NamedFilter
+from mapper.costmap.nav2.filters import NamedFilter
 from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE
 from mapper.grid import GridGeometry
 from server.parts.costmap.parameters import SPEED_LIMITS

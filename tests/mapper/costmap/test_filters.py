@@ -26,8 +26,8 @@ from mapper.costmap import (
 )
 from mapper.costmap.build import build_costmap, load_masks
 from mapper.costmap.masks import mask_costs
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
-from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.costmap.nav2.reading import parse_nav2_costmap
+from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 

@@ -31,7 +31,7 @@ from mapper.costmap import (
 from mapper.costmap.inflation import inflate
 from mapper.costmap.kernels.observation import lay_over
 from mapper.costmap.layers import Robot
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 

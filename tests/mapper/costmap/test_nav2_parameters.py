@@ -6,8 +6,8 @@ import yaml
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.costmap.build import build_costmap
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
-from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.costmap.nav2.reading import parse_nav2_costmap
+from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
 

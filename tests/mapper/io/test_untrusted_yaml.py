@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mapper.core.errors import MapperError
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.amcl_parameters import parse_amcl_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path

@@ -14,7 +14,7 @@ from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError, MapperError
 from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
-from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
 from server.parts.costmap.messages import CostmapCommand

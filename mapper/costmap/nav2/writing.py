@@ -8,8 +8,8 @@ from typing import Any
 
 import yaml
 
-from mapper.costmap.nav2_costmap import OF_SOURCE, OF_STATIC, PLUGINS, Nav2Costmap
-from mapper.costmap.nav2_filters import filter_nodes
+from mapper.costmap.nav2.costmap import OF_SOURCE, OF_STATIC, PLUGINS, Nav2Costmap
+from mapper.costmap.nav2.filters import filter_nodes
 from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
 
 _OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
@@ -24,7 +24,7 @@ _WHOLE = frozenset(
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
     """Return a parameter file with a costmap, ``resolution`` in m per cell.
 
-    :func:`mapper.costmap.nav2_parameters.parse_nav2_costmap` reads it.
+    :func:`mapper.costmap.nav2.reading.parse_nav2_costmap` reads it.
     """
     general: dict[str, Any] = _below(costmap.others, ()) | {
         "resolution": resolution,

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from mapper.core.parameter import Parameter
 from mapper.costmap.footprint import Footprint
-from mapper.costmap.nav2_filters import NamedFilter
+from mapper.costmap.nav2.filters import NamedFilter
 from mapper.costmap.parameters import (
     DECAY_PARAMETERS,
     DENOISE_PARAMETERS,

@@ -14,7 +14,7 @@ import yaml
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.parameter import Parameter
 from mapper.costmap.footprint import Footprint
-from mapper.costmap.nav2_costmap import (
+from mapper.costmap.nav2.costmap import (
     OF_SOURCE,
     OF_STATIC,
     PLUGINS,
@@ -23,7 +23,7 @@ from mapper.costmap.nav2_costmap import (
     Nav2Costmap,
     SkippedLayer,
 )
-from mapper.costmap.nav2_filters import NamedFilter, is_filter, named_filter
+from mapper.costmap.nav2.filters import NamedFilter, is_filter, named_filter
 from mapper.costmap.parameters import (
     COMBINATIONS,
     COSTMAP_PARAMETERS,
