@@ -62,22 +62,26 @@ def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
     if len(data) > MAX_BYTES:
         raise LimitError("edits.too_large", f"A file of edits may have at most {MAX_BYTES >> 20} MiB.")
     try:
-        found = json.loads(data)
+        document = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise ReadError("edits.json", f"The edits are not JSON: {error}.") from error
-    if not isinstance(found, dict) or found.get("format") != FORMAT or not isinstance(found.get("edits"), list):
+    if (
+        not isinstance(document, dict)
+        or document.get("format") != FORMAT
+        or not isinstance(document.get("edits"), list)
+    ):
         raise ReadError("edits.format", f"The file holds no edits: its 'format' is not {FORMAT!r}.")
-    if found.get("version") != VERSION:
-        raise ReadError("edits.version", f"The edits are of version {found.get('version')!r:.20}, not {VERSION}.")
-    if len(found["edits"]) > MAX_EDITS:
+    if document.get("version") != VERSION:
+        raise ReadError("edits.version", f"The edits are of version {document.get('version')!r:.20}, not {VERSION}.")
+    if len(document["edits"]) > MAX_EDITS:
         raise LimitError("edit.too_many", f"A map can have at most {MAX_EDITS} edits.")
     operations = []
-    for k, given in enumerate(found["edits"]):
+    for k, given in enumerate(document["edits"]):
         try:
             operations.append(parse_operation(given))
         except ConfigError as error:
             raise ConfigError(error.code, f"Edit {k + 1}: {error.message}") from error
-    source = found.get("source")
+    source = document.get("source")
     return (source if isinstance(source, dict) else {}), operations
 
 

@@ -178,26 +178,26 @@ def evaluate_relations(
         )
     if records is not None and (records.before_scan >= 0).any() and _are_records(relations, records):
         indices, clear = records_of_relations(relations.stamps_ns, relations.motions, records.messages)
-        found = (indices >= 0).all(axis=1)
+        is_known = (indices >= 0).all(axis=1)
         poses = poses_at_records(records, scans.poses)
-        policy, ends = "records", poses[indices[found]]
+        policy, ends = "records", poses[indices[is_known]]
     else:
         known = _first_of_each_stamp(scans)
-        found = known.covers(relations.stamps_ns.ravel()).reshape(-1, 2).all(axis=1)
+        is_known = known.covers(relations.stamps_ns.ravel()).reshape(-1, 2).all(axis=1)
         clear = np.ones(len(relations), dtype=np.bool_)
-        inside = relations.stamps_ns[found]
+        inside = relations.stamps_ns[is_known]
         policy, ends = "time", np.stack([known.at(inside[:, 0]), known.at(inside[:, 1])], axis=1)
-    if not found.any():
+    if not is_known.any():
         raise ConfigError("evaluation.no_relations", "No relation is at a time of the log.")
     motions = compose(inverse(ends[:, 0]), ends[:, 1])
-    translation, rotation = magnitudes(compose(inverse(relations.motions[found]), motions))
-    stamps = relations.stamps_ns[found, 0]
+    translation, rotation = magnitudes(compose(inverse(relations.motions[is_known]), motions))
+    stamps = relations.stamps_ns[is_known, 0]
     return RelationErrors(
         policy,
         ErrorSeries(stamps, translation),
         ErrorSeries(stamps, rotation),
-        clear[found],
-        int(np.count_nonzero(~found)),
+        clear[is_known],
+        int(np.count_nonzero(~is_known)),
     )
 
 

@@ -29,17 +29,17 @@ class MapModel:
 
 def check_pose(geometry: GridGeometry, pose: ArrayLike) -> NDArray[np.float64]:
     """Return a pose (3,) as an array. Raises :class:`ConfigError` unless it is finite and in the map."""
-    found = np.asarray(pose, dtype=np.float64)
-    if found.shape != (3,) or not np.isfinite(found).all():
+    checked = np.asarray(pose, dtype=np.float64)
+    if checked.shape != (3,) or not np.isfinite(checked).all():
         raise ConfigError(
-            "localization.pose", f"A pose must be three finite numbers, x, y and yaw, not {found.tolist()!r:.80}."
+            "localization.pose", f"A pose must be three finite numbers, x, y and yaw, not {checked.tolist()!r:.80}."
         )
-    if not geometry.contains(geometry.world_to_cell(found[:2])):
+    if not geometry.contains(geometry.world_to_cell(checked[:2])):
         raise ConfigError(
             "localization.pose_outside",
-            f"The pose ({found[0]:g}, {found[1]:g}) m is outside the map, which {geometry.span_text}.",
+            f"The pose ({checked[0]:g}, {checked[1]:g}) m is outside the map, which {geometry.span_text}.",
         )
-    return found
+    return checked
 
 
 def map_model(grid: OccupancyGrid, config: LocalizationConfig, range_max: float) -> MapModel:

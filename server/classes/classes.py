@@ -86,49 +86,49 @@ class Classes:
 
     def get(self, code: str) -> Classroom:
         """Return a class. Raises :class:`ClassNotFoundError`."""
-        found = self.find(code)
-        if found is None:
+        classroom = self.find(code)
+        if classroom is None:
             raise unknown_class()
-        return found
+        return classroom
 
     def joined(self, code: str, visitor: str) -> Classroom | None:
         """Return a class that a visitor is in, or was; None for any other code."""
-        found = self.find(code)
-        return found if found is not None and found.knows(visitor) else None
+        classroom = self.find(code)
+        return classroom if classroom is not None and classroom.knows(visitor) else None
 
     def owned(self, code: str, visitor: str) -> Classroom | None:
         """Return a class to its lecturer; None for any other code, and for anybody else."""
-        found = self.find(code)
-        return found if found is not None and found.owner == visitor else None
+        classroom = self.find(code)
+        return classroom if classroom is not None and classroom.owner == visitor else None
 
     def of(self, owner: str) -> Classroom | None:
         """Return the class of a visitor."""
         return next((one for one in self._classes.values() if one.owner == owner), None)
 
-    def check(self, found: Classroom, visitor: str, address: str = "") -> None:
+    def check(self, classroom: Classroom, visitor: str, address: str = "") -> None:
         """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class.
 
         ``address`` is that of the visitor's network; empty if unknown. Who has joined before can come back.
         """
-        if found.knows(visitor):
+        if classroom.knows(visitor):
             return
-        if found.is_locked:
+        if classroom.is_locked:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
-        if found.places_taken(self.most_of_address) >= self._max_followers or found.is_full:
+        if classroom.places_taken(self.most_of_address) >= self._max_followers or classroom.is_full:
             raise ClassBudgetError("class.crowded", "This class is full.")
-        given = found.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
-        if found.present_of(address) >= self.most_of_address or given:
+        given = classroom.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
+        if classroom.present_of(address) >= self.most_of_address or given:
             raise _crowded_address()
 
     @contextmanager
-    def watching(self, found: Classroom, address: str) -> Iterator[None]:
+    def watching(self, classroom: Classroom, address: str) -> Iterator[None]:
         """Count a connection to the session that a class shows.
 
         Raises :class:`ClassBudgetError` for an address that has as many as it may have followers.
         """
-        if found.watching_from(address) >= self.most_of_address:
+        if classroom.watching_from(address) >= self.most_of_address:
             raise _crowded_address()
-        with found.watching(address):
+        with classroom.watching(address):
             yield
 
     def join(self, code: str, visitor: str, address: str = "", *, follows: bool = False) -> tuple[Classroom, Member]:
@@ -136,16 +136,16 @@ class Classes:
 
         Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor.
         """
-        found = self.get(code)
-        self.check(found, visitor, address)
-        if found.connections_of(visitor) >= MAX_CONNECTIONS:
+        classroom = self.get(code)
+        self.check(classroom, visitor, address)
+        if classroom.connections_of(visitor) >= MAX_CONNECTIONS:
             raise ClassBudgetError("class.connections", "This browser follows the class in too many pages: close one.")
-        return found, found.join(visitor, address, follows=follows)
+        return classroom, classroom.join(visitor, address, follows=follows)
 
-    def close(self, found: Classroom) -> None:
+    def close(self, classroom: Classroom) -> None:
         """End a class; everything about it is forgotten."""
-        self._classes.pop(found.code, None)
-        found.end()
+        self._classes.pop(classroom.code, None)
+        classroom.end()
 
     async def watch(self) -> None:
         """End the classes that their lecturers have left, now and then, until cancelled."""
@@ -166,7 +166,7 @@ class Classes:
         code = self._prepared.code
         if self._prepared.waits_here:
             self._classes.setdefault(code, Classroom(code, None, self._clock))
-        elif (found := self._classes.get(code)) is not None and found.owner is None:
+        elif (classroom := self._classes.get(code)) is not None and classroom.owner is None:
             self._classes.pop(code).move()
 
     def end_abandoned(self) -> None:

@@ -75,32 +75,34 @@ def compare(
             integrate_log(grid, scans, config, poses)
         grids.append(grid)
     with refusing(sides[1][0]):
-        found = compare_maps(*grids)
+        comparison = compare_maps(*grids)
         apart = difference(grids[0], grids[1]).log_odds
     facts = {
-        "same": found.same,
-        "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in found.changed.items()],
-        "entropy_bits": [round(bits, 1) for bits in found.entropy_bits],
-        "wall_contrast": [round(contrast, 4) for contrast in found.contrast],
-        "cells": found.cells,
+        "same": comparison.same,
+        "changed": [{"from": a, "to": b, "cells": n} for (a, b), n in comparison.changed.items()],
+        "entropy_bits": [round(bits, 1) for bits in comparison.entropy_bits],
+        "wall_contrast": [round(contrast, 4) for contrast in comparison.contrast],
+        "cells": comparison.cells,
         "states": {
-            a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, found.states.tolist(), strict=True)
+            a: dict(zip(STATES, row, strict=True)) for a, row in zip(STATES, comparison.states.tolist(), strict=True)
         },
-        "observed": {"only_first": found.only[0], "only_second": found.only[1], "both": found.both},
+        "observed": {"only_first": comparison.only[0], "only_second": comparison.only[1], "both": comparison.both},
         "log_odds_difference": {
             "least": float(apart.min()),
             "greatest": float(apart.max()),
-            "mean_absolute": round(found.mean_difference, 4),
-            "greatest_absolute": round(found.max_difference, 4),
+            "mean_absolute": round(comparison.mean_difference, 4),
+            "greatest_absolute": round(comparison.max_difference, 4),
         },
     }
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"  {found.same} observed cells are in the same state in both maps")
-    for (before, after), cells in found.changed.items():
+    typer.echo(f"  {comparison.same} observed cells are in the same state in both maps")
+    for (before, after), cells in comparison.changed.items():
         typer.echo(f"  {cells} cells: {before} → {after}")
-    typer.echo(f"  {found.only[0]} cells are known only in the first map, {found.only[1]} only in the second")
-    typer.echo(f"  log-odds differ by {found.mean_difference:.3f} on average, {found.max_difference:.3f} at most")
-    typer.echo(f"  entropy {found.entropy_bits[0]:.0f} → {found.entropy_bits[1]:.0f} bits")
-    typer.echo(f"  contrast of the walls {found.contrast[0]:.3f} → {found.contrast[1]:.3f}")
+    typer.echo(f"  {comparison.only[0]} cells are known only in the first map, {comparison.only[1]} only in the second")
+    typer.echo(
+        f"  log-odds differ by {comparison.mean_difference:.3f} on average, {comparison.max_difference:.3f} at most"
+    )
+    typer.echo(f"  entropy {comparison.entropy_bits[0]:.0f} → {comparison.entropy_bits[1]:.0f} bits")
+    typer.echo(f"  contrast of the walls {comparison.contrast[0]:.3f} → {comparison.contrast[1]:.3f}")

@@ -80,25 +80,25 @@ def evaluate(
         pairs_from_reference=pairs_from_reference,
     )
     with refusing(Path(estimate)):
-        found = compare_trajectories(*sides, options)
-    absolute = {"translation": found.absolute_translation, "rotation": found.absolute_rotation}
-    relative = {"translation": found.relative_translation, "rotation": found.relative_rotation}
+        errors = compare_trajectories(*sides, options)
+    absolute = {"translation": errors.absolute_translation, "rotation": errors.absolute_rotation}
+    relative = {"translation": errors.relative_translation, "rotation": errors.relative_rotation}
     notes = [f"{text}: {note}" for text, side in zip((reference, estimate), sides, strict=True) for note in side.notes]
     if as_json:
         print_json(
             {
                 "reference": {"name": reference, "poses": len(sides[0])},
                 "estimate": {"name": estimate, "poses": len(sides[1])},
-                "pairs": len(found.estimate),
+                "pairs": len(errors.estimate),
                 "max_difference_s": max_difference,
                 "offset_s": offset,
-                "alignment": {"how": align, **asdict(found.alignment)},
+                "alignment": {"how": align, **asdict(errors.alignment)},
                 "absolute": _figures(absolute),
                 "relative": {
                     "delta": delta,
                     "unit": delta_unit,
                     "all_pairs": all_pairs,
-                    "pairs": len(found.relative_translation.errors),
+                    "pairs": len(errors.relative_translation.errors),
                     **_figures(relative),
                 },
                 "notes": notes,
@@ -107,10 +107,10 @@ def evaluate(
         return
     typer.echo(f"{estimate} against {reference}")
     typer.echo(
-        f"  {len(found.estimate)} pairs of poses, of {len(sides[1])} and {len(sides[0])}, within {max_difference:g} s"
+        f"  {len(errors.estimate)} pairs of poses, of {len(sides[1])} and {len(sides[0])}, within {max_difference:g} s"
     )
     if align != "none":
-        by = found.alignment
+        by = errors.alignment
         scale = f", scale {by.scale:.6g}" if align == "scaled" else ""
         typer.echo(f"  aligned by {NAMES[align]}: {by.x:.3f} m, {by.y:.3f} m, {math.degrees(by.theta):.3f}°{scale}")
     which = "all" if all_pairs else "consecutive"
@@ -138,10 +138,10 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
         records = odometry_records(path, topic=topic)
         # A pose belongs to the scan with its number: stamps repeat, and programs change them.
         at_scans = type(poses)(scans.stamps_ns, poses.poses, poses.notes)
-        found = evaluate_relations(known, at_scans, records)
+        errors = evaluate_relations(known, at_scans, records)
     judged = estimate or f"{path}:{name or scans.default_trajectory}"
-    every = {"translation": found.translation, "rotation": found.rotation}
-    clear = dict(zip(every, found.only_unambiguous(), strict=True)) if found.policy == "records" else None
+    every = {"translation": errors.translation, "rotation": errors.rotation}
+    clear = dict(zip(every, errors.only_unambiguous(), strict=True)) if errors.policy == "records" else None
     if clear is not None and not len(clear["translation"].errors):
         clear = None
     benchmark = benchmark_named(relations.name)
@@ -152,9 +152,9 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
                 "log": str(path),
                 "estimate": judged,
                 "relations": len(known),
-                "policy": found.policy,
-                "left_out": found.left_out,
-                "all": {"count": len(found.translation.errors), **_figures(every)},
+                "policy": errors.policy,
+                "left_out": errors.left_out,
+                "all": {"count": len(errors.translation.errors), **_figures(every)},
                 "unambiguous": None
                 if clear is None
                 else {"count": len(clear["translation"].errors), **_figures(clear)},
@@ -167,30 +167,30 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
     typer.echo(f"{judged} over {len(known)} relations")
     typer.echo(
         "  stamps mapped to the log's odometry messages, in the order of its records"
-        if found.policy == "records"
+        if errors.policy == "records"
         else "  poses interpolated in time between the scans"
     )
-    if found.left_out:
-        left_out = "1 relation is" if found.left_out == 1 else f"{found.left_out} relations are"
+    if errors.left_out:
+        left_out = "1 relation is" if errors.left_out == 1 else f"{errors.left_out} relations are"
         typer.echo(f"  {left_out} left out: the log has no record at their times")
-    _table(f"all, {len(found.translation.errors)} relations", every)
+    _table(f"all, {len(errors.translation.errors)} relations", every)
     if clear is not None:
         _table(f"unambiguous, {len(clear['translation'].errors)} relations of one message for each stamp", clear)
     if published:
-        _beside(published, found, clear)
+        _beside(published, errors, clear)
     print_notes(poses.notes)
 
 
-def _beside(published: Sequence[PublishedResult], found: RelationErrors, clear: dict[str, ErrorSeries] | None) -> None:
+def _beside(published: Sequence[PublishedResult], errors: RelationErrors, clear: dict[str, ErrorSeries] | None) -> None:
     """Print the mean errors of the poses beside published ones."""
-    rows = [("these poses", found.translation, found.rotation)]
+    rows = [("these poses", errors.translation, errors.rotation)]
     if clear is not None:
         rows.append(("these poses, unambiguous", clear["translation"], clear["rotation"]))
     typer.echo("  mean errors beside published ones")
     typer.echo(f"    {'':<26} {'m':>8} {'°':>8} {'stamps by':>10} {'relations':>10}  source")
     for name, translation, rotation in rows:
         t, r = translation.statistics.mean, math.degrees(rotation.statistics.mean)
-        typer.echo(f"    {name:<26} {t:>8.4f} {r:>8.3f} {found.policy:>10} {len(translation.errors):>10}")
+        typer.echo(f"    {name:<26} {t:>8.4f} {r:>8.3f} {errors.policy:>10} {len(translation.errors):>10}")
     for one in published:
         turn = "–" if one.rotation is None else f"{one.rotation:.3f}"
         count = "–" if one.count is None else str(one.count)

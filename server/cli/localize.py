@@ -97,38 +97,38 @@ def localize(
     scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), mapping)
     with progress_bar("Localizing") as bar:
         try:
-            found = localize_log(
+            localized = localize_log(
                 scans, loaded.grid, config, trajectory=trajectory, initial_pose=begin, seed=seed, progress=bar
             )
         except MapperError as error:
             remedy = NO_ODOMETRY.format(log=log) if error.code == "localization.no_odometry" else ""
             fail(f"{log} in {map_file}: {error.message}{remedy}")
-    written = [] if out is None else _write(out, scans, found, loaded.description.frame or "map")
+    written = [] if out is None else _write(out, scans, localized, loaded.description.frame or "map")
     notes = [*scans.notes, *loaded.notes, *of_parameters]
-    first = found.first_converged
-    notes += [] if first is None else doubts(found, first)
-    last_pose = [round(float(v), 6) for v in found.poses[-1]]
+    first = localized.first_converged
+    notes += [] if first is None else doubts(localized, first)
+    last_pose = [round(float(v), 6) for v in localized.poses[-1]]
     facts: dict[str, object] = {
         "log": scans.name,
         "map": map_file.name,
         "scans": scans.n_scans,
-        "odometry": found.odometry,
+        "odometry": localized.odometry,
         "initial_pose": begin,
         "converged_at_scan": first,
-        "scans_converged": int(found.is_converged.sum()),
-        "scans_sure": int(found.is_sure.sum()),
+        "scans_converged": int(localized.is_converged.sum()),
+        "scans_sure": int(localized.is_sure.sum()),
         "last_pose": last_pose,
-        "last_converged": bool(found.is_converged[-1]),
-        "last_sure": bool(found.is_sure[-1]),
-        "median_fit": round(float(sorted(found.fit)[len(found.fit) // 2]), 4),
-        "cpu_seconds": round(found.cpu_seconds, 3),
+        "last_converged": bool(localized.is_converged[-1]),
+        "last_sure": bool(localized.is_sure[-1]),
+        "median_fit": round(float(sorted(localized.fit)[len(localized.fit) // 2]), 4),
+        "cpu_seconds": round(localized.cpu_seconds, 3),
         "files": [str(path) for path in written],
         "notes": notes,
     }
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{scans.name} in {map_file.name}: {scans.n_scans} scans, odometry {found.odometry!r}")
+    typer.echo(f"{scans.name} in {map_file.name}: {scans.n_scans} scans, odometry {localized.odometry!r}")
     if first is None:
         typer.echo("  The filter never converged: where the robot was is not known.")
     else:
@@ -140,24 +140,24 @@ def localize(
         not_there = ", not certain: the filter had not converged there"
     typer.echo(f"  last pose {x:.3f} m, {y:.3f} m, {yaw:.4f} rad{not_there}")
     typer.echo(f"  median fit {facts['median_fit']:.2f}; 1 is the greatest")
-    typer.echo(f"  {found.cpu_seconds:.1f} s of processor time")
+    typer.echo(f"  {localized.cpu_seconds:.1f} s of processor time")
     for path in written:
         typer.echo(f"  wrote {path}")
     print_notes(notes)
 
 
-def doubts(found: Localized, first: int) -> list[str]:
+def doubts(localized: Localized, first: int) -> list[str]:
     """Return a sentence where the filter, once converged, was mostly uncertain, and one where it was never sure.
 
     ``first`` is where it converged.
     """
-    since, out = found.is_converged[first:], []
+    since, out = localized.is_converged[first:], []
     if since.mean() < LEAST_CONVERGED:
         out.append(
             f"From scan {first} on the filter had converged at {int(since.sum())} of {len(since)} scans only: "
             "this may not be the map of where the log was recorded."
         )
-    if not found.is_sure.any():
+    if not localized.is_sure.any():
         out.append(
             "The place is not sure at any scan: the robot may have been elsewhere. The scans fit other places of this "
             "map nearly as well, or they contradict it."
@@ -187,7 +187,7 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
         fail(error.message)
 
 
-def _write(path: Path, log: ScanLog, found: Localized, frame: str) -> list[Path]:
+def _write(path: Path, log: ScanLog, localized: Localized, frame: str) -> list[Path]:
     from dataclasses import replace  # noqa: PLC0415 - start-up
 
     from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
@@ -196,9 +196,9 @@ def _write(path: Path, log: ScanLog, found: Localized, frame: str) -> list[Path]
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
     placed = replace(
-        log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame, from_scans=True)}
+        log, trajectories={LOCALIZED: Trajectory(localized.poses, "localized in a map", frame, from_scans=True)}
     )
-    texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, found))}
+    texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, localized))}
     for place, text in texts.items():
         try:
             with atomic_write(place) as file:

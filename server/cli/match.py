@@ -88,11 +88,11 @@ def match(
     began = time.process_time()
     if is_map:
         begin = begin or [0.0, 0.0, 0.0]
-        found, notes = _match_maps(one, other, begin, config, topic, trajectory)
+        aligned, notes = _match_maps(one, other, begin, config, topic, trajectory)
     else:
         notes = []
-        begin, found = _match_scans(one, other, begin, config, topic, trajectory)
-    _print(one, other, begin, config, found, time.process_time() - began, notes, as_json=as_json)
+        begin, aligned = _match_scans(one, other, begin, config, topic, trajectory)
+    _print(one, other, begin, config, aligned, time.process_time() - began, notes, as_json=as_json)
 
 
 def _sides(first: str, second: str | None, scans: tuple[int, int] | None) -> tuple[Side, Side]:
@@ -176,50 +176,50 @@ def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[Occupa
 
 
 def _print(
-    one: Side, other: Side, guess: list[float], config: MatchConfig, found: Match, seconds: float,
+    one: Side, other: Side, guess: list[float], config: MatchConfig, aligned: Match, seconds: float,
     notes: list[str], *, as_json: bool,
 ) -> None:  # fmt: skip
-    direction = None if found.unknown_direction is None else found.unknown_direction.tolist()
+    direction = None if aligned.unknown_direction is None else aligned.unknown_direction.tolist()
     if as_json:
         print_json(
             {
                 "first": one.name,
                 "second": other.name,
-                "method": found.method,
+                "method": aligned.method,
                 "guess": guess,
                 "window": [config.window_m, config.window_rad],
-                "pose": found.pose.tolist(),
-                "covariance": found.covariance.tolist(),
-                "score": found.score,
-                "degenerate": found.is_degenerate,
+                "pose": aligned.pose.tolist(),
+                "covariance": aligned.covariance.tolist(),
+                "score": aligned.score,
+                "degenerate": aligned.is_degenerate,
                 "unknown_direction": direction,
-                "information": found.information,
-                "rms": found.rms,
-                "pairs": found.pairs,
-                "iterations": found.iterations,
+                "information": aligned.information,
+                "rms": aligned.rms,
+                "pairs": aligned.pairs,
+                "iterations": aligned.iterations,
                 "candidates": [
                     {"pose": pose.tolist(), "score": float(score)}
-                    for pose, score in zip(found.candidates, found.scores, strict=True)
+                    for pose, score in zip(aligned.candidates, aligned.scores, strict=True)
                 ],
                 "cpu_seconds": round(seconds, 4),
                 "notes": notes,
             }
         )
         return
-    x, y, theta = found.pose
-    sigma = np.sqrt(np.diag(found.covariance))
-    typer.echo(f"{other.name} in {one.name}, method {found.method}")
+    x, y, theta = aligned.pose
+    sigma = np.sqrt(np.diag(aligned.covariance))
+    typer.echo(f"{other.name} in {one.name}, method {aligned.method}")
     typer.echo(f"  pose {x:.4f} m, {y:.4f} m, {math.degrees(theta):.3f}°")
     spread = f"{sigma[0]:.4f} m, {sigma[1]:.4f} m, {math.degrees(sigma[2]):.3f}°"
     typer.echo(f"  standard deviation {spread}, if it is the right one")
-    typer.echo(f"  score {found.score:.3f} of 1, {found.pairs} pairs, {found.iterations} iterations")
-    if len(found.scores) > 1:
-        others = sorted((float(score) for score in found.scores), reverse=True)[1:]
+    typer.echo(f"  score {aligned.score:.3f} of 1, {aligned.pairs} pairs, {aligned.iterations} iterations")
+    if len(aligned.scores) > 1:
+        others = sorted((float(score) for score in aligned.scores), reverse=True)[1:]
         typer.echo(f"  other modes score {', '.join(f'{score:.3f}' for score in others)}")
-    if found.unknown_direction is not None:
-        a, b, c = found.unknown_direction
+    if aligned.unknown_direction is not None:
+        a, b, c = aligned.unknown_direction
         typer.echo(
             f"  degenerate: hardly anything tells how far it is along ({a:.2f} m, {b:.2f} m, {math.degrees(c):.1f}°), "
-            f"which has {100 * found.information:.1f} % of the information"
+            f"which has {100 * aligned.information:.1f} % of the information"
         )
     print_notes(notes)

@@ -155,20 +155,20 @@ def merge_log_files(
             if bar is not None:
                 bar(done.fraction)
 
-        found = merge_logs(first, second, guess=None if guess is None else np.array(guess), progress=report)
-        grid = map_along([(first, found.poses[0]), (second, found.poses[1])])
-    texts = {".g2o": "".join(g2o_lines(found.graph))}
-    for number, (log, poses) in enumerate(zip((first, second), found.poses, strict=True), 1):
+        merged = merge_logs(first, second, guess=None if guess is None else np.array(guess), progress=report)
+        grid = map_along([(first, merged.poses[0]), (second, merged.poses[1])])
+    texts = {".g2o": "".join(g2o_lines(merged.graph))}
+    for number, (log, poses) in enumerate(zip((first, second), merged.poses, strict=True), 1):
         texts[f"-{number}.tum"] = tum_text(replace(log, trajectories={SLAM: Trajectory(poses)}), SLAM)
     written = [*save(grid, out, mode, "map"), *write_texts(out, texts)]
     geometry = grid.geometry
     facts: dict[str, object] = {
         "logs": [str(path) for path in paths],
-        "placed": found.placed.tolist(),
-        "score": round(found.score, 4),
-        "loops": len(found.loops),
-        "loops_tried": len(found.tried),
-        "cpu_seconds": round(found.cpu_seconds, 3),
+        "placed": merged.placed.tolist(),
+        "score": round(merged.score, 4),
+        "loops": len(merged.loops),
+        "loops_tried": len(merged.tried),
+        "cpu_seconds": round(merged.cpu_seconds, 3),
         "resolution": geometry.resolution,
         "rows": geometry.rows,
         "cols": geometry.cols,
@@ -179,9 +179,11 @@ def merge_log_files(
     if as_json:
         print_json(facts)
         return
-    x, y, theta = found.placed
+    x, y, theta = merged.placed
     typer.echo(f"{paths[1]} in the frame of {paths[0]}: {x:.2f} m, {y:.2f} m, {np.degrees(theta):.1f}°")
-    typer.echo(f"  {len(found.loops)} loops between the logs, of {len(found.tried)} tried; {found.cpu_seconds:.1f} s")
+    typer.echo(
+        f"  {len(merged.loops)} loops between the logs, of {len(merged.tried)} tried; {merged.cpu_seconds:.1f} s"
+    )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     for path in written:
         typer.echo(f"  wrote {path}")

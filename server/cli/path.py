@@ -81,29 +81,29 @@ def path(
     with refusing(map_yaml):
         built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
         built.costmap.update()
-        found = plan_path(built.costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
+        planned = plan_path(built.costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
     greatest = nav2.pursuit.desired_linear_vel
     unknown_as_free = count_unknown_as_free(parameters, loaded.values, built.costmap.costs)
-    rows, cols = loaded.grid.geometry.world_to_cell(found.points).T
+    rows, cols = loaded.grid.geometry.world_to_cell(planned.points).T
     in_unknown = int((loaded.values[rows, cols] < 0).sum())
     without_effect = [*parameters.unused, *nav2.unused]
     notes = [*loaded.notes, *parameters.notes, *nav2.notes, *notes_on_masks(masks)]
     facts: dict[str, object] = {
         "map": str(map_yaml),
-        "length": round(found.length, 3),
-        "cost": round(found.cost, 3),
-        "points": len(found.points),
+        "length": round(planned.length, 3),
+        "cost": round(planned.cost, 3),
+        "points": len(planned.points),
         "speed": greatest,
-        "travel_s": round(travel_time(found.points, greatest, built.speed), 3),
+        "travel_s": round(travel_time(planned.points, greatest, built.speed), 3),
         "without_effect": without_effect,
-        "end": [round(float(value), 6) for value in found.points[-1]],
-        "reaches_goal": found.reaches_goal,
+        "end": [round(float(value), 6) for value in planned.points[-1]],
+        "reaches_goal": planned.reaches_goal,
         "unknown_as_free": unknown_as_free,
         "points_in_unknown": in_unknown,
         "notes": notes,
     }
     if out is not None:
-        lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in found.points)
+        lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in planned.points)
         try:
             out.parent.mkdir(parents=True, exist_ok=True)
             with atomic_write(out) as file:
@@ -114,11 +114,11 @@ def path(
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{found.length:.2f} m, cost {found.cost:.0f}, {len(found.points)} points")
+    typer.echo(f"{planned.length:.2f} m, cost {planned.cost:.0f}, {len(planned.points)} points")
     slower = ", less where there are limits" if built.speed else ""
     typer.echo(f"  {facts['travel_s']:.1f} s at {greatest:g} m/s{slower}")
-    if not found.reaches_goal:
-        x, y = found.points[-1]
+    if not planned.reaches_goal:
+        x, y = planned.points[-1]
         typer.echo(f"  ends at ({x:.2f}, {y:.2f}), the nearest place to the goal that the robot can reach")
     if unknown_as_free:
         typer.echo(f"  {UNKNOWN_AS_FREE.format(unknown_as_free)}")

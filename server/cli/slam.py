@@ -97,26 +97,26 @@ def slam(
                 if bar is not None:
                     bar(done.fraction)
 
-            found = slam_log(scans, config, trajectory=trajectory, progress=report)
-        corrected = _with_poses(scans, found)
+            result = slam_log(scans, config, trajectory=trajectory, progress=report)
+        corrected = _with_poses(scans, result)
         config_of_map = MappingConfig().with_values(recorded_defaults(scans.beam_width))
-        before = None if found.odometry is None else map_figures(scans, found.odometry, config_of_map)
+        before = None if result.odometry is None else map_figures(scans, result.odometry, config_of_map)
         grid = map_of(corrected, SLAM)
         after = map_figures(corrected, SLAM, config_of_map)
     offset = corrected.trajectory(SLAM).offset
-    written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
-    loops = found.graph.kind == 1
-    residuals = found.graph.residual[loops]
-    notes = [*scans.notes, *found.notes]
+    written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, result)]
+    loops = result.graph.kind == 1
+    residuals = result.graph.residual[loops]
+    notes = [*scans.notes, *result.notes]
     facts: dict[str, object] = {
         "log": scans.name,
         "scans": scans.n_scans,
-        "odometry": found.odometry,
-        "cpu_seconds": round(found.cpu_seconds, 3),
-        "nodes": len(found.graph.nodes),
-        "loops": found.graph.n_loops,
-        "loops_tried": len(found.candidates),
-        "loops_outweighed": int((found.graph.weight[loops] < 0.5).sum()),
+        "odometry": result.odometry,
+        "cpu_seconds": round(result.cpu_seconds, 3),
+        "nodes": len(result.graph.nodes),
+        "loops": result.graph.n_loops,
+        "loops_tried": len(result.candidates),
+        "loops_outweighed": int((result.graph.weight[loops] < 0.5).sum()),
         "residuals": {
             "mean": round(float(residuals.mean()), 4) if len(residuals) else None,
             "max": round(float(residuals.max()), 4) if len(residuals) else None,
@@ -132,8 +132,8 @@ def slam(
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{facts['log']}: {scans.n_scans} scans, from {found.odometry or 'the scans alone, without odometry'}")
-    typer.echo(f"  {found.cpu_seconds:.1f} s of processor time, {facts['nodes']} poses in the graph")
+    typer.echo(f"{facts['log']}: {scans.n_scans} scans, from {result.odometry or 'the scans alone, without odometry'}")
+    typer.echo(f"  {result.cpu_seconds:.1f} s of processor time, {facts['nodes']} poses in the graph")
     typer.echo(
         f"  {facts['loops']} loops closed of {facts['loops_tried']} tried; the graph outweighs "
         f"{facts['loops_outweighed']} of them"
@@ -168,19 +168,19 @@ def _configured(values: list[str]) -> SlamConfig:
         fail(error.message)
 
 
-def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
+def _with_poses(log: ScanLog, result: SlamResult) -> ScanLog:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    offset = NO_OFFSET if found.odometry is None else log.trajectory(found.odometry).offset
-    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
+    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+    corrected = Trajectory(result.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
     return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
 
 
-def _write(prefix: Path, log: ScanLog, found: SlamResult) -> list[Path]:
+def _write(prefix: Path, log: ScanLog, result: SlamResult) -> list[Path]:
     from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
     from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
 
-    return write_texts(prefix, {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(found.graph))})
+    return write_texts(prefix, {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(result.graph))})
 
 
 def write_texts(prefix: Path, texts: dict[str, str]) -> list[Path]:

@@ -52,17 +52,17 @@ router = APIRouter(tags=["classes"])
 CLASS_HEADER = "X-Gridbloom-Class"
 
 
-def _braked(brake: CodeGuesses, found: Classroom | None, request: Request | WebSocket, visitor: str) -> Classroom:
+def _braked(brake: CodeGuesses, classroom: Classroom | None, request: Request | WebSocket, visitor: str) -> Classroom:
     """Return the class of a code that was given. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
     address = client_address(request)
     if brake.wait_s(visitor, address) > 0.0:
         raise SessionBudgetError(
             "class.guesses", "Too many wrong codes came from this browser or its network: wait a minute."
         )
-    if found is None:
+    if classroom is None:
         brake.count(visitor, address)
         raise unknown_class()
-    return found
+    return classroom
 
 
 def _guessed(brake: CodeGuesses, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
@@ -188,8 +188,8 @@ async def stream(
     follows: bool = False,
 ) -> None:
     """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
-    found = _guessed(brake, classes, code, websocket, visitor)
-    if found.owner == visitor and not follows and not is_signed_in:
+    classroom = _guessed(brake, classes, code, websocket, visitor)
+    if classroom.owner == visitor and not follows and not is_signed_in:
         raise ClassRightError("class.signed_out", "The lecturer of this class has signed out.")
     room, member = classes.join(code, visitor, client_address(websocket), follows=follows)
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session

@@ -112,25 +112,25 @@ async def errors(
 
 def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> TrajectoryErrors:
     sides = [TimedPoses(log.stamps_ns, log.trajectory(name).poses) for name in (reference, estimate)]
-    found = compare_trajectories(sides[0], sides[1], options)
+    errors = compare_trajectories(sides[0], sides[1], options)
     origin_ns = int(log.stamps_ns.min())
-    step = max(1, -(-len(found.estimate) // PATH_POINTS))
-    translation, rotation = found.relative_translation, found.relative_rotation
+    step = max(1, -(-len(errors.estimate) // PATH_POINTS))
+    translation, rotation = errors.relative_translation, errors.relative_rotation
     return TrajectoryErrors(
-        pairs=len(found.estimate),
-        alignment=found.alignment,
-        absolute=ErrorFigures(found.absolute_translation.statistics, found.absolute_rotation.statistics),
+        pairs=len(errors.estimate),
+        alignment=errors.alignment,
+        absolute=ErrorFigures(errors.absolute_translation.statistics, errors.absolute_rotation.statistics),
         relative=RelativeFigures(
             translation.statistics, rotation.statistics, options.delta, options.delta_unit, len(translation.errors)
         ),
         series=SeriesOfErrors(
-            _over_time(found.absolute_translation, found.absolute_rotation, origin_ns),
+            _over_time(errors.absolute_translation, errors.absolute_rotation, origin_ns),
             _over_time(translation, rotation, origin_ns),
         ),
         paths=ComparedPaths(
-            _places(found.reference.poses[::step]),
-            _places(found.estimate.poses[::step]),
-            found.absolute_translation.errors[::step].round(6).tolist(),
+            _places(errors.reference.poses[::step]),
+            _places(errors.estimate.poses[::step]),
+            errors.absolute_translation.errors[::step].round(6).tolist(),
         ),
     )
 

@@ -136,25 +136,26 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     given = read_reference_map(Path(job.given))
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)
-    found = localize_log(
+    localized = localize_log(
         as_mapped(log, MappingConfig().with_values(job.mapping)), grid,
         LocalizationConfig().with_values(job.parameters), trajectory=job.trajectory, initial_pose=job.initial_pose,
         watch=watch,
     )  # fmt: skip
     offsets, particles = thinned(watch.clouds)
     states = FilterStates(
-        found.covariance, found.is_converged, found.is_sure, found.is_updated, found.share, found.fit, found.entropy,
-        found.n_particles, offsets, particles, given,
+        localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
+        localized.fit, localized.entropy, localized.n_particles, offsets, particles, given,
     )  # fmt: skip
-    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses, from_scans=True)})
+    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
     Path(job.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
     Path(job.out + TUM).write_text(tum_text(log, LOCALIZED), encoding="ascii")
     process.note_progress(1.0)
-    used = found.fit[found.is_updated]
+    used = localized.fit[localized.is_updated]
     return LocalizeOutcome(
-        given.title, found.odometry, found.first_converged, int(found.is_converged.sum()), bool(found.is_converged[-1]),
-        len(used), float(np.median(used)) if len(used) else 0.0, found.cpu_seconds,
-        int(found.is_sure.sum()), bool(found.is_sure[-1]),
+        given.title, localized.odometry, localized.first_converged,
+        int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
+        len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
+        int(localized.is_sure.sum()), bool(localized.is_sure[-1]),
     )  # fmt: skip
 
 
@@ -311,17 +312,17 @@ class LocalizationKind:
             pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
             limits.timeout_s, limits.cpu_s, limits.memory_bytes,
         )  # fmt: skip
-        found = await run.follow(job, read_progress)
+        outcome = await run.follow(job, read_progress)
         name = run.own_name(log, NAME, f"{NAME} in a map")
-        first = found.first_converged
+        first = outcome.first_converged
         when = "which never converged" if first is None else f"converged from scan {first + 1} on"
-        if first is not None and not found.is_sure:
+        if first is not None and not outcome.is_sure:
             when += ", not sure of the place at the end"
         start = "anywhere" if pose is None else "a given pose"
-        said = f"localized in {found.map_title} by the poses of {found.odometry}, from {start}, {when}"
+        said = f"localized in {outcome.map_title} by the poses of {outcome.odometry}, from {start}, {when}"
         text, states = await run.made(TUM), await run.made(FILTER_STATES)
         await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, filter_states=states))
-        rounded = replace(found, cpu_s=round(found.cpu_s, 2), median_fit=round(found.median_fit, 4))
+        rounded = replace(outcome, cpu_s=round(outcome.cpu_s, 2), median_fit=round(outcome.median_fit, 4))
         return LocalizationResult(**asdict(rounded), trajectory=name)
 
 

@@ -95,19 +95,19 @@ def _merge(job: MergeJob) -> MergeOutcome:
         return True
 
     logs = log_in(job.first), log_in(job.second)
-    found = merge_logs(*logs, progress=report)
-    for log, poses, ending in zip(logs, found.poses, ENDINGS, strict=True):
+    merged = merge_logs(*logs, progress=report)
+    for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
         one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
         Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
     begin("writing")
-    both, note = merged_log(logs, found.poses)
+    both, note = merged_log(logs, merged.poses)
     with Path(job.out + LOG).open("wb") as mcap:
         write_mcap(mcap, both, trajectory=NAME)
     Path(job.out + BOTH).write_text(tum_text(both, NAME), encoding="ascii")
-    Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, found)))
+    Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, merged)))
     process.note_progress(1.0)
     topic = both.topic if isinstance(both, JointLog) else None
-    return MergeOutcome(len(found.loops), len(found.tried), found.score, found.cpu_seconds, topic, note)
+    return MergeOutcome(len(merged.loops), len(merged.tried), merged.score, merged.cpu_seconds, topic, note)
 
 
 # -- the kind of jobs -------------------------------------------------------------------------------------------------
@@ -199,18 +199,18 @@ class MergeKind:
             await run.packed(_as_mapped(second, wanted.other_mapping), "second.npz"),
         )
         job = MergeJob(*packs, str(run.out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
-        found = await run.follow(job, lambda out: _report(out, run.worker.progress))
+        outcome = await run.follow(job, lambda out: _report(out, run.worker.progress))
         texts = [await run.made(ending) for ending in ENDINGS]
         names = [run.logs.get(run.owner, log_id).name for log_id in ids]
         for log_id, log, text, other in zip(ids, (first, second), texts, reversed(names), strict=True):
-            said = f"poses in one frame with those of {other}, with {found.loops} loops between the two logs"
+            said = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
             await run.add(log_id, log, NewTrajectory(NAME, text, "slam", said))
         both = await run.logs.put(run.owner, _name_of_both(names), _pieces(run.out.with_name(run.out.name + LOG)))
-        said = f"SLAM of {names[0]} and {names[1]}, with {found.loops} loops between the two logs"
-        log = await run.logs.load(run.owner, both.id, found.topic)
+        said = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
+        log = await run.logs.load(run.owner, both.id, outcome.topic)
         new = NewTrajectory(SLAM, await run.made(BOTH), "slam", said, await run.made(GRAPH))
         await run.add(both.id, log, new)
-        return MergeResult(**asdict(found), trajectory=NAME, log=both.id, name=both.name)
+        return MergeResult(**asdict(outcome), trajectory=NAME, log=both.id, name=both.name)
 
 
 def _as_mapped(log: ScanLog, mapping: Parameters | None) -> ScanLog:

@@ -241,24 +241,24 @@ class SlamKind:
             pack, str(run.out), wanted.trajectory, wanted.parameters, wanted.mapping or {}, limits.timeout_s,
             limits.cpu_s, limits.memory_bytes,
         )  # fmt: skip
-        found = await run.follow(job, read_progress)
-        start = "the scans alone" if found.odometry is None else f"the poses of {found.odometry}"
-        loops = "1 loop" if found.loops == 1 else f"{found.loops} loops"
+        outcome = await run.follow(job, read_progress)
+        start = "the scans alone" if outcome.odometry is None else f"the poses of {outcome.odometry}"
+        loops = "1 loop" if outcome.loops == 1 else f"{outcome.loops} loops"
         name = run.own_name(log, NAME, f"{NAME} (healed)")
         said = f"poses corrected by SLAM, from {start}, with {loops}"
         text, graph = await run.made(TUM), await run.made(GRAPH)
         await run.add(run.log_id, log, NewTrajectory(name, text, "slam", said, graph))
-        before, after = found.before, found.after
+        before, after = outcome.before, outcome.after
         return SlamResult(
             trajectory=name,
-            odometry=found.odometry,
-            loops=found.loops,
-            nodes=found.nodes,
-            cpu_s=round(found.cpu_s, 2),
+            odometry=outcome.odometry,
+            loops=outcome.loops,
+            nodes=outcome.nodes,
+            cpu_s=round(outcome.cpu_s, 2),
             drift_m=(_rounded(before.drift_m), _rounded(after.drift_m)),
             contradicted=(_rounded(before.contradicted), _rounded(after.contradicted)),
             sharpness=(_rounded(before.sharpness), _rounded(after.sharpness)),
-            notes=found.notes,
+            notes=outcome.notes,
         )
 
 

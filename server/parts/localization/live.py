@@ -166,21 +166,21 @@ class LabLocalization:
 
     def message(self) -> LocalizationMessage:
         """Return the message ``localization``."""
-        found, model = self._filter.estimate, self._filter
-        off = found.pose[:2] - np.array(self._true[:2])
-        turned = math.remainder(float(found.pose[2]) - self._true[2], math.tau)
+        estimate, model = self._filter.estimate, self._filter
+        off = estimate.pose[:2] - np.array(self._true[:2])
+        turned = math.remainder(float(estimate.pose[2]) - self._true[2], math.tau)
         return LocalizationMessage(
             is_on=True,
             map=self.given,
             values=self.values,
-            pose=rounded_pose(found.pose),
+            pose=rounded_pose(estimate.pose),
             at=rounded_pose(self._true),
-            covariance=rounded_covariance(found.covariance),
-            is_converged=found.is_converged,
-            is_sure=found.is_sure,
-            share=round(found.share, 4),
-            fit=round(found.fit, 4),
-            entropy=round(found.entropy, 3),
+            covariance=rounded_covariance(estimate.covariance),
+            is_converged=estimate.is_converged,
+            is_sure=estimate.is_sure,
+            share=round(estimate.share, 4),
+            fit=round(estimate.fit, 4),
+            entropy=round(estimate.entropy, 3),
             n_particles=len(model.particles),
             n_updates=model.n_updates,
             error_m=round(math.hypot(*off), 4),

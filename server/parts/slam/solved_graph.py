@@ -149,20 +149,20 @@ class SolvedGraph:
         poses = self.node_poses
         scans = scans_of(log, graph.nodes[[i, j]].tolist())
         guess = compose(inverse(poses[i]), poses[j])
-        found = match_scan(scans, 1, scan_target(scans, 0), guess, MatchConfig(window_m=WINDOW))
-        if found.score < LEAST_SCORE:
+        match = match_scan(scans, 1, scan_target(scans, 0), guess, MatchConfig(window_m=WINDOW))
+        if match.score < LEAST_SCORE:
             raise ConfigError(
                 "graph.no_match",
                 f"The scans {first} and {second} do not fit anywhere within {WINDOW:g} m: the best agreement is "
-                f"{100 * found.score:.0f} %.",
+                f"{100 * match.score:.0f} %.",
             )
-        if found.is_degenerate:
+        if match.is_degenerate:
             raise ConfigError(
                 "graph.no_match",
                 f"The walls of the scans {first} and {second} leave one direction undetermined, as in a corridor.",
             )
-        information = np.linalg.inv(found.covariance + np.diag(np.square(LEAST_DEVIATIONS)))
-        return graph.with_loop(i, j, found.pose, information, locked=True)
+        information = np.linalg.inv(match.covariance + np.diag(np.square(LEAST_DEVIATIONS)))
+        return graph.with_loop(i, j, match.pose, information, locked=True)
 
     def _node_near(self, scan: int) -> int:
         """Return the row of the node whose scan number is nearest."""

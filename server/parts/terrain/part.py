@@ -46,12 +46,12 @@ class TerrainPart(Part):
         self._first = TerrainParameters.for_cloud(source.points()) if self._asks_first else TerrainParameters()
         self.tables = {"terrain": rows_of(replace(row, initial=self._first.values[row.name]) for row in TABLE)}
         offers.maps["terrain"] = OtherMap("the classes of the terrain, while there is one", lambda: self.grid)
-        offers.costs["terrain_layer"] = lambda: None if self._found is None else self._found.terrain
+        offers.costs["terrain_layer"] = lambda: None if self._assessment is None else self._assessment.terrain
         self._share: float | None = None  #: of the present assessment that is done
         self._parameters: TerrainParameters | None = None
         self._costs = GridLayer("terrain_costs", "Terrain", "costs")
         self._values = GridLayer("terrain_values", "Property of the terrain")
-        self._found: Assessed | None = None
+        self._assessment: Assessed | None = None
         self._taken = -1  #: scans when it was assessed last; −1: it has to be assessed
         self._asked: tuple[float, float] | None = None
         self._mark: tuple[object, list[Drawing]] = (None, [])  #: what was marked last, and its drawings
@@ -72,14 +72,14 @@ class TerrainPart(Part):
     @property
     def cells(self) -> int:
         """Cells that it holds: ten moments of each patch among them, and the ground points."""
-        found = self._found
-        return 0 if found is None else 24 * found.terrain.classes.size + 6 * len(found.ground_points)
+        assessment = self._assessment
+        return 0 if assessment is None else 24 * assessment.terrain.classes.size + 6 * len(assessment.ground_points)
 
     def drawings(self) -> list[Drawing]:
         """Return a mark around the patch that is asked about; none without one."""
-        if self._found is None or self._asked is None:
+        if self._assessment is None or self._asked is None:
             return []
-        marked = self._found, *self._asked
+        marked = self._assessment, *self._asked
         if self._mark[0] != marked:
             drawn = patch_mark(*marked)
             self._mark = marked, [] if drawn is None else [drawn]
@@ -102,19 +102,19 @@ class TerrainPart(Part):
         result.slot(*self.messages())
 
     def _end(self, result: TickResult) -> None:
-        self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
+        self._parameters = self._assessment = self.grid = self._asked = self._problem = self._before = None
         self.is_on = False
         result.changed = True
         result.slot(*self.messages())
 
     def _note_change(self, parameters: TerrainParameters) -> None:
         """Keep the numbers of patches of each class, to show beside those that other values make."""
-        if self._found is None or self._parameters is None:
+        if self._assessment is None or self._parameters is None:
             return
         old, new = self._parameters.values, parameters.values
         names = [row.name for row in TABLE if old[row.name] != new[row.name] and row.name != "shown"]
         if names:
-            self._before = TerrainCounts(names, **self._found.terrain.counts())
+            self._before = TerrainCounts(names, **self._assessment.terrain.counts())
 
     def changed(self, result: TickResult) -> None:
         """Assess the terrain again if there are enough new scans or other parameters."""
@@ -130,16 +130,16 @@ class TerrainPart(Part):
         try:
             with self._host.cancellable(by_newer=False):
                 points, bounds, truth = self._source.read()
-                self._found = assessed(points, bounds, self._parameters, truth, self._note_share)
+                self._assessment = assessed(points, bounds, self._parameters, truth, self._note_share)
             self._problem = None
         except MapperError as error:
-            self._found, self._problem = None, error.message
+            self._assessment, self._problem = None, error.message
         self._share = None
-        self.grid = None if self._found is None else self._found.grid()
-        if self._found is not None:
+        self.grid = None if self._assessment is None else self._assessment.grid()
+        if self._assessment is not None:
             if self._asks_first and self._asked is None:
-                self._asked = first_asked(self._found)
-            self._show(self._found, self._parameters.values["shown"])
+                self._asked = first_asked(self._assessment)
+            self._show(self._assessment, self._parameters.values["shown"])
         result.changed = True
         result.slot(*self.messages())
 
@@ -151,36 +151,36 @@ class TerrainPart(Part):
                 "terrain.cancelled", "The assessment was cancelled; a change of a value begins it."
             )
 
-    def _show(self, found: Assessed, name: str) -> None:
-        geometry = found.terrain.patches.geometry
+    def _show(self, assessment: Assessed, name: str) -> None:
+        geometry = assessment.terrain.patches.geometry
         if name in ("costs", "costmap"):
-            costs = found.terrain.costs() if name == "costs" else found.costmap.costs
+            costs = assessment.terrain.costs() if name == "costs" else assessment.costmap.costs
             self._costs.set_bytes(geometry, np.ascontiguousarray(costs))
         else:
-            shown, most = found.shown(name)
+            shown, most = assessment.shown(name)
             self._values.set(geometry, shown, 0.0, most)
 
     def messages(self) -> tuple[TerrainMessage]:
         """Return the message ``terrain``."""
-        found, patch = self._found, None
-        if found is not None and self._asked is not None:
+        assessment, patch = self._assessment, None
+        if assessment is not None and self._asked is not None:
             try:
-                patch = patch_at(found, *self._asked)
+                patch = patch_at(assessment, *self._asked)
             except MapperError:
                 self._asked = None
-        counts = {"safe": 0, "unsafe": 0, "unknown": 0} if found is None else found.terrain.counts()
+        counts = {"safe": 0, "unsafe": 0, "unknown": 0} if assessment is None else assessment.terrain.counts()
         message = TerrainMessage(
             is_on=self._parameters is not None,
             values=dict((self._parameters or self._first).values),
-            points=0 if found is None else found.points,
-            ground=0 if found is None else len(found.ground_points),
-            unsure=0 if found is None else found.unsure,
-            left_out=0 if found is None else int((~found.is_fitted).sum()),
-            kappa=_rounded(None if found is None else found.kappa),
-            total_error=_rounded(None if found is None else found.total_error),
-            truth=None if found is None or found.kappa is None else self._source.truth,
+            points=0 if assessment is None else assessment.points,
+            ground=0 if assessment is None else len(assessment.ground_points),
+            unsure=0 if assessment is None else assessment.unsure,
+            left_out=0 if assessment is None else int((~assessment.is_fitted).sum()),
+            kappa=_rounded(None if assessment is None else assessment.kappa),
+            total_error=_rounded(None if assessment is None else assessment.total_error),
+            truth=None if assessment is None or assessment.kappa is None else self._source.truth,
             **counts,
-            size=0.0 if found is None else found.terrain.patches.size,
+            size=0.0 if assessment is None else assessment.terrain.patches.size,
             before=self._before,
             patch=patch,
             problem=self._problem,

@@ -20,9 +20,9 @@ _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 MOST_SENT = 400  #: points of a patch; of more every second one is sent, or fewer
 
 
-def first_asked(found: Assessed) -> tuple[float, float] | None:
+def first_asked(assessment: Assessed) -> tuple[float, float] | None:
     """Return the middle of the unsafe patch with a plane that is nearest to the middle of all; None without one."""
-    terrain = found.terrain
+    terrain = assessment.terrain
     unsafe = np.argwhere((terrain.classes == UNSAFE) & np.isfinite(terrain.score))
     if not len(unsafe):
         return None
@@ -32,33 +32,33 @@ def first_asked(found: Assessed) -> tuple[float, float] | None:
     return float(x), float(y)
 
 
-def place_of(found: Assessed, x: float, y: float) -> tuple[int, int, Float64Array, float]:
+def place_of(assessment: Assessed, x: float, y: float) -> tuple[int, int, Float64Array, float]:
     """Return row and column of the patch at (x, y), its centre (2,), and half the side of what its plane is fitted to.
 
     Raises :class:`ConfigError` for a place outside.
     """
-    patches = found.terrain.patches
+    patches = assessment.terrain.patches
     row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
-    rows, cols = found.terrain.classes.shape
+    rows, cols = assessment.terrain.classes.shape
     if not (0 <= row < rows and 0 <= col < cols):
         raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
     centre = np.asarray(patches.geometry.cell_to_world((row, col)), dtype=np.float64)
-    return row, col, centre, (found.reach + 0.5) * patches.size
+    return row, col, centre, (assessment.reach + 0.5) * patches.size
 
 
-def patch_at(found: Assessed, x: float, y: float) -> TerrainPatch:
+def patch_at(assessment: Assessed, x: float, y: float) -> TerrainPatch:
     """Return the part of the message about the patch at (x, y), or on the window around it that its plane is fitted to.
 
     Raises :class:`ConfigError` for a place outside.
     """
-    patches, terrain = found.terrain.patches, found.terrain
-    row, col, (cx, cy), half = place_of(found, x, y)
-    inside = found.index.window(row, col, found.reach)
-    local = found.ground_points[inside] - patches.corner
+    patches, terrain = assessment.terrain.patches, assessment.terrain
+    row, col, (cx, cy), half = place_of(assessment, x, y)
+    inside = assessment.index.window(row, col, assessment.reach)
+    local = assessment.ground_points[inside] - patches.corner
     # Heights are above the whole metre nearest to the lowest point, so that changes of P are not lost in large sums.
     base = float(np.round(local[:, 2].min())) if len(inside) else 0.0
     mine = local - (*((np.array([col, row]) + 0.5) * patches.size), base)
-    used = mine[found.is_fitted[inside]]
+    used = mine[assessment.is_fitted[inside]]
     sent = mine[:: max(1, -(-len(mine) // MOST_SENT))]
     return TerrainPatch(
         x=round(x, 4),
@@ -70,7 +70,7 @@ def patch_at(found: Assessed, x: float, y: float) -> TerrainPatch:
         n=len(mine),
         points=[round(v, 4) for v in sent.ravel().tolist()],
         edges=[round(v, 4) for v in _edges(terrain.planes, row, col, patches.size, base)],
-        children=_children(used) if found.level and not found.reach else [],
+        children=_children(used) if assessment.level and not assessment.reach else [],
         why=terrain.why(row, col),
         state=("unknown", "safe", "unsafe")[int(terrain.classes[row, col])],
     )
@@ -100,20 +100,20 @@ def _edges(planes: Float64Array, row: int, col: int, size: float, base: float) -
     return found
 
 
-def patch_mark(found: Assessed, x: float, y: float) -> Segments | None:
+def patch_mark(assessment: Assessed, x: float, y: float) -> Segments | None:
     """Return lines around the patch at (x, y), or the window that its plane is fitted to; None for a place outside.
 
     The lower four lie in the plane, the upper four above the highest ground point, where no voxel hides them. Without
     a plane the lower ones are at the lowest ground point, and without points at the lowest of the whole terrain.
     """
     try:
-        row, col, centre, half = place_of(found, x, y)
+        row, col, centre, half = place_of(assessment, x, y)
     except MapperError:
         return None
-    patches = found.terrain.patches
-    inside = found.index.window(row, col, found.reach)
-    z = found.ground_points[inside, 2] if len(inside) else patches.corner[2:]
-    level, along_x, along_y = found.terrain.planes[row, col, :3].tolist()
+    patches = assessment.terrain.patches
+    inside = assessment.index.window(row, col, assessment.reach)
+    z = assessment.ground_points[inside, 2] if len(inside) else patches.corner[2:]
+    level, along_x, along_y = assessment.terrain.planes[row, col, :3].tolist()
     offsets = half * _CORNERS
     low = patches.corner[2] + level + offsets @ (along_x, along_y)
     low = np.where(np.isfinite(low), low, z.min())

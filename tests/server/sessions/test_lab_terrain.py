@@ -150,7 +150,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     lab.do(type="map3d")
     lab.look_around()
     lab.do(type="terrain")
-    made = terrain_of(lab)._found
+    made = terrain_of(lab)._assessment
     assert made is not None
     n = made.terrain.patches.moments[..., 0]
     x, y = made.terrain.patches.geometry.cell_to_world(np.unravel_index(int(np.argmax(n)), n.shape))
@@ -173,7 +173,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     # As a layer: each cell has the cost of the patch around its centre, and says that patch's slope, roughness, step.
     assert "terrain_layer" in {layer.name for layer in lab.model.layers}
     lab.do(type="costmap", values={"map": "belief", "terrain_layer": True, "inflation_layer": False})
-    now = terrain_of(lab)._found
+    now = terrain_of(lab)._assessment
     assert now is not None
     terrain, own = now.terrain, costmap.geometry
     costs, hit = terrain.costs(), 0
