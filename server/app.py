@@ -12,7 +12,7 @@ from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.classes import Classes
-from server.classes.prepared import Prepared, PreparedHere
+from server.classes.classes import Prepared, PreparedHere
 from server.downloads import Downloads
 from server.http.brake import CodeGuesses
 from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers

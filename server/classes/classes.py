@@ -7,11 +7,11 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
 from mapper.core.errors import MapperError
 from server.classes.classroom import MAX_NUMBERS, Classroom, Member
 from server.classes.codes import new_code, normalised
-from server.classes.prepared import Prepared
 
 MAX_CLASSES = 32
 MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
@@ -22,6 +22,35 @@ ADDRESS_SHARE = 0.75
 LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
 LOOK_FOR_PREPARED_S = 0.5  #: time between two looks whether another process has the prepared class
+
+
+class Prepared(Protocol):
+    """Who has a class that is open from the start (``gridbloom serve --class``), in one process or among several.
+
+    Who opens a class first takes it over.
+    """
+
+    code: str
+
+    @property
+    def waits_here(self) -> bool:
+        """Whether nobody has taken the class over, and requests with its code reach this process."""
+
+    def take_over(self) -> bool:
+        """Take the class over for a visitor of this process; return False where somebody has done so before."""
+
+
+class PreparedHere:
+    """Such a class of a service of one process."""
+
+    def __init__(self, code: str) -> None:
+        self.code = code
+        self.waits_here = True
+
+    def take_over(self) -> bool:
+        """Take the class over; return False where somebody has done so before."""
+        waited, self.waits_here = self.waits_here, False
+        return waited
 
 
 class ClassNotFoundError(MapperError):

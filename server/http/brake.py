@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from server.network_address import network_of
-from server.workers.shared_counts import MAX_NETWORKS
+from server.workers.shared import MAX_NETWORKS
 
 
 class Counts(Protocol):

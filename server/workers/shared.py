@@ -2,12 +2,128 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import secrets
+from dataclasses import astuple, dataclass, fields
+from hashlib import blake2b
+from mmap import mmap
 
+import numpy as np
+from numpy.typing import NDArray
+
+from server.sessions.use import Use
 from server.workers.shared_class import SharedClass
-from server.workers.shared_connections import SharedConnections
-from server.workers.shared_counts import MAX_NETWORKS, SharedCounts
-from server.workers.use import SharedUse
+
+MAX_NETWORKS = 4096  #: of which wrong secrets are recorded
+WAYS = 8  #: places of a key among the counts
+PLACES = 1 << 16  #: of networks among the connections
+_ENTRY = np.dtype([("key", np.uint64), ("number", np.float64), ("at", np.float64)])
+
+
+class SharedUse:
+    """What the sessions of each worker use of the budgets: a row for each, for processes that are forked later."""
+
+    def __init__(self, workers: int) -> None:
+        columns = len(fields(Use))
+        memory = mmap(-1, workers * columns * 8)
+        self._rows = np.frombuffer(memory, dtype=np.int64).reshape(workers, columns)
+
+    def of(self, worker: int) -> WorkersUse:
+        """Return the view of one worker."""
+        return WorkersUse(self._rows, worker)
+
+    def clear(self, worker: int) -> None:
+        """Forget what a worker has used, which has ended."""
+        self._rows[worker] = 0
+
+
+class WorkersUse:
+    """The rows (workers, columns) as worker ``own`` sees them."""
+
+    def __init__(self, rows: NDArray[np.int64], own: int) -> None:
+        self._rows, self._own = rows, own
+
+    def others(self) -> Use:
+        """Return what the sessions of the other workers use together."""
+        return Use(*(self._rows.sum(axis=0) - self._rows[self._own]).tolist())
+
+    def state(self, own: Use) -> None:
+        """State what the sessions of this worker use."""
+        self._rows[self._own] = astuple(own)
+
+
+def keyed_hash(key: str, secret: bytes) -> int:
+    """Return a hash of 8 bytes: without the secret nobody chooses keys that share a place."""
+    return int.from_bytes(blake2b(key.encode(), digest_size=8, key=secret).digest(), "little")
+
+
+class SharedCounts:
+    """At most about ``size`` numbers with a time, by key, shared by processes that are forked after this was made.
+
+    A key is kept as a keyed hash of 8 bytes in one of a few places, as in a cache: where all are taken, the oldest
+    entry goes. Workers that write at once may lose one of two counts.
+    """
+
+    def __init__(self, size: int) -> None:
+        sets = -(-size // WAYS)
+        memory = mmap(-1, sets * WAYS * _ENTRY.itemsize)
+        self._entries = np.frombuffer(memory, dtype=_ENTRY).reshape(sets, WAYS)
+        self._secret = secrets.token_bytes(16)
+
+    def get(self, key: str) -> tuple[float, float]:
+        """Return the number of a key and the time when it was set; 0 and 0 for none."""
+        name, entries = self._places(key)
+        found = np.flatnonzero(entries["key"] == name)
+        return (float(entries["number"][found[0]]), float(entries["at"][found[0]])) if len(found) else (0.0, 0.0)
+
+    def set(self, key: str, number: float, at: float) -> None:
+        """Set the number of a key, in the place of the oldest of those that share its places."""
+        name, entries = self._places(key)
+        found = np.flatnonzero(entries["key"] == name)
+        entries[int(found[0]) if len(found) else int(np.argmin(entries["at"]))] = (name, number, at)
+
+    def _places(self, key: str) -> tuple[np.uint64, NDArray[np.void]]:
+        name = keyed_hash(key, self._secret)
+        return np.uint64(name), self._entries[name % len(self._entries)]
+
+
+class SharedConnections:
+    """How many connections that do not wait each worker has, in all and of each network, as :class:`SharedUse`.
+
+    A network is counted in one of many places, by a keyed hash: two that share a place count as one.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._rows = np.frombuffer(mmap(-1, workers * (PLACES + 1) * 4), dtype=np.int32).reshape(workers, PLACES + 1)
+        self._secret = secrets.token_bytes(16)
+
+    def of(self, worker: int) -> WorkersConnections:
+        """Return the view of one worker."""
+        return WorkersConnections(self._rows, self._secret, worker)
+
+    def clear(self, worker: int) -> None:
+        """Forget the connections of a worker that has ended."""
+        self._rows[worker] = 0
+
+
+class WorkersConnections:
+    """The rows (workers, places and the sum of them) as worker ``own`` sees them."""
+
+    def __init__(self, rows: NDArray[np.int32], secret: bytes, own: int) -> None:
+        self._rows, self._secret, self._own = rows, secret, own
+
+    def others(self, network: str) -> tuple[int, int]:
+        """Return how many connections the other workers have: in all, and of a network."""
+        columns = self._rows[:, [PLACES, self._place(network)]]
+        in_all, of_network = columns.sum(axis=0) - columns[self._own]
+        return int(in_all), int(of_network)
+
+    def add(self, network: str, number: int) -> None:
+        """Count so many more connections of a network in this worker."""
+        self._rows[self._own, self._place(network)] += number
+        self._rows[self._own, PLACES] += number
+
+    def _place(self, network: str) -> int:
+        return keyed_hash(network, self._secret) % PLACES
 
 
 @dataclass(frozen=True, slots=True)

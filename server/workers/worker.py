@@ -10,10 +10,8 @@ from dataclasses import dataclass
 
 from server.workers.handover import Channel, Handover
 from server.workers.places import worker_of_class
-from server.workers.shared import Guesses, Shared
+from server.workers.shared import Guesses, Shared, WorkersConnections, WorkersUse
 from server.workers.shared_class import WorkersClass
-from server.workers.shared_connections import WorkersConnections
-from server.workers.use import WorkersUse
 
 REPLACE = signal.SIGUSR1  #: has a worker end once no upload to it is under way
 

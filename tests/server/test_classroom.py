@@ -12,7 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from server.classes import ClassBudgetError, Classes, ClassNotFoundError, Classroom, classes, classroom, results_csv
-from server.classes.prepared import PreparedHere
+from server.classes.classes import PreparedHere
 from server.stream.class_messages import AnswerCommand, AskCommand, ClassAxis, ClassView, RevealCommand, ShowCommand
 
 Page = Literal["lecture", "lab", "logs", "other"]

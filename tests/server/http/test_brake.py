@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from server.http.brake import Brake
-from server.workers.shared_counts import MAX_NETWORKS
+from server.workers.shared import MAX_NETWORKS
 from tests.server.service import running, settings_for
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from server.http.connections import Connections
-from server.workers.shared_connections import SharedConnections
+from server.workers.shared import SharedConnections
 
 HERE, THERE = "192.0.2.1", "192.0.2.2"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from server.workers.shared_counts import WAYS, SharedCounts
+from server.workers.shared import WAYS, SharedCounts
 
 
 def test_a_count_of_one_process_is_seen_by_another() -> None:
