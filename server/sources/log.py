@@ -361,7 +361,10 @@ class LogModel(SessionModel):
             case SeekCommand(index=index):
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
+                is_there = index == self._target
                 self.go_to(index)
+                if is_there:
+                    return
             case ScenePick():
                 self._pick(command, result)
             case StepCommand(scans=scans):

@@ -282,7 +282,10 @@ class VolumeModel(SessionModel, Volumetric):
                 if not 0 <= index <= self._map.count:
                     message = f"There are {self._map.count} scans; there is none after {index}."
                     raise ProtocolError("command.index", message)
+                is_there = index == self._timeline.target
                 self._timeline.go_to(index)
+                if is_there:
+                    return
             case StepCommand(scans=scans):
                 self.playback.playing = False
                 self._timeline.go_to(self._shown.index + scans)

@@ -30,6 +30,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.computation import hello_message
+from server.sessions.tick import TickResult
 from server.sessions.why import CellAsked, why_message
 from server.sources.log import MAX_GAP_S, PATH_MARGIN, play_times
 from server.sources.log_recording import first_replay
@@ -123,6 +124,18 @@ async def test_parameters_remake_the_map_at_the_same_scan(
         view_of(session).log_odds, whole_map(office_log, session.model.config, stop=40).log_odds
     )
     assert session.model.progress[0] == 40
+
+
+async def test_a_seek_to_where_the_map_is_changes_nothing(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await new_log(registry, "me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=40)
+    for index, is_change in ((40, False), (41, True)):
+        result = TickResult()
+        session.model.handle(command_of({"type": "seek", "index": index}), result)
+        assert result.changed is is_change
 
 
 async def test_it_plays_to_its_end_and_from_the_start_again(

@@ -23,6 +23,8 @@ from mapper.volume.scans.sources import Insertion, insert_all, open_source
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.library.packs.volume import read_volume_pack, write_volume_pack
 from server.parts.volume.cloud_points import CloudPoints
+from server.parts.wire import command_of
+from server.sessions.tick import TickResult
 from tests.mapper.io.logs.recorded import written
 from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen
@@ -66,6 +68,9 @@ async def test_the_map_of_a_recording_is_that_of_the_library(service: Service, r
             await page.send("seek", index=index)
             await page.until(lambda index=index: page.newest["frame"]["index"] == index)  # type: ignore[misc]
         await page.until(lambda: page.newest["volume"]["nodes"] is not None)
+        result = TickResult()
+        service.state.sessions.get(session).model.handle(command_of({"type": "seek", "index": 4}), result)
+        assert not result.changed  # it is there
         expected = OccupancyVolume(VolumeConfig(resolution=resolution))
         insert_all(expected, open_source(recording), Insertion())
         tree = Octree.of(expected)
