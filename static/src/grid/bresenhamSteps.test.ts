@@ -1,6 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bresenham } from "./bresenham";
-import { bresenhamSteps, octant } from "./bresenhamSteps";
+import { bresenham, bresenhamSteps, octant } from "./bresenham";
 import type { Cell } from "./lattice";
 
 const BOTH = { direction: true, steep: true };

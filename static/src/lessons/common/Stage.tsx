@@ -4,7 +4,7 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
 import { fromLattice, toLattice } from "../../grid/lattice";
 import type { GridGeometry, OccupancyGrid } from "../../grid/occupancyGrid";
-import { mapColours, palette } from "../../render/map/palette";
+import { mapColours, palette } from "../../render/map/palettes";
 import { isDark } from "../../ui/browser/theme";
 import type { Point } from "../../wire/protocol";
 import "./lesson.css";

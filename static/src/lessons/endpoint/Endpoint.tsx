@@ -4,8 +4,8 @@ import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useInSight";
 import { cellSide, originAt, pipelineBeam } from "../stage/controls";
-import { nowOf } from "../stage/nowOf";
 import { readingOf } from "../stage/reading";
+import { nowOf } from "../stage/scene";
 import { SCENES } from "../stage/scenes";
 import "./endpoint.css";
 

@@ -8,8 +8,7 @@ import { FREE as MOST_FREE, OCCUPIED } from "../../render/chart/LogOddsBackgroun
 import type { Point, Pose } from "../../wire/protocol";
 import { allRound, box, scanFrom, type Wall } from "../common/world";
 import { FIELD_GEOMETRY, MAPPED } from "../localization/field";
-import { nowOf } from "../stage/nowOf";
-import { scene } from "../stage/scene";
+import { nowOf, scene } from "../stage/scene";
 import { type Costs, FREE } from "./costmap";
 
 export const GEOMETRY = FIELD_GEOMETRY;

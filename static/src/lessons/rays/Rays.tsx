@@ -1,7 +1,7 @@
 import { computed, useSignal } from "@preact/signals";
 import { useId, useMemo, useRef } from "preact/hooks";
 import { amanatidesWoo } from "../../grid/amanatidesWoo";
-import { bresenhamSteps, type Fixes, type Line, octant } from "../../grid/bresenhamSteps";
+import { bresenhamSteps, type Fixes, type Line, octant } from "../../grid/bresenham";
 import type { Cell } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { Button } from "../../ui/Button";

@@ -1,5 +1,5 @@
 import { useRef } from "preact/hooks";
-import { bresenhamSteps } from "../../grid/bresenhamSteps";
+import { bresenhamSteps } from "../../grid/bresenham";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { rayFrom, rayTo } from "./ends";

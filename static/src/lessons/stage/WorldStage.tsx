@@ -12,7 +12,7 @@ import {
   ZoneNames,
 } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
-import { mapColours, palette } from "../../render/map/palette";
+import { mapColours, palette } from "../../render/map/palettes";
 import { isDark } from "../../ui/browser/theme";
 import { signed, written } from "../../ui/numbers";
 import type { Point, Pose } from "../../wire/protocol";

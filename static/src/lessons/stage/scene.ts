@@ -9,7 +9,7 @@ import type { StageTransform } from "../common/Stage";
 import type { Box, Projection } from "./camera";
 import { ownCell, ownPoses } from "./controls";
 import { DRIVE, FLOOR } from "./floor";
-import type { MapHistory, Plan } from "./history";
+import { historyOf, type MapHistory, type Plan } from "./history";
 import { type Conditions, geometryOf, USUAL } from "./sensing";
 
 /** What is drawn over the map. */
@@ -137,4 +137,12 @@ export const planOf = ({ resolution, conditions, config, poses }: Scene): Plan =
 export function shownOf(history: MapHistory, count: number, { cell, grid }: Scene): Shown {
   const map = grid ?? history.after(count);
   return { history, count, map, index: indexOf(map.geometry, cellAt(map.geometry, cell[0], cell[1])) };
+}
+
+/** The complete map of a scene, computed at once: for what stands beside the stage. */
+export function nowOf(scene: Scene): Shown {
+  const plan = planOf(scene);
+  const history = historyOf(plan);
+  history.advance(plan, () => false);
+  return shownOf(history, plan.poses.length, scene);
 }

@@ -23,7 +23,7 @@ import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
 import { LayoutChoice } from "../../ui/stage/LayoutChoice";
 import type { Layout } from "../../ui/stage/layout";
-import { Downloads } from "./groups/Downloads";
+import { Downloads } from "./Downloads";
 import { KINDS, PRESETS } from "./views";
 
 interface SettingsProps {

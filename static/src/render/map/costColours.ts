@@ -2,7 +2,7 @@
 
 import { type Rgb, tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
-import { plain } from "./palette";
+import { plain } from "./palettes";
 
 /** Byte of a cost in a grid: 0 is no information, 1 is free. */
 export const byteOfCost = (cost: number): number => (cost === 255 ? 0 : cost + 1);

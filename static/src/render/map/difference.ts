@@ -10,7 +10,7 @@ import { type Rgb, tokenRgb } from "../../style/colour";
 import { fromLab, mixed, toLab } from "../../style/oklab";
 import type { CellState, Geometry } from "../../wire/protocol";
 import type { Codes } from "./combinedMap";
-import { PALETTE_ROWS, type Palette, plain } from "./palette";
+import { PALETTE_ROWS, type Palette, plain } from "./palettes";
 
 export const SAME = 1;
 export const SAME_WALL = 2;

@@ -4,7 +4,7 @@ import type { Rgb } from "../../style/colour";
 import { fromLab, toLab } from "../../style/oklab";
 import { Cells } from "./cells";
 import { Highlights } from "./highlights";
-import { palette } from "./palette";
+import { palette } from "./palettes";
 import { CHUNK, emptyPyramid, LEVELS, levelFor, reduce, sideOf } from "./pyramid";
 import { clipMatrix } from "./renderer";
 

@@ -3,8 +3,7 @@ import { afterEach, expect, test } from "vitest";
 import type { Geometry } from "../../wire/protocol";
 import { Cells } from "./cells";
 import type { MapPicture } from "./mapPicture";
-import { PALETTE_ROWS } from "./palette";
-import { PALETTES, paletteOf } from "./palettes";
+import { PALETTE_ROWS, PALETTES, paletteOf } from "./palettes";
 
 const map = (style: string, low = -2, high = 3.5): MapPicture => ({
   geometry: { low, high } as Geometry,

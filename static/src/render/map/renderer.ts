@@ -7,8 +7,7 @@ import { CanvasOverlay, CORNERS, nearestTexture, vertexArray } from "./canvasOve
 import type { Cells } from "./cells";
 import { Highlights } from "./highlights";
 import type { MapPicture } from "./mapPicture";
-import { PALETTE_ROWS, type Palette } from "./palette";
-import { paletteOf } from "./palettes";
+import { PALETTE_ROWS, type Palette, paletteOf } from "./palettes";
 import { CHUNK, levelFor } from "./pyramid";
 import { CELLS_FRAGMENT, CELLS_VERTEX, HIGHLIGHT_FRAGMENT, HIGHLIGHT_VERTEX, program, uniforms } from "./shaders";
 import { type PaintCanvas, resizeCanvas } from "./surface";

@@ -1,8 +1,7 @@
 /** The palettes of costs and of the potential: alone on a sheet, and laid over the belief. */
 
 import { costColours, potentialColours, speedColours } from "../../render/map/costColours";
-import type { Palette } from "../../render/map/palette";
-import { PALETTES } from "../../render/map/palettes";
+import { PALETTES, type Palette } from "../../render/map/palettes";
 
 export const COSTS_OVER: Palette = {
   key: "costs over",

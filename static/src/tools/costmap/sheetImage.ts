@@ -1,5 +1,5 @@
 import type { MapPicture } from "../../render/map/mapPicture";
-import type { Palette } from "../../render/map/palette";
+import type { Palette } from "../../render/map/palettes";
 import { TILE } from "../../wire/protocol";
 
 /** A grid as an image, a pixel for each cell, row 0 first; painted again only where its cells have changed. */

@@ -3,8 +3,7 @@
  * of its points. The server's side is `tests/server/sessions/waves_kind.py`.
  */
 
-import { type Palette, plain } from "../../render/map/palette";
-import { PALETTES } from "../../render/map/palettes";
+import { PALETTES, type Palette, plain } from "../../render/map/palettes";
 import { columnOf, OVERLAYS, type Overlay } from "../../render/picture/overlays";
 import { toScreen } from "../../render/view";
 import { KINDS } from "../../wire/kinds";

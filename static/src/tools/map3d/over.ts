@@ -1,7 +1,6 @@
 /** What only the 3D map has, laid over the belief. */
 
-import { type Palette, plain } from "../../render/map/palette";
-import { PALETTES } from "../../render/map/palettes";
+import { PALETTES, type Palette, plain } from "../../render/map/palettes";
 import type { Layer } from "../../render/map/renderer";
 import type { Store } from "../../store/store";
 import { tokenRgb } from "../../style/colour";

@@ -1,7 +1,7 @@
 /** What is drawn over a map that is edited: the sketch of the tool, the origin, and how the map will be turned. */
 
 import { centreOf, fromLattice } from "../../grid/lattice";
-import { PALETTE_ROWS, type Palette } from "../../render/map/palette";
+import { PALETTE_ROWS, type Palette } from "../../render/map/palettes";
 import type { Layer } from "../../render/map/renderer";
 import { type Brush, paintCell, paintCrosshair } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";

@@ -3,7 +3,7 @@
  * `mapper/mapping/textbook.py` does with Bresenham's line. Only for models that add log-odds along thin beams.
  */
 
-import { bresenhamSteps } from "../../grid/bresenhamSteps";
+import { bresenhamSteps } from "../../grid/bresenham";
 import type { Cell } from "../../grid/lattice";
 import { INITIAL_CONFIG, type MappingConfig } from "../../grid/occupancyGrid";
 import { beamModel, INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";

@@ -3,7 +3,7 @@
 import { beamAt } from "../../grid/beams";
 import { byteAt } from "../../grid/cellValues";
 import { fromLattice } from "../../grid/lattice";
-import { mapColours, palette } from "../../render/map/palette";
+import { mapColours, palette } from "../../render/map/palettes";
 import { type Brush, paintBeam, paintCell } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";

@@ -1,10 +1,10 @@
-import type { Store } from "../../../store/store";
-import { EditMap } from "../../../tools/mapediting/EditMap";
-import { MakePuzzle } from "../../../tools/puzzle/MakePuzzle";
-import { Button } from "../../../ui/Button";
-import { MapFiles } from "../../../ui/files/MapFiles";
-import { toast } from "../../../ui/Toast";
-import { liveAddress, snapshotAddress } from "../session";
+import type { Store } from "../../store/store";
+import { EditMap } from "../../tools/mapediting/EditMap";
+import { MakePuzzle } from "../../tools/puzzle/MakePuzzle";
+import { Button } from "../../ui/Button";
+import { MapFiles } from "../../ui/files/MapFiles";
+import { toast } from "../../ui/Toast";
+import { liveAddress, snapshotAddress } from "./session";
 
 async function copy(text: string, done: string): Promise<void> {
   try {
