@@ -1,5 +1,4 @@
 import "../style/index.css";
-import "./hero.css";
 import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";

@@ -45,8 +45,6 @@ import { useClass } from "./useClass";
 import { replay } from "./worldSession";
 import "../style/index.css";
 import "./lab/lab.css";
-import "./lab/bar.css";
-import "./lab/groups.css";
 
 type Reading = number | null | undefined;
 

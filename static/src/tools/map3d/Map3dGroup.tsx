@@ -17,7 +17,6 @@ import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
 import "../volume/volume.css";
 import "./map3d.css";
-import "./surfacePanel.css";
 
 /** Bytes of an empty bar. */
 const LEAST = 1000;
