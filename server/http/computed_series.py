@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import MapperError
 from mapper.io.contents.scan_series import scan_columns, scan_series
+from server.http.session_access import part_of_log
 from server.sessions.parts import Graphed, GraphSource, Recording
 
 if TYPE_CHECKING:
@@ -21,10 +21,7 @@ MAP, SLAM, SCANS = COMPUTED = ("(map)", "(slam)", "(scans)")
 
 def recording_of(session: SessionHost) -> Recording:
     """Return the log of a session. Raises :class:`MapperError` for a live world."""
-    recording = session.model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the recording of a log has series to plot, not a live world.")
-    return recording
+    return part_of_log(session, Recording, "Only the recording of a log has series to plot, not a live world.")
 
 
 def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:

@@ -6,7 +6,7 @@ A session that was begun with a shared link is read-only, also for its own addre
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mapper.core.errors import MapperError
 from server.sessions import SessionRegistry
@@ -14,6 +14,8 @@ from server.sessions.parts import Recording, Viewed
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,13 +36,20 @@ class SessionOfLog:
         return self.recording.log_id
 
 
+def part_of_log(
+    session: SessionHost, kind: type[T], problem: str = "This is possible with a log only, not with a simulation."
+) -> T:
+    """Return what implements an interface in a session of a log. Raises :class:`MapperError`, with ``problem``."""
+    part = session.model.find(kind)
+    if part is None:
+        raise MapperError("session.not_a_log", problem)
+    return part
+
+
 def session_of_log(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
     """Return a session of a log. Raises :class:`MapperError` for a session of another kind."""
     session = sessions.get(session_id)
-    recording = session.model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
-    return SessionOfLog(session, recording)
+    return SessionOfLog(session, part_of_log(session, Recording))
 
 
 def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Viewed]:
@@ -49,9 +58,7 @@ def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[Sessi
     Raises :class:`MapperError` for a session of another kind, and for one that was begun with a link.
     """
     session = sessions.get(session_id)
-    viewed = session.model.find(Viewed)
-    if viewed is None:
-        raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
+    viewed = part_of_log(session, Viewed)
     _refuse_guests(session)
     return session, viewed
 

@@ -25,6 +25,7 @@ from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
+from server.http.session_access import part_of_log
 from server.library.library import Library
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
@@ -76,10 +77,8 @@ def _origin_ns(log: ScanLog) -> int:
 
 
 def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
-    recording = sessions.get(session_id).model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only a recording has contents to list, not a live world.")
-    return recording
+    message = "Only a recording has contents to list, not a live world."
+    return part_of_log(sessions.get(session_id), Recording, message)
 
 
 async def _looked_into(

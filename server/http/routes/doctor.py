@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from pydantic import Field
 
-from mapper.core.errors import MapperError
 from mapper.core.parameter import Values
 from mapper.io.logs.summary import recorded_seconds
 from server.http.clients import while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Sessions, Visitor
+from server.http.session_access import part_of_log
 from server.sessions.parts import Recording
 
 if TYPE_CHECKING:
@@ -97,9 +97,8 @@ async def doctor(
 
     The examination ends when every client that waits for it has disconnected.
     """
-    recording = sessions.get(session_id).model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only a log can be examined, not a simulation.")
+    session = sessions.get(session_id)
+    recording = part_of_log(session, Recording, "Only a log can be examined, not a simulation.")
     trajectory = recording.trajectory  # which may be another one when the examination is over
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)

@@ -22,7 +22,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
-from server.http.session_access import writable_session
+from server.http.session_access import part_of_log, writable_session
 from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
 from server.library.library import Library
 from server.puzzles.answers import Attempt, NamedCause, OfferedPuzzle
@@ -298,9 +298,7 @@ async def check(
 ) -> Attempt:
     """Measure the map of all scans with the session's present parameters and poses; answer as GET does."""
     game, session = puzzles.game(session_id), sessions.get(session_id)
-    recording = session.model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "This session has no log.")
+    recording = part_of_log(session, Recording, "This session has no log.")
     goes_on = True
 
     async def measured() -> None:

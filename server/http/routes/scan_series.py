@@ -8,13 +8,13 @@ from typing import Literal
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from mapper.core.errors import MapperError
 from mapper.io.contents.scan_series import has_times, plot_origin_ns, scan_series
 from mapper.sensors.scan import ScanLog
 from server.http.clients import in_turn
 from server.http.guests import GuestRight, guests_may
 from server.http.series_answer import BUCKETS, Buckets, Seconds, SeriesAnswer, json_answer
 from server.http.services import RequestWork, Sessions, Visitor
+from server.http.session_access import part_of_log
 from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -45,9 +45,8 @@ async def of_scans(
     The poses are those of the session's present trajectory. ``axis`` is "time", in seconds since the first scan, or
     "scan" for a log without times, whose ``times`` are numbers of scans.
     """
-    recording = sessions.get(session_id).model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the recording of a log has scans to plot, not a live world.")
+    session = sessions.get(session_id)
+    recording = part_of_log(session, Recording, "Only the recording of a log has scans to plot, not a live world.")
     log, trajectory = recording.log, recording.trajectory
     return await in_turn(request, work, visitor, lambda: json_answer(_answer(log, trajectory, start, end, buckets)))
 

@@ -9,7 +9,6 @@ import numpy as np
 from fastapi import APIRouter, Query, Request
 from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError
 from mapper.evaluation import Alignment, ComparisonOptions, ErrorSeries, ErrorStatistics, compare_trajectories
 from mapper.io.contents.downsampling import min_max
 from mapper.sensors.scan import ScanLog
@@ -17,6 +16,7 @@ from mapper.sensors.timed_poses import TimedPoses
 from server.http.clients import in_turn
 from server.http.guests import GuestRight, guests_may
 from server.http.services import RequestWork, Sessions, Visitor
+from server.http.session_access import part_of_log
 from server.sessions.parts import Recording
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -102,10 +102,8 @@ async def errors(
 
     The definitions are those of ``gridbloom evaluate``. Paths are in the frame of ``reference``, the estimate aligned.
     """
-    recording = sessions.get(session_id).model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the trajectories of a log can be compared.")
-    log = recording.log
+    session = sessions.get(session_id)
+    log = part_of_log(session, Recording, "Only the trajectories of a log can be compared.").log
     options = ComparisonOptions(align=align, delta=delta, delta_unit=unit)
     return await in_turn(request, work, visitor, lambda: _errors(log, reference, estimate, options))
 

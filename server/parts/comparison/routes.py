@@ -19,6 +19,7 @@ from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
+from server.http.session_access import part_of_log
 from server.sessions import SessionRegistry
 from server.sessions.kind import GivenValues
 from server.sessions.parts import Comparable
@@ -82,10 +83,7 @@ class ComparisonAnswer:
 
 def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Comparable]:
     session = sessions.get(session_id)
-    comparison = session.model.find(Comparable)
-    if comparison is None:
-        raise MapperError("session.not_a_log", "Only the map of a log can be compared here.")
-    return session, comparison
+    return session, part_of_log(session, Comparable, "Only the map of a log can be compared here.")
 
 
 @router.put("/{session_id}/compare")

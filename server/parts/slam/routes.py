@@ -16,7 +16,7 @@ from server.http.following import follow_slam, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
-from server.http.session_access import writable_session
+from server.http.session_access import part_of_log, writable_session
 from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
 from server.library.processing.log_jobs import ParameterTable
@@ -181,10 +181,7 @@ async def stop_correction(library: Logs, sessions: Sessions, session_id: str) ->
 
 def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Recording]:
     session = sessions.get(session_id)
-    recording = session.model.find(Recording)
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
-    return session, recording
+    return session, part_of_log(session, Recording, "Only the poses of a log can be healed.")
 
 
 # -- the pose graph ----------------------------------------------------------------------------------------------------
@@ -193,9 +190,8 @@ def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 def _graph(library: Library, sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Graphed, GraphSource]:
     """Return a session, its graph, and the function that reads the graph's file."""
     session = sessions.get(session_id)
-    graph, recording = session.model.find(Graphed), session.model.find(Recording)
-    if graph is None or recording is None:
-        raise MapperError("session.not_a_log", "Only the poses of a log have a pose graph.")
+    problem = "Only the poses of a log have a pose graph."
+    graph, recording = part_of_log(session, Graphed, problem), part_of_log(session, Recording, problem)
     owner = session.owner if session.link is None else library.links.get(session.link).owner
     return session, graph, graph_source(library, owner, recording.log_id)
 
