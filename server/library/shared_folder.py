@@ -9,8 +9,7 @@ from pathlib import Path
 
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.folder import FolderLog, LogFolder
-from server.library.logs.names import display_name
-from server.library.logs.records import Record
+from server.library.logs.records import Record, display_name
 from server.library.processing.reading_jobs import Jobs
 from server.storage import StorageError
 

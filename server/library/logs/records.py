@@ -1,7 +1,8 @@
-"""The record of a log, and the interface of the store of records."""
+"""The record of a log, the name under which it is shown, and the interface of the store of records."""
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
@@ -14,6 +15,7 @@ from server.jobs.record import Failure
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
+MAX_NAME = 120  #: characters of a name on the page
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,3 +175,17 @@ def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
         return msgspec.convert(data, LogSummary)
     except msgspec.ValidationError:
         return None
+
+
+def display_name(name: str) -> str:
+    """Return ``name`` as it may be shown: its last path component, on one line, at most :data:`MAX_NAME` characters.
+
+    Control, format and surrogate characters go (a right-to-left override can make ``gnp.exe`` look like ``exe.png``);
+    a name of which nothing is left becomes "log". It is never used as a path.
+    """
+    last = name.replace("\\", "/").rstrip("/").rsplit("/", 1)[-1]
+    kept = "".join(" " if c.isspace() else c for c in last if c.isspace() or unicodedata.category(c)[0] != "C")
+    clean = " ".join(kept.split()).strip(". ")
+    if len(clean) > MAX_NAME:
+        clean = clean[: MAX_NAME - 1].rstrip() + "…"
+    return clean or "log"

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 from mapper.core.errors import LimitError, ReadError
 from server.library.limits import LibraryLimits
 from server.library.logs.catalogue import Catalogue
-from server.library.logs.names import display_name
-from server.library.logs.records import Record
+from server.library.logs.records import Record, display_name
 from server.library.processing.reading_jobs import Jobs, full
 from server.library.uploads.receiver import Part, Received, UploadReceiver, too_large
 from server.library.uploads.slots import UploadSlots
