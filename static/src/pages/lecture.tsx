@@ -44,18 +44,16 @@ import {
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
 import { FileSection } from "./lecture/using/FileSection";
-import { InflationSection } from "./lecture/using/InflationSection";
-import { KidnappingSection } from "./lecture/using/KidnappingSection";
-import { LayersSection } from "./lecture/using/LayersSection";
-import { LifetimeSection } from "./lecture/using/LifetimeSection";
+import { OctreeSection, TerrainSection, TsdfSection } from "./lecture/using/In3dSections";
+import { KidnappingSection, ParticlesSection, SensorModelsSection } from "./lecture/using/LocalizationSections";
+import {
+  InflationSection,
+  LayersSection,
+  LifetimeSection,
+  PathSection,
+  StackSection,
+} from "./lecture/using/NavigationSections";
 import { NextSection } from "./lecture/using/NextSection";
-import { OctreeSection } from "./lecture/using/OctreeSection";
-import { ParticlesSection } from "./lecture/using/ParticlesSection";
-import { PathSection } from "./lecture/using/PathSection";
-import { SensorModelsSection } from "./lecture/using/SensorModelsSection";
-import { StackSection } from "./lecture/using/StackSection";
-import { TerrainSection } from "./lecture/using/TerrainSection";
-import { TsdfSection } from "./lecture/using/TsdfSection";
 import { CountingSection } from "./lecture/wrong/CountingSection";
 import { LowTableSection, PeopleSection, PolishedSection } from "./lecture/wrong/FailureSections";
 import { ForgettingSection } from "./lecture/wrong/ForgettingSection";

@@ -1,0 +1,143 @@
+/** Maps in three dimensions, each with its scene. */
+
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { Patch } from "../../../lessons/terrain/Patch";
+import { Button } from "../../../ui/Button";
+import type { Values } from "../../../wire/protocol";
+import { pack } from "../../packed";
+import { LaterFigure, OnStage, Section, type SectionHead, SectionLink } from "../Section";
+
+export function OctreeSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="octree" label="The floor as an octree, cut at a height">
+          <LaterFigure id="octree" />
+        </OnStage>
+      }
+      sources={["octomap"]}
+      after={
+        <>
+          <p>
+            Halving the side of the cells of a dense grid makes <b>eight</b> times as many, most of them in empty rooms.
+            An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
+            measured: it grows with the surfaces, about <b>four</b> times. Each access descends from the root, and nodes
+            are larger than cells: here it needs less memory only with fine cells.
+          </p>
+          <p>
+            A <b>point cloud</b> keeps each reading; it grows with every scan and does not say what is free.
+          </p>
+        </>
+      }
+    >
+      <p>
+        The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
+        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b>, voxels, has both.{" "}
+        <span class="no-print">Move the cut, then make the cells finer and compare the memory.</span>
+      </p>
+    </Section>
+  );
+}
+
+interface LabLinkProps {
+  readonly world: string;
+  /** Parameters of the 3D map that differ from the first ones. */
+  readonly map3d: Values;
+  readonly children: ComponentChildren;
+}
+
+const LAB = "/lab.html";
+
+/** A link to a new world of the lab in which a 3D map with these parameters begins. */
+function LabLink({ world, map3d, children }: LabLinkProps) {
+  const address = useSignal(LAB);
+  const values = JSON.stringify(map3d);
+  useEffect(() => {
+    void pack({ story: { world, seed: 1 }, map3d: JSON.parse(values) as Values }).then((letters) => {
+      address.value = `${LAB}#s=${letters}&group=map3d`;
+    });
+  }, [world, values]);
+  return (
+    <Button icon="cube" href={address.value}>
+      {children}
+    </Button>
+  );
+}
+
+export function TsdfSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<LaterFigure id="tsdf" />}
+      sources={[["curless-levoy", "section 3"], ["newcombe", "section 3.3"], "octomap"]}
+      after={
+        <>
+          <p>
+            A reading z gives a voxel at distance r along the beam the distance d = z − r, and the voxel keeps the mean:
+            D ← (weight · D + d) / (weight + 1); then its weight grows by 1. Noise averages out, and interpolation
+            between two voxels gives the surface <b>more finely than a voxel</b>. The gradient of D is the normal of the
+            surface.
+          </p>
+          <p>
+            Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
+            same voxels. The weight stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
+          </p>
+          <div class="actions no-print">
+            <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>
+              Open in the lab, in 3D
+            </LabLink>
+          </div>
+        </>
+      }
+    >
+      <p>
+        An occupancy map says whether something is in a cell. A <b>truncated signed distance function (TSDF)</b> says
+        how far away the surface is: positive in front of it, negative behind, 0 on it. The figure shows one beam and
+        what both store of it. <span class="no-print">Drag the wall through a cell.</span>
+      </p>
+    </Section>
+  );
+}
+
+export function TerrainSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Patch />}
+      sources={["ransac"]}
+      after={
+        <>
+          <p>
+            P = Σ v vᵀ with v = [1 x y h]ᵀ holds all sums that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀh is
+            in its last column, hᵀh in the corner. A new point adds one term and need not be kept. Patches add up: one
+            of twice the size is the sum of four, which makes a quadtree.
+          </p>
+          <p>
+            Two slips are common: the root in the slope is forgotten, and the residual hᵀh − …, a <b>sum</b> of squares,
+            is not divided by n, so that the roughness grows with every point. The class compares a weighted sum of
+            slope, roughness and the step to the next patch, each divided by its safe limit, with a threshold. A stone
+            tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Can a robot drive safely on this ground? The points of each <b>patch</b> of a grid get a plane h = a + b x + c y
+        by least squares, (AᵀA)⁻¹Aᵀh, where A has a row [1 x y] and h the height of each point: its slope, its height,
+        the roughness of the points around it, and their number.{" "}
+        <span class="no-print">
+          Drag the points, and see which entries of the matrix P change and when the patch becomes unsafe.
+        </span>
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,138 @@
+/** Where a robot is in a map that it is given, each with its scene. */
+
+import { Prediction } from "../../../lessons/common/Prediction";
+import { KldNumber } from "../formulas";
+import { LaterFigure, LaterMore, OnStage, Section, type SectionHead, SectionLink } from "../Section";
+
+export function ParticlesSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<LaterFigure id="particles" />}
+      sources={[["probabilistic-robotics", "tables 4.4, 8.1, 8.2 and 8.4"], "dellaert", "amcl"]}
+      after={
+        <>
+          <p>
+            The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
+            pointers on it at equal distances, turned by one random number. Of M draws a particle gets M times its
+            weight, rounded down or up. <b>Independent</b> draws vary more, and lose equally good particles by chance.
+          </p>
+          <p>
+            <b>
+              N<sub>eff</sub>
+            </b>
+            , one over the sum of the squared weights, is the number of particles that count. Where it is large,
+            resampling can be left out.
+          </p>
+          <p>
+            How many particles does a belief need? The more places it covers, the more: <b>KLD sampling</b> counts the
+            bins with a particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is
+            below ε, with the probability that belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
+          </p>
+          <KldNumber />
+          <p>
+            In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is this quantile itself, so its default of 0.99 means 84
+            %: 296 particles for 24 bins and ε = 0.05, where 99 % needs 417.{" "}
+            <span class="no-print">Step on above and watch B; drag ε and q.</span>
+          </p>
+          <LaterMore id="particles" />
+        </>
+      }
+    >
+      <p>
+        Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
+        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where the belief is higher. A
+        reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
+        three equal doors: after the second door only one group is left.
+      </p>
+    </Section>
+  );
+}
+
+export function SensorModelsSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<LaterFigure id="sensor-models" />}
+      sources={[["probabilistic-robotics", "tables 6.1 and 6.3, sections 9.3 and 9.4"], "amcl"]}
+      after={
+        <>
+          <p>
+            Why can’t we get the inverse model from p(z | m) alone? It is a distribution over <b>readings</b>, for one
+            whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and sums
+            over all maps that agree with the reading.
+          </p>
+          <p>
+            Some texts add ln p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>)), as the dashed curve does. Bayes’ rule
+            gives ln p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>): how likely the reading is with the cell occupied,
+            over how likely with it free. For a yes-or-no sensor with equal error rates both are the same; otherwise the
+            heuristic works because its sign is right and the clamp limits its size. The sum over all maps, exact here
+            for one beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to have
+            its shape. Section 9.4 of the book keeps the forward model and searches for the most probable map, without
+            independent cells.
+          </p>
+          <p>
+            The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest
+            occupied cell: a table look-up, and smooth. It ignores that a wall hides what is behind it.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
+        has four parts: the range to the mapped surface, with noise; shorter ranges, from people and things that are not
+        in the map; beams without a return; and random readings. The second chart is the <b>inverse</b> model: given one
+        reading, which cells are occupied?
+      </p>
+    </Section>
+  );
+}
+
+export function KidnappingSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="kidnapping" label="A robot that is carried away, and the particles that look for it">
+          <LaterFigure id="kidnapping" />
+        </OnStage>
+      }
+      predict={
+        <Prediction
+          text="The robot was carried away four scans ago. After how many more scans is most of the belief within half a metre of it?"
+          axis={{ low: 0, high: 60, unit: "scans" }}
+          step={1}
+          reveal={async () => (await import("../../../lessons/localization/foundAgain")).foundAgain()}
+        />
+      }
+      sources={[["probabilistic-robotics", "table 8.3"], "amcl"]}
+      after={
+        <>
+          <p>
+            Each average follows the mean weight of a scan’s particles at its own rate. The share of random particles is
+            max(0, 1 − fast average / slow average). The fast rate has to be much larger: with equal rates no particle
+            is ever added.
+          </p>
+          <p>
+            In AMCL both rates are 0 by default, so it does not recover; its documentation suggests 0.001 and 0.1. A
+            blocked sensor also gives poor weights: too strong a reaction scatters particles that were right.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Once the particles have converged, resampling draws only from poses that are there: a robot carried away without
+        being told stays lost (the <b>kidnapped robot problem</b>). <b>Augmented MCL</b> compares a fast average of the
+        weights with a slow one; where the scans fit worse than before, it replaces a share of the particles by random
+        poses. <span class="no-print">Press “Drive on”, and kidnap the robot again.</span>
+      </p>
+    </Section>
+  );
+}
