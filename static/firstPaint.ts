@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { crc32, deflateSync } from "node:zlib";
 import { decompress } from "fzstd";
-import { palette } from "./src/render/map/palette";
+import { palette } from "./src/render/map/palettes";
 import FIRST from "./src/store/firstPicture.json";
 import type { Rgb } from "./src/style/colour";
 import { decodeFrame } from "./src/wire/decodeFrame";
