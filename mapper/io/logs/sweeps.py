@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import compose
-from mapper.sensors.motion import Motion, can_deskew, seconds
+from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 
 Float64Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def contradicted_sweep(log: ScanLog) -> str:
 
     Poses are those of the log's first trajectory. Its own times must fit clearly worse with each delay.
     """
-    if not can_deskew(log):
+    if not log.can_deskew():
         return ""
     motion, first = Motion.of(log), seconds(log)
     sweep = log.time_increment * (log.n_beams - 1)
