@@ -4,18 +4,31 @@ and by the keyboard alone.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
+from mapper.simulation import WORLDS, SensorConfig
+from mapper.simulation.lidar import measure
 from tests.browser.looking import await_map, await_true, frame, until
 from tests.browser.test_clip_handles import CUT, by_finger, by_mouse, ceiling_handle
 from tests.browser.test_targets import small
-from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.recorded_robot import T0, command
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
+
+RATE_HZ, SCANS = 5, 80
+SENSOR = SensorConfig(n_beams=360, range_max=8.0, range_noise=0.01, scan_rate=RATE_HZ)
+START = (2.9, 7.0)  #: of the robot in the world's frame: in the corridor of the office, along which it drives
+STEP_M = 0.1  #: a scan
+PUSHED_AT, PUSH_M = 40, 0.40  #: the scan from which it is pushed to its right, for two scans
+PUSHED_S = PUSHED_AT / RATE_HZ
+DOOR = ((0.5, -1.0), (1.45, -1.0))  #: its sides in the frame odom, where the robot began; it is 0.95 m wide
+DOOR_M, CELL_M = 0.95, 0.05
 
 MOST = 25
 MOST_STOPS = 400  #: of the key Tab on a page
@@ -39,11 +52,16 @@ class Mouse:
         self.press(page.get_by_role("tab", name=name, exact=True))
 
     def measure(self, picture: Locator) -> None:
-        """Choose two places of the map."""
+        """Choose the two sides of the door on the map."""
         size = picture.bounding_box()
         assert size is not None
-        for x in (0.3, 0.7):
-            self._press_at(picture, x * size["width"], 0.7 * size["height"])
+        for side in DOOR:
+            x, y = picture.page.evaluate(
+                """([x, y]) => { const view = gridbloom.connection.store.view.peek();
+                return [(x - view.x) / view.scale, (view.y - y) / view.scale]; }""",
+                list(side),
+            )
+            self._press_at(picture, size["width"] / 2 + x, size["height"] / 2 + y)
             self.count += 1
 
     def _press_at(self, picture: Locator, x: float, y: float) -> None:
@@ -131,6 +149,30 @@ class Keys(Mouse):
         await_true(page, f"() => ({CUT})() < {whole} - 0.3")
 
 
+def drive() -> Iterator[recorded.Said]:
+    """A drive along the corridor of the simulated office; a push that the wheels do not measure presses the bumper."""
+    random = np.random.default_rng(1)
+    away = np.random.default_rng(0).normal(size=(6000, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    walls = away * np.min(np.array([3.0, 2.5, 1.5]) / np.abs(away), axis=1)[:, None]
+    yield recorded.transform(T0, "base_link", "laser", topic="/tf_static")
+    for n in range(SCANS):
+        at = T0 + n * recorded.SECOND // RATE_HZ
+        aside = PUSH_M * min(1.0, max(0.0, (n - PUSHED_AT) / 2))
+        pose = (START[0] + STEP_M * n, START[1] - aside, 0.0)
+        ranges = measure(WORLDS["office"], SENSOR, pose, random).ranges
+        yield recorded.scan(at, ranges, angles=(SENSOR.angle_min, SENSOR.angle_increment), limits=(0.1, 8.0))
+        yield recorded.odometry(at, STEP_M * n, 0.0, 0.0)
+        yield recorded.transform(at, "odom", "base_link", STEP_M * n)
+        yield command(at, 0.0 if PUSHED_AT <= n < PUSHED_AT + 3 else STEP_M * RATE_HZ, 0.0)
+        if n % RATE_HZ == 0:
+            yield image(np.full((48, 64), 10 * n // RATE_HZ, dtype=np.uint8), "mono8", at)
+        if n < 3:
+            yield recorded.cloud(at, walls, frame="base_link")
+        if n == PUSHED_AT:
+            yield recorded.log_line(at, 40, "Bumper pressed", "bumper")
+
+
 @pytest.mark.long
 @pytest.mark.moving
 @pytest.mark.parametrize(
@@ -140,13 +182,7 @@ class Keys(Mouse):
     ids=["mouse", "finger on a phone", "finger on a tablet", "keyboard"],
 )
 def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: str, tmp_path: Path) -> None:
-    camera = [image(np.full((48, 64), 60 * n, dtype=np.uint8), "mono8", T0 + n * recorded.SECOND) for n in range(3)]
-    line = recorded.log_line(T0 + 2 * recorded.SECOND, 40, "Bumper pressed", "bumper")
-    away = np.random.default_rng(0).normal(size=(6000, 3))
-    away /= np.linalg.norm(away, axis=1)[:, None]
-    walls = away * np.min(np.array([3.0, 2.5, 1.5]) / np.abs(away), axis=1)[:, None]
-    clouds = [recorded.cloud(T0 + n * recorded.SECOND, walls, frame="base_link") for n in range(3)]
-    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), *camera, *clouds, line]))
+    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes(drive()))
     by = hand()
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(tmp_path / "robot.mcap")
@@ -154,7 +190,11 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     until("the log to stand", lambda: not frame(page)["playing"])
 
-    # Camera, map, speed and what nodes logged, at the moment of the push.
+    # The push among the events, and camera, map, speed and what nodes logged at its moment.
+    event = page.get_by_role("region", name="Events", exact=True).locator("[data-event=pushed]")
+    expect(event).to_contain_text(re.compile(r"Pushed 0\.(39|40|41) m right"))
+    by.press(event.get_by_role("button"))
+    until("the moment of the push", lambda: abs(frame(page)["stamp"] - PUSHED_S) <= 1.0 / RATE_HZ)
     by.choose(page.get_by_label("Layout", exact=True), "Diagnosis")
     lines = page.get_by_role("region", name="Log lines", exact=True)
     by.choose(lines.get_by_label("Level"), "error and above")
@@ -163,18 +203,22 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
         page.keyboard.press("ArrowDown")
     else:
         by.press(lines.locator(".log-line", has_text="Bumper pressed"))
-    until("the moment of the push", lambda: abs(frame(page)["stamp"] - 2.0) < 0.06)
+    until("the moment of the line", lambda: frame(page)["stamp"] == PUSHED_S)
     expect(page.get_by_role("region", name="Pictures").get_by_role("img")).to_have_attribute(
-        "alt", "/camera at 0:02.000"
+        "alt", "/camera at 0:08.000"
     )
     plots = page.get_by_role("region", name="Plots", exact=True)
-    by.choose(plots.get_by_label("Topic"), "/odom (nav_msgs/Odometry)")
+    by.choose(plots.get_by_label("Topic"), "/cmd_vel (geometry_msgs/Twist)")
     expect(plots.locator("[data-plot=speed]")).to_contain_text("m/s")
 
     # A door is measured.
     by.press(page.get_by_role("button", name="Measure a distance"))
     by.measure(page.locator(".picture"))
-    expect(page.get_by_role("region", name="Measured")).to_contain_text("±")
+    measured = page.get_by_role("region", name="Measured")
+    expect(measured).to_contain_text("± 0.05 m")
+    if not isinstance(by, Keys):  # they measure from the robot on
+        width = float(re.findall(r"(\d\.\d\d) m ±", measured.inner_text())[0])
+        assert width == pytest.approx(DOOR_M, abs=CELL_M + 1e-9)
     by.press(page.get_by_role("button", name="Close the ruler"))
 
     # The ceiling is clipped, beside the log.
@@ -202,6 +246,7 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
     report = opened.value
     expect(report.get_by_role("heading", level=1)).to_have_text("robot.mcap")
     expect(report.get_by_role("main")).to_contain_text("pushed here")
+    expect(report.get_by_role("main")).to_contain_text("m to its right, which the wheels did not measure")
     expect(report.get_by_role("img", name="Picture of /camera")).to_be_visible()
     by.count += 1  # the browser's print
     if hand is Mouse:
