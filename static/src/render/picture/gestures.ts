@@ -8,7 +8,7 @@ export interface Gestures {
   tap(x: number, y: number): void;
   /** A request to explain a cell: a click with Shift or Alt, or a long press. */
   explain(x: number, y: number): void;
-  doubleTap(): void;
+  doubleTap(x: number, y: number): void;
   /** The robot is dragged; null when it is released. */
   dragRobot(at: readonly [x: number, y: number] | null): void;
   /** Whether a drag that begins here is a stroke of a tool. */
@@ -139,7 +139,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
         event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
       lastTap = { at: isDouble ? Number.NEGATIVE_INFINITY : event.timeStamp, ...at };
       if (mode === "pressed" && (event.shiftKey || event.altKey)) gestures.explain(at.x, at.y);
-      else if (isDouble) gestures.doubleTap();
+      else if (isDouble) gestures.doubleTap(at.x, at.y);
       else if (mode === "pressed") gestures.tap(at.x, at.y);
     } else lastTap.at = Number.NEGATIVE_INFINITY; // taps with a drag between them are two
     if (contacts.size === 0) settle();

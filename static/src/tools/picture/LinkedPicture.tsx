@@ -106,8 +106,10 @@ export function LinkedPicture({
           const point = inWorld(x, y);
           if (point) store.explain(point);
         },
-        doubleTap: () => {
-          store.viewHeld.value = false;
+        doubleTap: (x, y) => {
+          const point = inWorld(x, y);
+          // Two sides of a door are near each other where it is small in the picture.
+          if (!point || !tool?.tap?.(point)) store.viewHeld.value = false;
         },
         dragRobot: (at) => {
           const to = at && inWorld(at[0], at[1]);
