@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import still
+from tests.browser.looking import still, until
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
 from tests.browser.test_axe import nothing_wrong, violations
 from tests.browser.test_targets import small
@@ -119,6 +119,16 @@ def test_a_dragged_handle_follows_the_pointer_on_an_enlarged_slide(page: Page, s
     cell = page.locator("#rays .stage").evaluate("e => e.getBoundingClientRect().width") / 26
     assert after["x"] - box["x"] == pytest.approx(-200, abs=cell)
     assert after["y"] - box["y"] == pytest.approx(120, abs=cell)
+
+
+def test_a_printed_slide_has_its_title_and_its_picture(page: Page, server: str) -> None:
+    page.goto(f"{server}/lecture.html?present")
+    expect(page.locator(".title-map canvas")).to_be_visible()
+    page.emulate_media(media="print")
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
+    expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_visible()
+    expect(page.locator(".presenter-tools")).to_be_hidden()
+    until("the map", lambda: (page.locator(".title-map canvas").bounding_box() or {"height": 0})["height"] > 200)
 
 
 def test_the_derivation_comes_line_by_line(page: Page, server: str) -> None:

@@ -213,7 +213,7 @@ function Page() {
                 How a robot makes a map from measured distances, and how it uses that map.{" "}
                 <span class="no-print">
                   Drag the coloured parts of the figures, and <span class="drag-number-sample">underlined</span>{" "}
-                  numbers. The stage shows one building; a figure may show another.
+                  numbers.
                 </span>
               </p>
               <div class="actions no-print">

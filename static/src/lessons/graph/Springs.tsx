@@ -244,8 +244,8 @@ export function Springs() {
       </div>
       <KernelPlot kernel={kernel.value} scale={scale.value} loops={loops} />
       <figcaption class="number">
-        Root mean square error of the poses: <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ eᵀ Ω e
-        = {written(energy, energy < 100 ? 1 : 0)}.
+        RMS error of the poses: <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ eᵀ Ω e ={" "}
+        {written(energy, energy < 100 ? 1 : 0)}.
         {loops.map(({ name, residual, weight }) => (
           <span key={name}>
             {" "}

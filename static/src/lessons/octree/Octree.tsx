@@ -119,8 +119,7 @@ export function Octree() {
         </table>
       </div>
       <p>
-        With {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner node with eight
-        pointers, {BYTES.point} for a point of a drive with 16 rings.
+        Bytes: {BYTES.cell} a cell, {BYTES.leaf} a leaf, {BYTES.inner} an inner node, {BYTES.point} a point.
       </p>
     </div>
   );

@@ -125,8 +125,8 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
         </Button>
       </div>
       <figcaption class="number">
-        Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Root mean
-        square error of the poses: <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
+        Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. RMS error of
+        the poses: <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
         <b class="drift-matched awaited-number">{isDone ? `${written(errorOf(matched.value), 2)} m` : "…"}</b>{" "}
         corrected.
       </figcaption>

@@ -47,8 +47,7 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
             the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>
-            <b>Beam by beam</b> is that program in Python. <b>One reading</b> follows a single distance through every
-            step.
+            <b>Beam by beam</b> is that program in Python; <b>one reading</b> follows a single distance.
           </p>
         </>
       }

@@ -36,7 +36,7 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
       }
       predict={
         <Prediction
-          text="In the figure the robot is back at its first place, and the max range is raised from 3 m to 5 m. How many of the 180 beams have no return?"
+          text="The robot is back at its first place, and the max range is raised from 3 m to 5 m. How many of the 180 beams have no return?"
           axis={{ low: 0, high: 180, unit: "beams" }}
           step={1}
           because="These beams meet glass, or nothing within 5 m."

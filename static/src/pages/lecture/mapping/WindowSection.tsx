@@ -60,7 +60,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </OnStage>
       }
       sources={[["probabilistic-robotics", "chapter 6 and table 9.2"]]}
-      after={<p>With cells of 5 cm and lidar noise of 1 to 2 cm the cell itself is the window: w is set to 0.</p>}
+      after={<p>With cells of 5 cm and lidar noise of 1 to 2 cm the cell itself is the window: w = 0.</p>}
     >
       <p>
         A measured distance is never exact. The usual model is a Gaussian around the true distance <i>z</i>

@@ -6,6 +6,7 @@ import { DRIVE } from "../../../lessons/stage/floor";
 import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
+import { printing } from "../../../ui/browser/theme";
 import { act, canAct } from "./acts";
 import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
@@ -40,7 +41,7 @@ function TitleMap() {
   );
   return (
     <div class="title-map" ref={root}>
-      <WorldStage scene={now} />
+      <WorldStage scene={now} still={printing.value} />
     </div>
   );
 }

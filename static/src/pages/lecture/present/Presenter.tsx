@@ -88,9 +88,9 @@ export function Presenter() {
     );
   const { number, total } = count.value;
   return (
-    <header class="presenter no-print">
+    <header class="presenter">
       <Heading />
-      <div class="presenter-tools">
+      <div class="presenter-tools no-print">
         <p class="presenter-number">
           {number} / {total}
           <Steps />
@@ -119,7 +119,7 @@ export function Presenter() {
         </div>
       </div>
       {arrowsGoTo.value !== null && (
-        <p class="presenter-arrows" role="status">
+        <p class="presenter-arrows no-print" role="status">
           The arrow keys move “{arrowsGoTo.value}”. Esc gives them back to the slides.
         </p>
       )}

@@ -35,7 +35,7 @@ export function FileSection({ id, number, title }: SectionHead) {
         A planner needs to know where the robot may drive. Two thresholds divide the cells into{" "}
         <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, saved as
         an image with three grey values and a yaml file, which Nav2’s map_server loads.{" "}
-        <span class="no-print">Drag the thresholds in the histogram (bars: square roots of counts).</span>
+        <span class="no-print">Drag the thresholds in the histogram.</span>
       </p>
     </Section>
   );

@@ -47,8 +47,7 @@ export function InflationSection({ id, number, title }: SectionHead) {
       after={
         <p>
           A <b>larger</b> cost_scaling_factor makes the cost fall <b>faster</b>, so paths come closer to walls. A door
-          narrower than twice the inscribed radius is closed in any case. With a small inflation radius paths cut
-          corners.
+          narrower than twice the inscribed radius is closed in any case.
         </p>
       }
     >
@@ -111,8 +110,8 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
       sources={["nav2-costmap"]}
       after={
         <p>
-          The lifetime is a choice between two errors. Too short: a person out of view for a moment is removed although
-          still there. Too long: the robot drives around something that is gone.
+          Too short a lifetime: a person out of view for a moment is removed although still there. Too long: the robot
+          drives around something that is gone.
         </p>
       }
     >
