@@ -42,7 +42,7 @@ import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import { showColumn, ViewerFrame } from "./ViewerFrame";
-import { kindsFor, lastLayout, MAP_ALONE, PRESETS, viewsOf } from "./views/views";
+import { hasCamera, kindsFor, lastLayout, MAP_ALONE, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
 interface ViewerProps {
@@ -80,6 +80,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     last: guest ? null : lastLayout,
   });
   const contents = useContents(session);
+  const held = contents.state.value;
+  const camera = hasCamera(held.kind === "ready" ? held.contents : null);
   const lines = useLines(session, store, contents, given?.lines);
   const fields = useFieldsState(session, given?.plots);
   const topic = useSignal(given?.message ?? ""); // whose messages are shown
@@ -219,7 +221,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         }
       >
         <Head store={store} onClose={onClose}>
-          <LayoutChoice layout={layout} kinds={kinds} presets={PRESETS} />
+          <LayoutChoice layout={layout} kinds={kinds} presets={presetsFor(camera)} />
           {!isGuest && log && <OpenIn3d id={log.id} contents={contents.state.value} />}
           {!isGuest && (
             <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />

@@ -9,12 +9,14 @@ import { lazy } from "../../../ui/lazy";
 import type { Preset } from "../../../ui/stage/LayoutChoice";
 import { type Layout, layoutOf } from "../../../ui/stage/layout";
 import type { StageView } from "../../../ui/stage/Stage";
+import type { ContentsAnswer } from "../../../wire/http";
 import { OtherMap } from "../compare/OtherMap";
 import { FrameTree } from "../contents/FrameTree";
 import { Pictures } from "../contents/Pictures";
 import { Plots } from "../contents/Plots";
 import type { Span } from "../contents/series";
 import type { FieldsState } from "../fields/useFields";
+import { isCloud } from "../library/describeLog";
 import { Lines } from "../lines/Lines";
 import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
@@ -66,14 +68,24 @@ const MAP_VIEW = "map";
 
 export const MAP_ALONE: Layout = layoutOf("one", [MAP_VIEW]);
 
-/** Layouts of a log to begin with. */
-export const PRESETS: readonly Preset[] = [
-  ["Map", MAP_ALONE],
-  ["Map and camera", layoutOf("beside", [MAP_VIEW, "picture"])],
-  ["Map and 3D", layoutOf("beside", [MAP_VIEW, "3d"])],
-  ["Two maps", layoutOf("beside", [MAP_VIEW, "second"])],
-  ["Diagnosis", layoutOf("four", [MAP_VIEW, "picture", "plots", "lines"])],
-];
+/** Whether a recording has images; null until that is known. */
+export function hasCamera(contents: ContentsAnswer | null): boolean | null {
+  if (!contents) return null;
+  const clouds = new Set(contents.topics.filter(({ type }) => isCloud(type)).map(({ name }) => name));
+  return contents.pictures.some((name) => !clouds.has(name));
+}
+
+/** Layouts of a log to begin with; those with pictures of a camera unless it certainly has none. */
+export function presetsFor(camera: boolean | null): readonly Preset[] {
+  const withCamera: readonly Preset[] = [["Map and camera", layoutOf("beside", [MAP_VIEW, "picture"])]];
+  return [
+    ["Map", MAP_ALONE],
+    ...(camera === false ? [] : withCamera),
+    ["Map and 3D", layoutOf("beside", [MAP_VIEW, "3d"])],
+    ["Two maps", layoutOf("beside", [MAP_VIEW, "second"])],
+    ["Diagnosis", layoutOf("four", [MAP_VIEW, camera === false ? "messages" : "picture", "plots", "lines"])],
+  ];
+}
 
 /** The layout that this browser used last, as text. */
 export const lastLayout = kept("gridbloom.logs.views", "", (value): value is string => typeof value === "string");
