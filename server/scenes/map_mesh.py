@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
 from server.scenes.shapes import Mesh, boxes
@@ -40,12 +40,15 @@ _FLOOR = _floor_colours()
 class MapLevels:
     """The drawn form of a map: ``levels`` (rows, cols) uint8, 0 … 4, and ``floor`` (rows, cols, 4) uint8.
 
-    Row 0 lies at the smallest y. A cell is ``cell`` metres wide.
+    Row 0 lies at the smallest y. What is drawn as a cell is ``cell`` metres wide, and is a block of ``block`` ×
+    ``block`` cells of the map, of which ``occupied`` (block × rows, block × cols) are occupied.
     """
 
     levels: NDArray[np.uint8]
     floor: NDArray[np.uint8]
     cell: float
+    block: int
+    occupied: NDArray[np.bool_]
 
     @property
     def size_m(self) -> tuple[float, float]:
@@ -64,7 +67,10 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
         rows, cols = (-(-side // block) for side in geometry.shape)
         whole = np.full((rows * block, cols * block), -np.inf, dtype=np.float32)
         whole[: geometry.rows, : geometry.cols] = seen
+        occupied = whole > STEPS[0]
         seen = whole.reshape(rows, block, cols, block).max(axis=(1, 3))
+    else:
+        occupied = seen > STEPS[0]
     levels = np.zeros(seen.shape, dtype=np.uint8)
     for step in STEPS:
         levels += seen > step
@@ -73,7 +79,7 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
     p_occ = 1.0 / (1.0 + np.exp(-np.where(unseen, np.float32(-8.0), seen)))
     floor = _FLOOR[(p_occ * 255.0).astype(np.uint8)]
     floor[unseen, 3] = 0
-    return MapLevels(levels, floor, geometry.resolution * block)
+    return MapLevels(levels, floor, geometry.resolution * block, block, occupied)
 
 
 def first_column(
@@ -83,7 +89,8 @@ def first_column(
 
     ``start`` and ``along`` (3,) are in the frame of the map, metres, and so is the place; columns are ``scale`` times
     as high as :data:`HEIGHTS`. The place is the middle of the line's way through the column, because the side by which
-    it enters is the border of two cells.
+    it enters is the border of two cells. In the column of a block of cells it is in an occupied one of them: in the
+    first that the line meets, else in the middle of the nearest to its way through the column.
     """
     top = scale * HEIGHTS[-1]
     enter, leave = _shares_inside(np.zeros(3), np.array([*shown.size_m, top]), start, along)
@@ -92,11 +99,35 @@ def first_column(
     cells = _cells_along(*((start[:2] + share * along[:2]) / shown.cell for share in (enter, leave)))
     cells = cells[((cells >= 0) & (cells < shown.levels.shape)).all(axis=1)]  # an end may lie in the map's border
     heights = scale * HEIGHTS[shown.levels[*cells.T]]
-    low = np.column_stack([cells[:, ::-1] * shown.cell, np.zeros(len(cells))])
-    high = np.column_stack([low[:, :2] + shown.cell, heights])
+    shares = _shares_of_columns(cells, shown.cell, heights, start, along)
+    met = np.flatnonzero((heights > 0.0) & np.isfinite(shares))
+    if not len(met):
+        return None
+    place = start + shares[met[0]] * along
+    if shown.block == 1:
+        return place
+    row, col = shown.block * cells[met[0]]
+    inner = np.argwhere(shown.occupied[row : row + shown.block, col : col + shown.block]) + np.array([row, col])
+    width = shown.cell / shown.block
+    shares = _shares_of_columns(inner, width, heights[met[0]], start, along)
+    if np.isfinite(shares).any():
+        return start + shares.min() * along
+    middles = (inner[:, ::-1] + 0.5) * width
+    nearest = middles[np.hypot(*(middles - place[:2]).T).argmin()]
+    return np.append(nearest, place[2])
+
+
+def _shares_of_columns(
+    cells: NDArray[np.intp], width: float, heights: ArrayLike, start: NDArray[np.float64], along: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the middles (n,) of a line's ways through columns, as multiples of ``along``; ∞ where it meets none.
+
+    The columns stand on ``cells`` (n, 2), row and column, ``width`` metres wide, and are ``heights`` high, metres.
+    """
+    low = np.column_stack([cells[:, ::-1] * width, np.zeros(len(cells))])
+    high = np.column_stack([low[:, :2] + width, np.broadcast_to(heights, len(cells))])
     enter, leave = _shares_inside(low, high, start, along)
-    met = np.flatnonzero((heights > 0.0) & (enter < leave))
-    return start + 0.5 * (enter + leave)[met[0]] * along if len(met) else None
+    return 0.5 * np.add(enter, leave, where=enter < leave, out=np.full(len(cells), np.inf))
 
 
 def _cells_along(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -157,6 +157,28 @@ def test_no_column_is_before_the_first_that_is_met() -> None:
     assert 50 < met < 250
 
 
+def test_in_a_block_of_a_large_map_the_cell_is_met() -> None:
+    geometry = GridGeometry(0.1, 2 * MAX_SIDE, 4)
+    log_odds = np.full(geometry.shape, -2.0, dtype=np.float32)
+    for row, col in ((10, 1), (11, 1), (21, 2)):
+        log_odds[row, col] = 3.5
+    drawn = map_levels(geometry, log_odds, np.ones(geometry.shape, dtype=np.bool_))
+    assert drawn.cell == 0.2
+
+    def cell(start: Vector, along: Vector) -> tuple[int, int]:
+        place = first_column(drawn, 1.0, np.array(start), np.array(along))
+        assert place is not None
+        return int(place[1] // 0.1), int(place[0] // 0.1)
+
+    # From the right through free and occupied cells of a block, from above onto two, and past the occupied one.
+    assert cell((9.0, 1.05, 0.1), (-1.0, 0.0, 0.0)) == (10, 1)
+    assert cell((0.15, 9.0, 0.1), (0.0, -1.0, 0.0)) == (11, 1)
+    assert cell((0.15, 1.02, 3.0), (0.0, 0.0, -1.0)) == (10, 1)
+    assert cell((0.02, 1.12, 3.0), (0.0, 0.0, -1.0)) == (11, 1)
+    assert cell((9.0, 2.05, 0.1), (-1.0, 0.0, 0.0)) == (21, 2)
+    assert first_column(drawn, 1.0, np.array((9.0, 1.85, 0.1)), np.array((-1.0, 0.0, 0.0))) is None
+
+
 def test_columns_that_are_drawn_higher_are_met_higher() -> None:
     drawn = map_levels(GridGeometry(0.1, 1, 1), np.array([[3.5]], dtype=np.float32), np.array([[True]]))
     start, along = np.array([0.05, 0.05, 4.0]), np.array([0.0, 0.0, -1.0])
