@@ -183,12 +183,16 @@ class SessionModel(ABC):
 
     def on_gizmo_moved(
         self,
-        name: str,  # noqa: ARG002 - most kinds have none
-        position: Point,  # noqa: ARG002
-        wxyz: Quaternion,  # noqa: ARG002
+        name: str,
+        position: Point,
+        wxyz: Quaternion,  # noqa: ARG002 - a clip box has none
     ) -> Struct | None:
-        """Return the command for a move of the gizmo ``name``, None for no command. As :meth:`on_scene_click`."""
-        return None
+        """Return the command for a move of the gizmo ``name``, None for no command. As :meth:`on_scene_click`.
+
+        By default that for a handle of the clip box of a map in 3D.
+        """
+        volume = self.find(Volumetric)
+        return volume.clipped(name, position) if volume is not None and volume.is_on else None
 
     # -- commands -------------------------------------------------------------------------------------------------
 

@@ -222,6 +222,10 @@ class Volumetric(ABC):
         """Return the command that asks about the voxel that a line of sight meets."""
 
     @abstractmethod
+    def clipped(self, handle: str, position: Point) -> Struct | None:
+        """Return the command that moves a face of the clip box with its handle to ``position``; None for no handle."""
+
+    @abstractmethod
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
 

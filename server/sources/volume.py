@@ -40,7 +40,7 @@ from server.parts.volume.messages import (
 from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, map_limits, times_of
 from server.parts.volume.surface import VolumeSurface
 from server.parts.volume.voxel_questions import VoxelQuestions
-from server.sessions.drawings import Drawing, Point, Quaternion
+from server.sessions.drawings import Drawing, Point
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import Offers
@@ -146,9 +146,10 @@ class VolumeModel(SessionModel, Volumetric):
         """Return the command that asks about the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
 
-    def on_gizmo_moved(self, name: str, position: Point, wxyz: Quaternion) -> Struct | None:  # noqa: ARG002
+    def clipped(self, handle: str, position: Point) -> VolumeLookCommand | None:
         """Return the command that moves a face of the clip box with its handle."""
-        return self._drawn.clip_box.moved(self._look, name, position)
+        values = self._drawn.clip_box.moved(self._look, handle, position)
+        return None if values is None else VolumeLookCommand(values)
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""

@@ -14,7 +14,7 @@ from playwright.sync_api import Page
 
 from mapper.io.clouds.ply_writing import points_ply
 from tests.browser.fingers import Fingers, Place
-from tests.browser.looking import await_true, until
+from tests.browser.looking import await_true, open_group, until
 from tests.browser.test_volume import VOLUME, opened
 
 pytestmark = pytest.mark.moving
@@ -31,9 +31,9 @@ def room(folder: Path) -> Path:
     return path
 
 
-def ceiling_handle(page: Page) -> Place | None:
+def ceiling_handle(page: Page, view: str = "iframe.volume-scene") -> Place | None:
     """Return where the middle of the upper blue arrow is on the page, pixels; None while there is none."""
-    frame = page.locator("iframe.volume-scene")
+    frame = page.locator(view)
     box = frame.bounding_box()
     assert box is not None
     with Image.open(io.BytesIO(frame.screenshot(scale="css"))) as picture:
@@ -95,6 +95,33 @@ def test_the_ceiling_is_clipped_by_its_handle(
     assert page.evaluate("() => gridbloom.connection.store.part('voxel').message.peek().centre") is None
     page.get_by_role("button", name="Draw the whole map").click()
     until("the handle is at the ceiling", lambda: abs((ceiling_handle(page) or (0.0, 0.0))[1] - start[1]) < 3.0)
+
+
+def test_the_lab_has_the_same_handles(page: Page, open_lab: Callable[..., Page]) -> None:
+    open_lab("levels")
+    panel = open_group(page, "3D map")
+    scans = "() => gridbloom.connection.store.part('map3d').message.peek()?.scans"
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'play' })")
+    await_true(page, f"() => ({scans})() >= 3")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    panel.get_by_role("button", name="Clip", exact=True).click()
+    until("the handles are drawn", lambda: ceiling_handle(page, "iframe.scene") is not None)
+    start = ceiling_handle(page, "iframe.scene")
+    assert start is not None
+    cut = "() => gridbloom.connection.store.part('map3d').message.peek().values.cut_high"
+    whole = page.evaluate(cut)
+    by_mouse(page, start, 20.0, lambda: await_true(page, f"() => ({cut})() < {whole} - 0.2"))
+    slider = panel.get_by_role("slider", name="Cut above")
+
+    def agree() -> bool:
+        return slider.get_attribute("aria-valuetext") == f"{page.evaluate(cut):.2f} m".replace("-", "−")
+
+    until("the slider is where the handle is", agree)
+    assert page.evaluate("() => gridbloom.connection.store.part('voxel').message.peek()?.centre ?? null") is None
+    panel.get_by_role("button", name="Draw the whole map").click()
+    await_true(page, f"() => ({cut})() > 2.3")
+    page.keyboard.press("Control+z")
+    await_true(page, f"() => ({cut})() < {whole} - 0.2")
 
 
 def test_points_outside_of_the_box_are_left_out_by_the_browser(page: Page, server: str, tmp_path: Path) -> None:

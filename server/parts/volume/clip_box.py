@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mapper.core.array_types import Float64Array
+from mapper.core.parameter import Values
+from mapper.volume import OccupancyVolume
+from mapper.volume.mesh.faces import CENTRE, CHUNK, ChunkKey, chunks_of
 from server.parts.volume.chosen_voxel import box_edges
-from server.parts.volume.look import AXES, PLAIN, Look
-from server.parts.volume.message_fields import outside
-from server.parts.volume.messages import VolumeLookCommand
+from server.parts.volume.look import AXES, CUTS, PLAIN, Look
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion, Segments
 
 HANDLE_PIXELS = 64.0  #: length of the arrow on a face
@@ -26,11 +29,16 @@ _OUTWARDS: dict[str, Quaternion] = {
 
 
 class ClipBox:
-    """The clip box of a map whose least and greatest coordinates are ``low`` and ``high`` (3,), metres."""
+    """The clip box of a map whose least and greatest coordinates are ``low`` and ``high`` (3,), metres.
 
-    def __init__(self, low: Float64Array, high: Float64Array) -> None:
+    Its faces stay within ``ends``, the bounds of their sliders; by default those of the map.
+    """
+
+    def __init__(
+        self, low: Float64Array, high: Float64Array, ends: tuple[Sequence[float], Sequence[float]] | None = None
+    ) -> None:
         self._low, self._high = low, high
-        self._ends = outside(low, high)
+        self._ends = (low.tolist(), high.tolist()) if ends is None else ends
 
     def drawings(self, look: Look) -> list[Drawing]:
         """Return the edges where the box cuts off a part of the map, and with handles always."""
@@ -42,8 +50,8 @@ class ClipBox:
             return []
         return [_edges(low, high)]
 
-    def moved(self, look: Look, handle: str, position: Point) -> VolumeLookCommand | None:
-        """Return the command for a handle that was moved to ``position``, metres; None for a name of none.
+    def moved(self, look: Look, handle: str, position: Point) -> Values | None:
+        """Return the new value of the look for a handle that was moved to ``position``, metres; None for no handle.
 
         A face stays within the bounds of its slider, and at least :data:`LEAST_M` before the opposite face.
         """
@@ -56,12 +64,25 @@ class ClipBox:
             least, most = self._ends[0][axis], float(high[axis]) - LEAST_M
         else:
             least, most = float(low[axis]) + LEAST_M, self._ends[1][axis]
-        return VolumeLookCommand({name: round(min(max(position[axis], least), most), 3)})
+        return {name: round(min(max(position[axis], least), most), 3)}
 
     def _corners(self, look: Look) -> tuple[Float64Array, Float64Array]:
         """Return the box within the map (3,), (3,)."""
         low, high = (np.clip(corner, self._low, self._high) for corner in (look.low, look.high))
         return low, high
+
+
+def chunks_between(volume: OccupancyVolume, old: Look, new: Look) -> list[ChunkKey]:
+    """Return the chunks of a map in which the voxels change that are in the clip box."""
+    voxel = volume.config.resolution
+    spans = [(AXES[name], *sorted((getattr(old, name), getattr(new, name)))) for name in CUTS]
+    spans = [(axis, low - voxel, high + voxel) for axis, low, high in spans if low < high]
+    found = []
+    for key in chunks_of(volume):
+        corner = [(CHUNK * number - CENTRE) * voxel for number in key]
+        if any(low <= corner[axis] + CHUNK * voxel and corner[axis] <= high for axis, low, high in spans):
+            found.append(key)
+    return found
 
 
 def _edges(low: Float64Array, high: Float64Array) -> Segments:

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int32Array, Int64Array
 from mapper.volume import OccupancyVolume, OctreeFile
-from mapper.volume.mesh.faces import CENTRE, CHUNK, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
 from mapper.volume.mesh.voxel_normals import painted_directions
 from mapper.volume.occupancy.changes import Changes
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.chosen_voxel import HIT, ChosenVoxel
-from server.parts.volume.clip_box import ClipBox
+from server.parts.volume.clip_box import ClipBox, chunks_between
 from server.parts.volume.look import (
     ADDED,
-    AXES,
     BELIEF_RAMP,
     CLASS_COLOURS,
     COLOURS,
+    CUTS,
     HEIGHT_RAMP,
     NORMAL_COLOURS,
     PLAIN,
@@ -31,12 +31,12 @@ from server.parts.volume.look import (
     Look,
     ramp_of,
 )
+from server.parts.volume.message_fields import outside
 from server.sessions.drawings import Drawing, Points, Voxels
 
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
-CUTS = tuple(name for name in AXES if name.startswith("cut"))
 DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
 PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
@@ -50,7 +50,7 @@ class VolumeDrawings:
     def __init__(self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array) -> None:
         self._scans = source if isinstance(source, ScanSequence) else None
         self._low, self._high = low, high
-        self.clip_box = ClipBox(low, high)
+        self.clip_box = ClipBox(low, high, outside(low, high))
         self.faces = VoxelFaces()
         self._classes: tuple[float, Painted] | None = None  #: at a resolution
         self._pending: set[ChunkKey] = set()
@@ -99,14 +99,7 @@ class VolumeDrawings:
         if (old.band, old.whole) != (new.band, new.whole):
             self.note_change(volume, None)
             return
-        # A cut changes the chunks between its old and its new place.
-        voxel = volume.config.resolution
-        spans = [(AXES[name], *sorted((getattr(old, name), getattr(new, name)))) for name in CUTS]
-        for key in chunks_of(volume):
-            for axis, low, high in spans:
-                place = (CHUNK * key[axis] - CENTRE) * voxel
-                if low < high and low - voxel <= place + CHUNK * voxel and place <= high + voxel:
-                    self._pending.add(key)
+        self._pending.update(chunks_between(volume, old, new))
 
     def rule(self, volume: OccupancyVolume, look: Look, *, has_free: bool) -> FaceRule:
         """Return the rule by which voxels are drawn."""

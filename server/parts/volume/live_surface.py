@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -16,9 +15,9 @@ from mapper.sensors.depth_image import DepthImage
 from mapper.simulation.sensors_3d import Scan3D
 from mapper.volume.placed_scan import PlacedScan
 from server.parts.volume.live_volume import LabVolume, lab_limits
-from server.parts.volume.look import COLOURS, Look
+from server.parts.volume.look import Look
 from server.parts.volume.messages import SurfaceMessage
-from server.parts.volume.parameters import HIGHEST, VolumeParameters
+from server.parts.volume.parameters import VolumeParameters
 from server.parts.volume.surface import VolumeSurface
 from server.sessions.drawings import Surface
 
@@ -100,11 +99,8 @@ class LabSurface:
         self.surface.mesh()
         self.is_unmeshed = self.surface.is_stale
 
-    def drawing(self, values: Mapping[str, Any]) -> Surface:
-        """Return the triangles between the heights of ``values``, in colours of heights or of normals."""
-        low, high = values["cut_low"], max(values["cut_high"], values["cut_low"])
-        colour = "normal" if values["colour"] == "normal" else "height"
-        look = Look(colour=colour, band=HIGHEST / COLOURS, cut_low=low, cut_high=high)
+    def drawing(self, look: Look) -> Surface:
+        """Return the triangles in the clip box, in colours of heights or of normals."""
         return self.surface.drawing(look, 0.0)
 
     def message(self) -> SurfaceMessage:

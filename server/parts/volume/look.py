@@ -17,6 +17,7 @@ AXES = {
     "cut_x_low": 0, "cut_x_high": 0, "cut_y_low": 1, "cut_y_high": 1, "cut_low": 2, "cut_high": 2,
     "band_low": 2, "band_high": 2,
 }  # fmt: skip
+CUTS = tuple(name for name in AXES if name.startswith("cut"))  #: those of the clip box
 Corner = tuple[float, float, float]  #: of the clip box, metres
 COLOURS = 24  #: of a ramp
 FARTHEST_M = 10_000.0

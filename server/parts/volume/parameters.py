@@ -11,16 +11,28 @@ from mapper.core.parameter import Parameter, check_names
 from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, Sensor3D
 from mapper.volume import TsdfConfig, VolumeConfig
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
+from server.parts.volume.look import COLOURS as RAMP
+from server.parts.volume.look import CUTS, LOOK_PARAMETERS, Look
 
-HIGHEST = 2.4  #: metres: no world of the lab is higher
+LOWEST, HIGHEST = -0.3, 2.4  #: metres: of the voxels of the lab's worlds
 COLOURS = ("height", "belief", "normal")
 KINDS = ("occupancy", "tsdf")
 #: The surface has the voxels of the map and the range of the sensor; its truncation is at most so long, metres.
 _NOT_OF_SURFACE, _LONGEST_TRUNCATION = ("resolution", "range_max"), 2.0
 
+_OF_CLIP_BOX = (*CUTS, "cut_handles")
+_HEIGHTS_FIRST = {"cut_low": 0.1, "cut_high": 1.5}  #: without the floor and the lintels of doors, metres
+
 
 def _of_surface(row: Parameter) -> Parameter:
     return replace(row, group="tsdf_3d", high=_LONGEST_TRUNCATION if row.name == "truncation" else row.high)
+
+
+def _of_clip_box(row: Parameter) -> Parameter:
+    """Return the row of the lab; those of x and y have no bounds of a world, which may be replaced by another."""
+    if row.name not in _HEIGHTS_FIRST:
+        return replace(row, group="clip_3d")
+    return replace(row, group="clip_3d", initial=_HEIGHTS_FIRST[row.name], low=LOWEST, high=HIGHEST)
 
 
 TABLE: tuple[Parameter, ...] = (
@@ -43,14 +55,7 @@ TABLE: tuple[Parameter, ...] = (
         "computed again from the recorded scans.",
         unit="s", low=0.0, high=300.0, step=5.0,
     ),
-    Parameter(
-        "cut_low", "Drawn from", "view_3d", "number", 0.1, "Voxels whose centre is lower are not drawn.",
-        unit="m", low=-0.3, high=HIGHEST, step=0.05,
-    ),
-    Parameter(
-        "cut_high", "Drawn up to", "view_3d", "number", 1.5, "Voxels whose centre is higher are not drawn.",
-        unit="m", low=-0.3, high=HIGHEST, step=0.05,
-    ),
+    *(_of_clip_box(row) for row in LOOK_PARAMETERS if row.name in _OF_CLIP_BOX),
     Parameter(
         "colour", "Colour", "view_3d", "choice", "height", "What the colour of a voxel stands for.", choices=COLOURS,
     ),
@@ -118,6 +123,12 @@ class VolumeParameters:
         values = self.values
         own = {one.name: values[one.name] for one in fields(TsdfConfig) if one.name not in _NOT_OF_SURFACE}
         return TsdfConfig(resolution=values["voxel"], range_max=values["reach"], **own)
+
+    @property
+    def look(self) -> Look:
+        """What is drawn, and its clip box."""
+        colour = "normal" if self.values["colour"] == "normal" else "height"
+        return Look(colour=colour, band=HIGHEST / RAMP, **{name: self.values[name] for name in _OF_CLIP_BOX})
 
     @property
     def band(self) -> tuple[float, float]:

@@ -17,11 +17,12 @@ from mapper.volume.mesh.voxel_classes import Painted
 from mapper.volume.mesh.voxel_normals import painted_directions
 from mapper.volume.occupancy.volume import centres_of
 from server.parts.volume.chosen_voxel import ChosenVoxel
+from server.parts.volume.clip_box import ClipBox, chunks_between
 from server.parts.volume.live_surface import LabSurface
 from server.parts.volume.live_volume import LabVolume, only_in_3d, points_of, true_ground
 from server.parts.volume.look import NORMAL_COLOURS
 from server.parts.volume.messages import Map3dCommand, Map3dMessage, SurfaceMessage, VoxelCommand, VoxelRayCommand
-from server.parts.volume.parameters import HIGHEST, VolumeParameters
+from server.parts.volume.parameters import HIGHEST, LOWEST, VolumeParameters
 from server.parts.volume.parameters import TABLE as MAP_3D
 from server.parts.volume.voxel_questions import VoxelQuestions
 from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
@@ -47,6 +48,11 @@ PALETTE = np.array(
     ],
     dtype=np.uint8,
 )  # fmt: skip
+
+
+#: The clip box of another world: of all its x and y.
+_WHOLE_WORLD = {row.name: row.initial for row in MAP_3D if row.name.startswith(("cut_x", "cut_y"))}
+_AT_FIRST = VolumeParameters().look
 
 
 class VolumeView(Part, Volumetric):
@@ -166,8 +172,10 @@ class VolumeView(Part, Volumetric):
         elif self._map.change(parameters):
             self._choose_none(self._map, result)
             self._start_again()
-        elif any(parameters.values[name] != before.values[name] for name in ("cut_low", "cut_high", "colour")):
+        elif parameters.values["colour"] != before.values["colour"]:
             self._dirty.update(chunks_of(self._map.volume), self._faces.chunks)
+        else:
+            self._dirty.update(chunks_between(self._map.volume, before.look, parameters.look))
         self._show_kind(self._map, result)
         self._since = SCANS_OF_PROJECTION
         result.slot(self.message())
@@ -195,6 +203,17 @@ class VolumeView(Part, Volumetric):
         """Return the command that asks about the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
 
+    def clipped(self, handle: str, position: Point) -> Map3dCommand | None:
+        """Return the command that moves a face of the clip box with its handle."""
+        made = self._made()
+        values = self._clip_box(made).moved(made.parameters.look, handle, position)
+        return None if values is None else Map3dCommand(values=values)
+
+    @staticmethod
+    def _clip_box(made: LabVolume) -> ClipBox:
+        x0, y0, x1, y1 = made.world.bounds
+        return ClipBox(np.array([x0, y0, LOWEST]), np.array([x1, y1, HIGHEST]))
+
     def octree_bytes(self, kind: str) -> bytes:
         """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
         made = self._made()
@@ -214,10 +233,8 @@ class VolumeView(Part, Volumetric):
     def selection_bytes(self) -> bytes:
         """Return the centres of the drawn voxels as a file ``.ply``. Raises as the octree's."""
         made = self._made()
-        shown = made.parameters.values
         centres = centres_of(made.volume.voxels(float(made.config.log_odds_occupied))[0], made.config.resolution)
-        kept = (centres[:, 2] >= shown["cut_low"]) & (centres[:, 2] <= shown["cut_high"])
-        return points_ply(centres[kept], {}, np.zeros(3))
+        return points_ply(centres[made.parameters.look.shows(centres)], {}, np.zeros(3))
 
     @property
     def above(self) -> OccupancyGrid | None:
@@ -237,7 +254,10 @@ class VolumeView(Part, Volumetric):
         """Begin an empty map in another world."""
         if self._map is not None and isinstance(command, WorldCommand | RestartCommand):
             self._choose_none(self._map, result)
-            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
+            parameters = self._map.parameters
+            if isinstance(command, WorldCommand):
+                parameters = parameters.with_values(_WHOLE_WORLD)
+            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
             self._start_again()
             self._surface = None
             self._show_kind(self._map, result)
@@ -301,16 +321,11 @@ class VolumeView(Part, Volumetric):
 
     def _rule(self, made: LabVolume) -> FaceRule:
         """Return which faces of voxels are drawn."""
-        shown = made.parameters.values
+        look = made.parameters.look
         return face_rule(
-            made.volume,
-            shown["cut_low"],
-            max(shown["cut_high"], shown["cut_low"]),
-            base=0.0,
-            band=HIGHEST / BANDS,
-            colours=BANDS,
-            by_belief=shown["colour"] == "belief",
-        )
+            made.volume, look.low, look.high, base=0.0, band=HIGHEST / BANDS, colours=BANDS,
+            by_belief=made.parameters.values["colour"] == "belief",
+        )  # fmt: skip
 
     def _make_faces(self, made: LabVolume) -> None:
         dirty, self._dirty = self._dirty, set()
@@ -352,13 +367,15 @@ class VolumeView(Part, Volumetric):
         surface = self._surface
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
             self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
-        size = made.parameters.config.resolution
+        size, look = made.parameters.config.resolution, made.parameters.look
         found = [one for one in flat if not isinstance(one, GridColumns)]
         found.append(
             Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
             if surface is None
-            else surface.drawing(made.parameters.values)
+            else surface.drawing(look)
         )
+        if (look.low, look.high, look.cut_handles) != (_AT_FIRST.low, _AT_FIRST.high, _AT_FIRST.cut_handles):
+            found += self._clip_box(made).drawings(look)
         if made.scans:
             scan = made.scans[-1]
             points = scan.ends()[0][np.isfinite(scan.ranges)]

@@ -17,6 +17,7 @@ import trimesh
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.simulation.space import cast
+from mapper.volume.mesh.faces import triangles_of
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume import live_volume as lab_volume
@@ -24,7 +25,7 @@ from server.parts.volume.look import normal_colors
 from server.parts.volume.part import VolumeView
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
-from server.sessions.drawings import GridColumns, Segments, Voxels
+from server.sessions.drawings import Gizmo, GridColumns, Quaternion, Segments, Voxels
 from server.sessions.parts import Volumetric
 from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
@@ -33,6 +34,7 @@ from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 LOW_TABLE = (4.0, 3.0)
 AROUND = ((2.6, 3.0, 0.0), (4.0, 1.6, 1.57), (5.6, 3.0, 3.14), (4.0, 4.6, -1.57))
 
@@ -229,6 +231,50 @@ async def test_faces_are_made_only_for_a_3d_view(lab: Lab) -> None:
     lab.do(type="map3d", values={"cut_high": 1.5})
     lab.do(type="restart")
     assert not voxels().chunks  # of the old map nothing is left
+
+
+async def test_a_handle_of_the_clip_box_cuts_off_what_lies_outside(lab: Lab) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+    assert lab.model.on_gizmo_moved("band-low", (0.0, 0.0, 1.0), UPRIGHT) is None
+    lab.model.drawings()
+    lab.pass_time(0.1)
+
+    def handles() -> dict[str, Gizmo]:
+        return {one.name: one for one in lab.model.drawings() if isinstance(one, Gizmo)}
+
+    def drawn() -> np.ndarray[Any, Any]:
+        """The least and the greatest coordinates of the voxels with faces."""
+        lab.model.drawings()
+        lab.pass_time(0.1)
+        chunks = next(one for one in lab.model.drawings() if isinstance(one, Voxels)).chunks
+        corners = [(triangles_of(quads)[0] + np.array(key) * 32.0 - 32768) * 0.1 for key, quads in chunks.items()]
+        return np.array([np.min([one.min(axis=0) for one in corners], axis=0),
+                         np.max([one.max(axis=0) for one in corners], axis=0)])  # fmt: skip
+
+    whole = drawn()
+    assert not handles()
+    lab.do(type="map3d", values={"cut_handles": True})
+    _, y0, x1, y1 = lab.model.world.bounds
+    assert handles()["cut-x-high"].position == pytest.approx((x1, (y0 + y1) / 2, 0.8))
+    moves = ("cut-x-high", (5.0, 9.0, 9.0)), ("cut-y-low", (9.0, 2.0, 9.0)), ("cut-high", (9.0, 9.0, 0.6))
+    for name, position in moves:
+        command = lab.model.on_gizmo_moved(name, position, UPRIGHT)
+        assert command is not None
+        lab.do(**fields_of(command))
+    assert handles()["cut-x-high"].position == pytest.approx((5.0, (2.0 + y1) / 2, 0.35))
+    low, high = drawn()
+    np.testing.assert_allclose(low, [whole[0, 0], 2.0, whole[0, 2]], atol=1e-6)
+    np.testing.assert_allclose(high, [5.0, whole[1, 1], 0.6], atol=1e-6)
+    files = lab.model.find(Volumetric)
+    assert files is not None
+    saved = trimesh.load(io.BytesIO(files.selection_bytes()), file_type="ply")
+    assert isinstance(saved, trimesh.PointCloud)
+    assert saved.vertices[:, 0].max() < 5.0
+    assert saved.vertices[:, 1].min() > 2.0
+    lab.do(type="world", name="office")  # another one is drawn from wall to wall
+    _, y0, x1, y1 = lab.model.world.bounds
+    assert handles()["cut-x-high"].position == pytest.approx((x1, (y0 + y1) / 2, 0.35))
 
 
 async def test_voxels_have_the_colours_of_their_normals(lab: Lab) -> None:

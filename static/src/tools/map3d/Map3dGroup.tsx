@@ -11,6 +11,8 @@ import type { Map3dMessage, SurfaceMessage, Value } from "../../wire/protocol";
 import { costmapOf } from "../costmap/state";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
+import { ClipBox, ClipHandles } from "../volume/ClipBox";
+import type { Look } from "../volume/useLook";
 import { VoxelWhy } from "../volume/VoxelWhy";
 import { ClickChoice } from "./ClickChoice";
 import { ONLY_IN_3D } from "./over";
@@ -105,6 +107,25 @@ const KINDS = [
   { value: "tsdf", label: "TSDF" },
 ];
 
+/** The clip box, within the bounds of the world. */
+function useClip(store: Store): Look {
+  const rows = useMap3dRows(store, "clip_3d");
+  const bounds = store.world.value?.bounds;
+  return useMemo(
+    () => ({
+      rows: rows.map((row) => {
+        const axis = ["cut_x", "cut_y"].findIndex((name) => row.name.startsWith(name));
+        const [low, high] = [bounds?.[axis], bounds?.[axis + 2]];
+        return low === undefined || high === undefined ? row : { ...row, low, high };
+      }),
+      values: store.part("map3d").values.values,
+      set: (name, value) => store.setPart("map3d", { [name]: value }),
+      setAll: (values) => store.setPart("map3d", values),
+    }),
+    [store, rows, bounds],
+  );
+}
+
 interface GroupProps {
   readonly store: Store;
   readonly session: string;
@@ -119,6 +140,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
   const [kind] = useMap3dRows(store, "kind_3d");
   const map = useMap3dRows(store, "map_3d");
   const view = useMap3dRows(store, "view_3d");
+  const clip = useClip(store);
   const band = useMap3dRows(store, "band_3d");
   const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
   useEffect(() => {
@@ -140,7 +162,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
     <div class="map3d stack-narrow">
       {/* First, so that it is in sight in a panel of 200 px: the tabs take as much above it. */}
       <div class="map3d-view">
-        <Scene store={store} session={session} hasColumns={false} />
+        <Scene store={store} session={session} hasColumns={false} actions={<ClipHandles look={clip} />} />
       </div>
       <Choice
         label="Map"
@@ -163,6 +185,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
       <div class="map3d-settings">
         <ParameterRows rows={view} values={values} set={set} />
       </div>
+      <ClipBox look={clip} />
       <h3>The map from above</h3>
       <div class="map3d-settings">
         <ParameterRows rows={band} values={values} set={set} />

@@ -15,11 +15,13 @@ interface SceneProps {
   readonly session: string;
   /** Whether the map is drawn as columns, whose height can be set. */
   readonly hasColumns?: boolean;
+  /** Further buttons below the picture. */
+  readonly actions?: ComponentChildren;
   /** What is said over the upper edge of the picture, which does not move with its length. */
   readonly children?: ComponentChildren;
 }
 
-export function Scene({ store, session, hasColumns = true, children }: SceneProps) {
+export function Scene({ store, session, hasColumns = true, actions, children }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -44,7 +46,13 @@ export function Scene({ store, session, hasColumns = true, children }: SceneProp
           <SceneFrame store={store} session={session} class="scene" title="3D view" />
           {children}
         </div>
-        <SceneControls store={store} session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
+        <SceneControls
+          store={store}
+          session={session}
+          hasColumns={hasColumns}
+          actions={actions}
+          onFullScreen={enlarge}
+        />
       </div>
     </div>
   );
@@ -54,6 +62,7 @@ function SceneControls({
   store,
   session,
   hasColumns,
+  actions,
   onFullScreen,
 }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = store.part("scene").message.value;
@@ -90,6 +99,7 @@ function SceneControls({
         />
       )}
       <div class="actions">
+        {actions}
         <Button icon="fit" onClick={onFullScreen}>
           Full screen
         </Button>

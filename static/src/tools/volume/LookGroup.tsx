@@ -1,60 +1,10 @@
 import type { Store } from "../../store/store";
-import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
-import { Slider } from "../../ui/Slider";
-import type { Parameter, VolumeMessage } from "../../wire/protocol";
+import type { VolumeMessage } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
-import { type Look, useLook } from "./useLook";
-
-/** The names of the least and the greatest coordinate along each axis. */
-const AXES = [
-  ["cut_x_low", "cut_x_high"],
-  ["cut_y_low", "cut_y_high"],
-  ["cut_low", "cut_high"],
-] as const;
-
-const within = ({ low, high }: Parameter, value: number): number => Math.min(high, Math.max(low, value));
-
-/** The box outside of which nothing is drawn: two sliders for each axis, which do not pass each other. */
-function ClipBox({ look: { rows, values, set } }: { readonly look: Look }) {
-  const row = (name: string): Parameter | undefined => rows.find((one) => one.name === name);
-  const isWhole = AXES.flat().every((name) => values.value[name] === row(name)?.initial);
-  return (
-    <Panel title="Clip box">
-      {AXES.map((names) => {
-        const [low, high] = names.map(row);
-        if (!low || !high) return null;
-        const [from, to] = [within(low, Number(values.value[low.name])), within(high, Number(values.value[high.name]))];
-        return [low, high].map((end) => (
-          <Slider
-            key={end.name}
-            label={end.label}
-            sentence={end.sentence}
-            unit={end.unit}
-            low={end === low ? end.low : from}
-            high={end === low ? to : end.high}
-            step={end.step}
-            value={end === low ? from : to}
-            initial={within(end, Number(end.initial))}
-            onInput={(value) => set(end.name, value)}
-          />
-        ));
-      })}
-      <div class="actions">
-        <Button
-          icon="fit"
-          disabled={isWhole}
-          onClick={() => {
-            for (const end of AXES.flat().map(row)) if (end) set(end.name, end.initial);
-          }}
-        >
-          Draw the whole map
-        </Button>
-      </div>
-    </Panel>
-  );
-}
+import { ClipBox } from "./ClipBox";
+import { useLook } from "./useLook";
 
 /** Names of the colourings that voxels have; the others are of points. */
 const OF_VOXELS = ["height", "probability", "side", "normal"];

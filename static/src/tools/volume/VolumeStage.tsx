@@ -5,6 +5,7 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { fullScreen, SceneFrame } from "../scene/SceneFrame";
 import { changeScene } from "../scene/settings";
+import { ClipHandles } from "./ClipBox";
 import { useLook } from "./useLook";
 import "./volume.css";
 
@@ -15,6 +16,7 @@ interface VolumeStageProps {
 
 export function VolumeStage({ session, store }: VolumeStageProps) {
   const group = useRef<HTMLDivElement>(null);
+  const look = useLook(store);
   const isThere = store.part("volume").message.value !== null;
   return (
     <div class="volume-stage" ref={group}>
@@ -28,21 +30,9 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
       )}
       <div class="volume-buttons">
         <Cameras store={store} session={session} onFullScreen={() => fullScreen(group.current)} />
-        <ClipHandles store={store} />
+        {look && <ClipHandles look={look} />}
       </div>
     </div>
-  );
-}
-
-/** Switches the handles of the clip box in the view; its sliders are in the panel. */
-function ClipHandles({ store }: { readonly store: Store }) {
-  const look = useLook(store);
-  if (!look) return null;
-  const areShown = look.values.value.cut_handles === true;
-  return (
-    <Button icon="box" pressed={areShown} onClick={() => look.set("cut_handles", !areShown)}>
-      Clip
-    </Button>
   );
 }
 

@@ -9,6 +9,8 @@ export interface Look {
   readonly rows: readonly Parameter[];
   readonly values: ReadonlySignal<Values>;
   readonly set: (name: string, value: Value) => void;
+  /** Set several values at once. */
+  readonly setAll: (values: Values) => void;
 }
 
 /** Null until the session has told. */
@@ -16,12 +18,9 @@ export function useLook(store: Store): Look | null {
   const values = useComputed(() => lookOf(store).values.value);
   const table = store.part("volume").message.value?.look.table;
   if (!table) return null;
-  return {
-    rows: table,
-    values,
-    set: (name, value) => {
-      lookOf(store).set(name, value);
-      store.sendSoon({ type: "volume_look", values: { [name]: value } });
-    },
+  const setAll = (wanted: Values): void => {
+    for (const [name, value] of Object.entries(wanted)) lookOf(store).set(name, value);
+    store.sendSoon({ type: "volume_look", values: wanted });
   };
+  return { rows: table, values, set: (name, value) => setAll({ [name]: value }), setAll };
 }
