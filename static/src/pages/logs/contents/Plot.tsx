@@ -11,7 +11,7 @@ import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { Plotted } from "../fields/fields";
-import { selectedTimes } from "../time/scanTimes";
+import { selectedMoments } from "../time/scanTimes";
 import { across as overEachOther } from "./across";
 import { brokenAtGaps } from "./gaps";
 import {
@@ -19,6 +19,7 @@ import {
   colourOf,
   DRAG_PX,
   drawLineAt,
+  drawSelectedAt,
   labelsOn,
   numberLabels,
   onClickAt,
@@ -85,7 +86,7 @@ export function Plot({ store, series, plot, zoom, across }: PlotProps) {
     const span = zoom?.peek();
     if (span && !over) chart.setScale("x", { min: span[0], max: span[1] });
     const stop = effect(() => {
-      void [store.frame.value, selectedTimes(store)];
+      void [store.frame.value, selectedMoments(store)];
       chart.redraw(false);
     });
     return () => {
@@ -213,7 +214,7 @@ function optionsOf(
         (chart) => {
           const at = store.frame.peek()?.stamp;
           if (at !== undefined) drawLineAt(chart, at, now);
-          for (const time of untracked(() => selectedTimes(store))) drawLineAt(chart, time, selected, [4, 4]);
+          for (const { seconds } of untracked(() => selectedMoments(store))) drawSelectedAt(chart, seconds, selected);
         },
       ],
       ready: [

@@ -1,9 +1,10 @@
 /** A plot of numbers over another number: a path through the pairs of each time, not sorted along the axis. */
 
+import { untracked } from "@preact/signals";
 import type UPlot from "uplot";
 import type { Store } from "../../../store/store";
 import type { PlottedColumn } from "../fields/fields";
-import { scansAt } from "../time/scanTimes";
+import { scansAt, selectedMoments } from "../time/scanTimes";
 import { axisStyle, colourOf, labelsOn, numberLabels, rangeWith } from "./plotParts";
 
 /** The lowest and the highest value, a little apart where all are the same. */
@@ -30,7 +31,7 @@ export function across(
 ): UPlot.Options {
   const { axes = [], series = [], scales = {} } = options;
   const range = rangeWith(over.unit, ...rangeOf(over.values));
-  const now = colourOf(element, "--beam");
+  const [now, selected] = [colourOf(element, "--beam"), colourOf(element, "--foreground")];
   const path = (chart: UPlot, line: number): UPlot.Series.Paths => {
     const stroke = new Path2D();
     let isDown = false;
@@ -57,6 +58,21 @@ export function across(
       if (distance < least) [best, least] = [n, distance];
     });
     return best;
+  };
+  /** The pairs at a time, each on its line. */
+  const dotsAt = (chart: UPlot, at: number): Path2D[] => {
+    const n = Math.max(
+      0,
+      times.findLastIndex((time) => time <= at),
+    );
+    return columns.flatMap(({ values }, line) => {
+      const [x, y] = [over.values[n] ?? null, values[n] ?? null];
+      if (x === null || y === null) return [];
+      const place = [chart.valToPos(x, "x", true), chart.valToPos(y, scaleAt(chart, line + 1), true)] as const;
+      const dot = new Path2D();
+      dot.arc(...place, 5 * devicePixelRatio, 0, 2 * Math.PI);
+      return [dot];
+    });
   };
   return {
     ...options,
@@ -96,27 +112,9 @@ export function across(
       draw: [
         (chart) => {
           const at = store.frame.peek()?.stamp;
-          if (at === undefined) return;
-          const n = Math.max(
-            0,
-            times.findLastIndex((time) => time <= at),
-          );
-          for (let line = 1; line <= columns.length; line++) {
-            const [x, y] = [over.values[n] ?? null, columns[line - 1]?.values[n] ?? null];
-            if (x === null || y === null) continue;
-            chart.ctx.save();
-            chart.ctx.fillStyle = now;
-            chart.ctx.beginPath();
-            chart.ctx.arc(
-              chart.valToPos(x, "x", true),
-              chart.valToPos(y, scaleAt(chart, line), true),
-              5 * devicePixelRatio,
-              0,
-              2 * Math.PI,
-            );
-            chart.ctx.fill();
-            chart.ctx.restore();
-          }
+          if (at !== undefined) for (const dot of dotsAt(chart, at)) paint(chart, dot, "fill", now);
+          for (const { seconds } of untracked(() => selectedMoments(store)))
+            for (const dot of dotsAt(chart, seconds)) paint(chart, dot, "stroke", selected);
         },
       ],
       ready: [
@@ -130,6 +128,15 @@ export function across(
       ],
     },
   };
+}
+
+/** Fill a dot, or draw its outline. */
+function paint({ ctx }: UPlot, dot: Path2D, how: "fill" | "stroke", colour: string): void {
+  ctx.save();
+  ctx.lineWidth = 2 * devicePixelRatio;
+  ctx[`${how}Style`] = colour;
+  ctx[how](dot);
+  ctx.restore();
 }
 
 const scaleAt = (chart: UPlot, line: number): string => chart.series[line]?.scale ?? "y";

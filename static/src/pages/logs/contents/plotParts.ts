@@ -125,6 +125,9 @@ export function drawLineAt(chart: UPlot, at: number, colour: string, dash: reado
   chart.ctx.restore();
 }
 
+/** The mark of a place on the x axis that belongs to what is selected in all views. */
+export const drawSelectedAt = (chart: UPlot, at: number, colour: string): void => drawLineAt(chart, at, colour, [4, 4]);
+
 /** Calls `go` with the place on the x axis of each click that is not the end of a drag. */
 export function onClickAt(chart: UPlot, go: (at: number) => void): void {
   let from = 0;

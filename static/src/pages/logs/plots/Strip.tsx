@@ -1,6 +1,6 @@
 /** One low plot over the time of a log, in a column of several with one cursor and one interval. */
 
-import { effect, type Signal } from "@preact/signals";
+import { effect, type ReadonlySignal, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -13,6 +13,7 @@ import {
   axisStyle,
   colourOf,
   drawLineAt,
+  drawSelectedAt,
   labelsOn,
   numberLabels,
   onClickAt,
@@ -40,6 +41,8 @@ interface StripProps {
   readonly pointed: Signal<number | null>;
   /** The place of the map's moment. */
   readonly now: Signal<number | null>;
+  /** The places of what is selected in all views. */
+  readonly selected: ReadonlySignal<readonly number[]>;
   /** Whether the axis of time is written below it. */
   readonly hasAxis: boolean;
   /** The time of the log's first scan, s since 1970, where the axis is in UTC; else null. */
@@ -47,7 +50,8 @@ interface StripProps {
   readonly onGo: (place: number) => void;
 }
 
-export function Strip({ series, column, shown, tone, span, zoom, pointed, now, hasAxis, start, onGo }: StripProps) {
+export function Strip(props: StripProps) {
+  const { series, column, shown, tone, span, zoom, pointed, now, selected, hasAxis, start, onGo } = props;
   const frame = useRef<HTMLDivElement>(null);
   const width = useWidth(frame, 600).value;
   const drawn = useRef<UPlot | null>(null);
@@ -57,6 +61,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
     const element = frame.current;
     if (!element) return;
     const moment = colourOf(element, "--beam");
+    const chosen = colourOf(element, "--foreground");
     const axis = axisStyle(element);
     let isPointing = false;
     const options: UPlot.Options = {
@@ -96,6 +101,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
           (chart) => {
             const at = now.peek();
             if (at !== null) drawLineAt(chart, at, moment);
+            for (const place of selected.peek()) drawSelectedAt(chart, place, chosen);
           },
         ],
         setCursor: [
@@ -127,7 +133,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
     drawn.current = chart;
     const stops = [
       effect(() => {
-        void now.value;
+        void [now.value, selected.value];
         chart.redraw(false);
       }),
       effect(() => {

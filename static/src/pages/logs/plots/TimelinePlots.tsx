@@ -14,6 +14,7 @@ import { COMPUTED } from "../fields/fields";
 import "./plots.css";
 import { shownStart, shownTime } from "../../../store/shownTime";
 import { lazy } from "../../../ui/lazy";
+import { selectedMoments } from "../time/scanTimes";
 import { keyedPlace, nearest, placeOfScan, scanAtPlace, shownRange, valueText, wholeSpan, zoomedSpan } from "./strips";
 import type { TimelinePlotsState } from "./timelinePlots";
 
@@ -64,6 +65,9 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
     if (!frame || !way || frame.index === 0) return null;
     return series.value?.axis === "scan" ? frame.index - 1 : frame.stamp;
   });
+  const selected = useComputed(() =>
+    selectedMoments(store).map(({ scan, seconds }) => (series.value?.axis === "scan" ? scan : seconds)),
+  );
   useSignalEffect(() => {
     const [index, trajectory] = [state.onTimeline.value, store.trajectory.peek()];
     if (!trajectory) return;
@@ -188,6 +192,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
                 zoom={zoom}
                 pointed={pointed}
                 now={now}
+                selected={selected}
                 hasAxis={n === visible.length - 1}
                 start={shownStart(store)}
                 onGo={go}

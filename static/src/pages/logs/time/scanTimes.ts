@@ -31,13 +31,24 @@ export function scansAt({ stamps, every }: Times, seconds: number, count: number
   return Math.min(count, (low - 1) * every + Math.min(every - 1, Math.max(0, beyond)) + 1);
 }
 
-/** The times of what is selected in all views, s from the first scan: of the selected beam, or of the scans. */
-export function selectedTimes(store: Store): readonly number[] {
+interface Moment {
+  /** From 0. */
+  readonly scan: number;
+  /** From the first scan. */
+  readonly seconds: number;
+}
+
+/**
+ * When what is selected in all views was seen: by the selected beam, which at first is the last that updated the cell,
+ * or by the scans.
+ */
+export function selectedMoments(store: Store): readonly Moment[] {
   const selection = selectionOf(store).value;
   if (selection?.what === "cell") {
     const beam = store.selectedContribution.value;
-    return beam ? [beam.stamp] : [];
+    return beam ? [{ scan: beam.scan, seconds: beam.stamp }] : [];
   }
   const trajectory = store.trajectory.value;
-  return trajectory && selection ? selection.scans.map((scan) => secondsAt(trajectory, scan + 1)) : [];
+  if (!trajectory || !selection) return [];
+  return selection.scans.map((scan) => ({ scan, seconds: secondsAt(trajectory, scan + 1) }));
 }
