@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import deque
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +19,7 @@ import numpy as np
 import structlog
 import viser
 from msgspec import Struct
+from numpy.typing import ArrayLike, NDArray
 
 from server.logging import short_hash
 from server.scenes.cameras import ASPECT, CAMERAS, FOV, Aim, CameraName, camera_at
@@ -38,7 +41,23 @@ SHARE = 0.2
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
+MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
+
 _log = structlog.get_logger(__name__)
+
+
+@dataclass(slots=True, eq=False)
+class View:
+    """A view of the scene: who looks, from where to where, and where its camera was last told to look from; metres."""
+
+    viewer: Viewer
+    position: NDArray[np.float64]
+    look_at: NDArray[np.float64]
+    aim: Aim | None = None
+
+    def is_at(self, position: ArrayLike) -> bool:
+        """Return whether its camera is at ``position`` (3,)."""
+        return np.allclose(self.position, position, atol=1e-3)
 
 
 class Scene:
@@ -55,8 +74,8 @@ class Scene:
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
         self._heights: tuple[float, float] | None = None
-        self._viewers: dict[int, Viewer] = {}  #: of each of viser's clients
-        self._aims: dict[int, Aim] = {}  #: of each of viser's clients, where it was last told to look from
+        self._views: dict[int, View] = {}  #: of each of viser's clients
+        self._left: deque[View] = deque(maxlen=MOST_LEFT)  #: of those that have disconnected
         self._marks = Marks(server)
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
@@ -144,22 +163,46 @@ class Scene:
         camera.far = max(1000.0, 10.0 * max(bounds[2] - bounds[0], bounds[3] - bounds[1]))
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
-        """Move the camera back on a narrow screen, so that all of its bounds are in view."""
-        self._viewers[client.client_id] = viewer_of_connection.get()
-        if client.camera.aspect < ASPECT:
+        """Move the camera back on a narrow screen, so that all of its bounds are in view.
+
+        In a view that its page had before, the camera comes to where it was: viser's client begins with the first
+        camera again after a lost connection.
+        """
+        view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
+        before = self._last_of(view.viewer)
+        self._views[client.client_id] = view
+        if before is not None and not before.is_at(before.aim.position if before.aim else self._first_place):
+            client.camera.position, client.camera.look_at = before.position, before.look_at
+            view.position, view.look_at = before.position, before.look_at
+        elif before is not None and before.aim is not None:
+            self._aim_client(client, before.aim.name)
+        elif client.camera.aspect < ASPECT:
             self._aim_client(client, "overview")
         client.camera.on_update(self._fit)
         self._note_change()  # its page may have selected a place
 
+    @property
+    def _first_place(self) -> NDArray[np.float64]:
+        return self._server.initial_camera.position
+
+    def _last_of(self, viewer: Viewer) -> View | None:
+        """Return the last view of a page; None: it had none.
+
+        The service may not have noticed yet that its connection is lost.
+        """
+        views = [*self._views.values(), *reversed(self._left)]
+        return next((one for one in views if viewer.page and one.viewer == viewer), None)
+
     async def _dismiss(self, client: viser.ClientHandle) -> None:
-        self._viewers.pop(client.client_id, None)
-        self._aims.pop(client.client_id, None)
+        if (view := self._views.pop(client.client_id, None)) is not None:
+            self._left.append(view)
         self._marks.forget(client.client_id)
 
     def _aim_client(self, client: viser.ClientHandle, name: CameraName) -> None:
         aspect = client.camera.aspect
         position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, aspect, self._heights)
-        self._aims[client.client_id] = Aim(name, aspect, position)
+        view = self._views[client.client_id]
+        view.position, view.look_at, view.aim = np.array(position), np.array(look_at), Aim(name, aspect, position)
         client.camera.position = position
         client.camera.look_at = look_at  # viser moves it along with the position
 
@@ -168,8 +211,11 @@ class Scene:
 
         A page lays its views out after they have connected.
         """
-        aim = self._aims.get(camera.client.client_id)
-        if aim is not None and aim.aspect != camera.aspect and np.allclose(camera.position, aim.position, atol=1e-3):
+        view = self._views.get(camera.client.client_id)
+        if view is None:
+            return
+        view.position, view.look_at, aim = camera.position, camera.look_at, view.aim
+        if aim is not None and aim.aspect != camera.aspect and view.is_at(aim.position):
             self._aim_client(camera.client, aim.name)
 
     # -- from the page's own controls ---------------------------------------------------------------------------
@@ -177,7 +223,8 @@ class Scene:
     def aim(self, visitor: str, name: CameraName) -> None:
         """Move the cameras of a visitor's views of this scene to one of :data:`CAMERAS`."""
         for client_id, client in self._server.get_clients().items():
-            if self._viewers.get(client_id, Viewer()).visitor == visitor:
+            view = self._views.get(client_id)
+            if view is not None and view.viewer.visitor == visitor:
                 self._aim_client(client, name)
 
     @property
@@ -221,7 +268,8 @@ class Scene:
     def _clicked(self, event: viser.SceneClickEvent) -> None:
         """Pass the ray of a click to the model, and where it meets what is drawn."""
         met = self._contents.met(event.ray_origin, event.ray_direction)
-        page = self._viewers.get(event.client_id, Viewer()).page
+        view = self._views.get(event.client_id)
+        page = "" if view is None else view.viewer.page
         self._loop.call_soon_threadsafe(self._click, page, event.ray_origin, event.ray_direction, met)
 
     def _gizmo_moved(self, name: str, position: Point, wxyz: Quaternion) -> None:
@@ -276,7 +324,8 @@ class Scene:
         """Return the places that the pages of viser's clients have selected, by the number of the client."""
         clients = self._session.hub.clients
         pages = {client.page: client.selected for client in clients if client.page and client.selected is not None}
-        return {number: pages[one.page] for number, one in [*self._viewers.items()] if one.page in pages}
+        viewers = [(number, view.viewer) for number, view in [*self._views.items()]]
+        return {number: pages[one.page] for number, one in viewers if one.page in pages}
 
     def _draw(self, state: SceneState, selected: dict[int, Place]) -> None:
         """Draw what changed (a thread)."""

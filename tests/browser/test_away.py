@@ -10,6 +10,7 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, end_session, frame, open_group, until
+from tests.browser.test_scene_picking import View
 
 pytestmark = pytest.mark.moving
 
@@ -68,6 +69,25 @@ def test_pages_show_a_lost_connection_and_reconnect(context: BrowserContext, ser
         end_session(logs)
         says(logs, ".toast", "The log was opened again")
         until("another session", lambda: frame(logs)["index"] < frame(logs)["count"])
+
+
+def test_a_3d_view_has_its_camera_again_after_a_lost_connection(context: BrowserContext, server: str) -> None:
+    with cutting_proxy(urlsplit(server).port or 0) as proxy:
+        page = context.new_page()
+        view = View(page)
+        page.goto(f"http://127.0.0.1:{proxy.port}/lab.html")
+        await_map(page)
+        page.get_by_role("button", name="Pause").click()
+        panel = open_group(page, "3D view")
+        until("the camera", lambda: view.cameras)
+        panel.get_by_role("button", name="West").click()
+        until("the camera in the west", lambda: view.cameras[-1].turn[0, 2] > 0.9)
+        count = len(view.cameras)
+        proxy.cut()
+        expect(page.locator(".lab-status")).to_contain_text(AWAY)
+        proxy.mend()
+        until("the view to tell its camera again", lambda: len(view.cameras) > count)
+        until("the camera in the west again", lambda: view.cameras[-1].turn[0, 2] > 0.9)
 
 
 def test_settings_made_without_a_connection_are_sent_to_the_restarted_server(

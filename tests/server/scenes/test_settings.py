@@ -10,7 +10,7 @@ import httpx
 import numpy as np
 import pytest
 
-from server.scenes.cameras import CAMERAS, FOV, CameraName, camera_at
+from server.scenes.cameras import ASPECT, CAMERAS, FOV, CameraName, camera_at
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, Client, viser_client
@@ -68,6 +68,44 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
 
         assert (await ann.post(address, json={"camera": "below"})).status_code == 422
         assert (await ann.post(address, json={"height": 99})).status_code == 422
+
+
+@pytest.mark.parametrize("width", [300, 800])
+async def test_a_view_that_connects_again_has_the_camera_that_it_had(service: Service, width: int) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    bounds = session.model.controls().bounds
+    assert bounds is not None
+    initial, middle = camera_at("overview", bounds, ASPECT)
+    moved, aim = (1.0, -2.0, 3.0), (1.0, 1.0, 0.5)
+
+    async def told(page: str, then: Any = None) -> tuple[list[Any], list[Any]]:
+        """Where a view is told to look from and to: its camera is the first one, and at ``then`` before it leaves."""
+        first = {"position": initial, "look_at": middle, "image_width": width}
+        async with viser_client(service.port, session.id, page=page * 32, **first) as client:
+            if then is not None:
+                await client.send(**CAMERA | {"position": then, "look_at": aim, "image_width": width})
+            # What is switched behind the camera is carried out behind it.
+            beams = await client.control("Beams")
+            is_on = not beams["value"]
+            await client.send(type="GuiUpdateMessage", uuid=beams["uuid"], updates={"value": is_on})
+            await client.until(
+                lambda m: (
+                    m["type"] == "SetSceneNodeVisibilityMessage"
+                    and m["name"] == "/robot/beams"
+                    and m["visible"] == is_on
+                )
+            )
+            aims = [
+                message["look_at"] for message in client.of_type("SetCameraLookAtMessage") if not message["initial"]
+            ]
+            return cameras_set(client), aims
+
+    first, _ = await told("a", then=moved)
+    assert first == ([pytest.approx(camera_at("overview", bounds, 0.5)[0])] if width == 300 else [])
+    places, aims = await told("a")
+    assert places == [pytest.approx(moved)]
+    assert aims[-1] == pytest.approx(aim)
+    assert (await told("b"))[0] == first  # another page
 
 
 async def test_the_plain_view_has_no_panel(service: Service) -> None:

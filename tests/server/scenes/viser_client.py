@@ -93,7 +93,10 @@ class Client:
 
 
 @asynccontextmanager
-async def viser_client(port: int, session_id: str, cookies: str = "", page: str = "") -> AsyncIterator[Client]:
+async def viser_client(
+    port: int, session_id: str, cookies: str = "", page: str = "", **camera: Any
+) -> AsyncIterator[Client]:
+    """A browser's view, which tells its camera first: :data:`CAMERA` with the given fields."""
     protocol = Subprotocol(f"viser-v{viser.__version__}")
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}" + (f"/plain/{page}/" if page else "")
     headers = {"Cookie": cookies} if cookies else {}
@@ -106,5 +109,5 @@ async def viser_client(port: int, session_id: str, cookies: str = "", page: str 
         open_timeout=PATIENCE_S,
     ) as socket:
         client = Client(socket)
-        await client.send(**CAMERA)
+        await client.send(**CAMERA | camera)
         yield client
