@@ -10,12 +10,16 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from playwright.sync_api import Browser, Page, Response
 
 from tests.bench.hand import Hand
 from tests.bench.stopwatch import Laps, dragged, floor, laps, moved, p95
 from tests.browser.looking import await_map, centre, frame, open_group, settled_digest, until
 from tests.browser.running import free_port, running_chromium, running_server
+from tests.mapper.io.contents.recorded_robot import T0, robot
+from tests.mapper.io.contents.test_pictures import image
+from tests.mapper.io.logs import recorded
 
 MOVED = 120  # of each handle, one move after the other
 TIMES = 40  # of each other hand movement
@@ -23,6 +27,7 @@ MOVES = 200  # of each drag
 OPENED = 8  # of the page
 FOUR_VIEWS = "?views=four:world,map,3d,second:50:50"
 RUNNING_S = 4.0
+PLAYED_S = 20  #: of a log in four views
 PARTICLES = 10_000  # as many as the lab draws at most
 ASLEEP_S = 3.0
 LOG = "intel-corrected.log.gz"
@@ -262,6 +267,40 @@ def running_with_particles(browser: Browser, server: str) -> tuple[float, float]
     return rate, busy
 
 
+def beside_views(browser: Browser, server: str, folder: Path) -> tuple[Laps, float]:
+    """Return the laps from a handle's move to the repainted profile on the page of a log with four views.
+
+    And frames per second while the log plays: map, picture, plots and log lines follow its time.
+    """
+    said = list(robot(PLAYED_S))
+    for n in range(10 * PLAYED_S):
+        at = T0 + n * recorded.SECOND // 10
+        said.append(image(np.full((480, 640), n % 250, dtype=np.uint8), "mono8", at))
+        said.append(recorded.log_line(at, 20, f"Line {n}"))
+    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes(said))
+    page = new_page(browser)
+    page.goto(f"{server}/logs.html")
+    page.locator("input[type=file]").set_input_files(folder / "robot.mcap")
+    await_map(page)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    until("the log to stand", lambda: not frame(page)["playing"])
+    page.get_by_label("Layout", exact=True).select_option(label="Diagnosis")
+    page.get_by_role("region", name="Pictures").get_by_role("img").wait_for()
+    page.get_by_role("region", name="Plots", exact=True).locator("canvas").first.wait_for()
+    open_group(page, "Settings")
+    grip = page.locator("figure.profile").get_by_role("slider", name="Hit increment", exact=True)
+    grip.scroll_into_view_if_needed()
+    settled_digest(page)
+    single = moved(page, grip.locator(".handle-mark"), MOVED, dy=-24.0)
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 1 })")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'play' })")
+    until("the log to play", lambda: frame(page)["playing"])
+    rate = float(page.evaluate(_FRAMES, RUNNING_S))
+    assert frame(page)["playing"]
+    page.context.close()
+    return single, rate
+
+
 def opening(browser: Browser, server: str) -> tuple[float, float]:
     """Return the p95 of seconds from opening the page to its first cells, and kB of JavaScript, gzipped."""
     took = []
@@ -353,6 +392,8 @@ def feel() -> None:
                 single_threaded, compared = retuned(browser, server)
                 row("slider moved → the whole Intel map", single_threaded, "150 ms", "50 ms")
                 row("the same while comparing → its difference", compared, "", "")
+            single, beside_rate = beside_views(browser, server, Path(folder))
+            row("handle moved → profile repainted, beside a log in four views", single, "16 ms", "8 ms")
             seconds, kilobytes = opening(browser, server)
             still, hidden = asleep(browser, server)
             particle_rate, busy = running_with_particles(browser, server)
@@ -361,6 +402,7 @@ def feel() -> None:
                 ("the same with four views", f"{running(browser, server, FOUR_VIEWS):.0f} frames/s", "60", "60", ""),
                 (f"the same with {PARTICLES:,} particles", f"{particle_rate:.0f} frames/s", "60", "60", ""),
                 ("main thread of that page", f"{100 * busy:.0f} %", "below 100 %", "", ""),
+                ("a log playing in four views", f"{beside_rate:.0f} frames/s", "30", "60", ""),
                 ("page opened → first cells", f"{seconds:.2f} s", "1.5 s", "0.7 s", ""),
                 ("JavaScript of the lab, gzipped", f"{kilobytes:.1f} kB", "120 kB", "60 kB", ""),
                 ("main thread of a paused page", f"{100 * still:.1f} %", "about none", "", ""),
