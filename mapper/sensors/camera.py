@@ -1,4 +1,4 @@
-"""The pinhole model of a rectified camera.
+"""The pinhole model of a rectified camera, and the lens of one that is not.
 
 The pixel (u, v) with the depth z is the point ((u − cx) z / fx, (v − cy) z / fy, z) in the camera's optical frame: x to
 the right, y down, z ahead (REP 103). Source: sensor_msgs/CameraInfo; Hartley & Zisserman, Multiple View Geometry, 6.1.
@@ -7,13 +7,17 @@ the right, y down, z ahead (REP 103). Source: sensor_msgs/CameraInfo; Hartley & 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+
+STEPS = 257  #: between the axis and a place, at which it is seen whether a distortion model holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,21 +46,12 @@ class Intrinsics:
         first = -math.atan2(self.width - 1 - self.cx, self.fx)
         return first, (last - first) / max(1, self.width - 1)
 
-    def projection(self, T_camera_map: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: N803
-        """Return the matrix (3, 4) that takes (x, y, z, 1), metres in the map, to (u w, v w, w).
+    def shares(self, x: float, y: float) -> tuple[float, float]:
+        """Return where (x, y, 1) in the optical frame is, as shares of the width and height from the upper left corner.
 
-        w is the depth, metres, negative behind the camera; u and v are shares of the image's width and height, from its
-        upper left corner. ``T_camera_map`` (4, 4) takes the map's coordinates to those of the optical frame. The centre
-        of the first pixel is (0, 0) in pixels, and half a pixel from the corner.
+        The centre of the first pixel is (0, 0) in pixels, and half a pixel from the corner.
         """
-        camera = np.array(
-            [
-                [self.fx / self.width, 0.0, (self.cx + 0.5) / self.width],
-                [0.0, self.fy / self.height, (self.cy + 0.5) / self.height],
-                [0.0, 0.0, 1.0],
-            ]
-        )
-        return camera @ T_camera_map[:3]
+        return (self.fx * x + self.cx + 0.5) / self.width, (self.fy * y + self.cy + 0.5) / self.height
 
     def check_size(self, depth: NDArray[Any], what: str) -> None:
         """Raise :class:`ConfigError` for an image (height, width) of another size; ``what`` names what this is from."""
@@ -78,3 +73,104 @@ class Intrinsics:
         points[..., 1] = ((np.arange(self.height) - self.cy) / self.fy)[:, np.newaxis] * z
         points[..., 2] = z
         return points.reshape(-1, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """Of an image that is not rectified: what a CameraInfo states as K, R, and D with its distortion model.
+
+    ``rectification`` (9,) is R, row after row, which takes the camera's own optical frame to the rectified one.
+    """
+
+    intrinsics: Intrinsics
+    rectification: tuple[float, ...]
+    model: str
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not np.isfinite((*self.rectification, *self.coefficients)).all():
+            raise ConfigError("camera.lens", "The numbers of a camera's lens must be finite.")
+
+    def shares(self, place: NDArray[np.float64]) -> tuple[float, float] | None:
+        """Return where a place (3,) ahead in the rectified optical frame is, as :meth:`Intrinsics.shares`.
+
+        None for one that the lens does not see: behind it, or so far from its axis that the model does not hold. Raises
+        :class:`ConfigError` for a model other than :data:`DISTORTIONS`. Source: ``unrectifyPoint`` of ROS's
+        image_geometry.
+        """
+        x, y, z = (np.reshape(self.rectification, (3, 3)).T @ place).tolist()
+        if z <= 0.0:
+            return None
+        imaged = self._distorted(x / z, y / z)
+        return None if imaged is None else self.intrinsics.shares(*imaged)
+
+    def _distorted(self, x: float, y: float) -> tuple[float, float] | None:
+        if not any(self.coefficients):
+            return x, y
+        known = DISTORTIONS.get(self.model)
+        if known is None or any(self.coefficients[known.coefficients :]):
+            raise ConfigError(
+                "camera.lens",
+                f"the lens has the distortion model {self.model!r:.80} of {len(self.coefficients)} coefficients, which "
+                "is not read",
+            )
+        return known.distort(self.coefficients, x, y)
+
+
+def _with_radius(coefficients: Sequence[float], x: float, y: float) -> tuple[float, float] | None:
+    """Distort by powers of the distance from the axis, and by a lens that is not parallel to the image.
+
+    k1, k2, p1, p2, k3 as "plumb_bob", and k4, k5, k6 of the denominator as "rational_polynomial". Source: OpenCV,
+    Camera Calibration and 3D Reconstruction; Brown, Decentering distortion of lenses, 1966.
+    """
+    k1, k2, p1, p2, k3, k4, k5, k6 = (*coefficients, *(0.0,) * 8)[:8]
+    numerator, denominator = Polynomial([1.0, k1, k2, k3]), Polynomial([1.0, k4, k5, k6])
+    if not _ascends(lambda r: r * numerator(r * r) / denominator(r * r), math.hypot(x, y)):
+        return None
+    r2 = x * x + y * y
+    radial = float(numerator(r2) / denominator(r2))
+    return (
+        radial * x + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+        radial * y + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+    )
+
+
+def _with_angle(coefficients: Sequence[float], x: float, y: float) -> tuple[float, float] | None:
+    """Distort by powers of the angle to the axis, k1 … k4: "equidistant". Source: OpenCV, Fisheye camera model.
+
+    Kannala & Brandt, A generic camera model and calibration method, PAMI 28(8), 2006.
+    """
+    polynomial = Polynomial([1.0, *coefficients[:4]])
+    r = math.hypot(x, y)
+    angle = math.atan(r)
+    if not _ascends(lambda at: at * polynomial(at * at), angle):
+        return None
+    scale = angle * float(polynomial(angle * angle)) / r if r > 0.0 else 1.0
+    return scale * x, scale * y
+
+
+def _ascends(distance: Callable[[NDArray[np.float64]], NDArray[np.float64]], end: float) -> bool:
+    """Return whether the distance in the image grows with that from the axis, from 0 to ``end``.
+
+    Where it no longer does, a model shows places again that are nearer to the axis: it was not fitted there.
+    """
+    if end == 0.0:
+        return True
+    with np.errstate(all="ignore"):
+        return bool((np.diff(distance(np.linspace(0.0, end, STEPS))) > 0.0).all())
+
+
+@dataclass(frozen=True, slots=True)
+class Distortion:
+    """A distortion model: how many coefficients it has at most, and where (x, y, 1) is imaged at 1; None: nowhere."""
+
+    coefficients: int
+    distort: Callable[[Sequence[float], float, float], tuple[float, float] | None]
+
+
+#: By the names of sensor_msgs/CameraInfo.
+DISTORTIONS: Mapping[str, Distortion] = {
+    "plumb_bob": Distortion(5, _with_radius),
+    "rational_polynomial": Distortion(8, _with_radius),
+    "equidistant": Distortion(4, _with_angle),
+}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, centre, frame, open_group, until
+from tests.browser.looking import await_map, centre, frame, map_bytes, open_group, until
 from tests.browser.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -23,10 +24,38 @@ SCREEN = """(point) => {
 }"""  # the place in the window of a point of the map
 
 
-def opened(page: Page, server: str, folder: Path) -> None:
+#: The places of the dashed lines in the plot of the speed, as shares of its width.
+MARKED = """() => {
+  const plot = document.querySelector('[data-strip="speed"]');
+  const canvas = plot.querySelector("canvas");
+  const [whole, over] = [canvas, plot.querySelector(".u-over")].map((one) => one.getBoundingClientRect());
+  const scale = canvas.width / whole.width;
+  const [left, top] = [over.left - whole.left, over.top - whole.top].map((at) => Math.round(at * scale));
+  const [width, height] = [over.width, over.height].map((size) => Math.round(size * scale));
+  const probe = document.createElement("span");
+  probe.style.color = "var(--foreground)";
+  plot.append(probe);
+  const wanted = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3).map(Number);
+  probe.remove();
+  const { data } = canvas.getContext("2d").getImageData(left, top, width, height);
+  const found = [];
+  for (let x = 0; x < width; x++) {
+    let count = 0;
+    for (let y = 0; y < height; y++) {
+      const at = 4 * (y * width + x);
+      if (data[at + 3] > 200 && wanted.every((one, k) => Math.abs(one - data[at + k]) < 40)) count++;
+    }
+    if (count > 0.3 * height) found.push(x);
+  }
+  const lines = found.filter((x, n) => n === 0 || x > found[n - 1] + 3);
+  return lines.map((x) => (x + 0.5) / width);
+}"""
+
+
+def opened(page: Page, server: str, folder: Path, more: Sequence[recorded.Said] = ()) -> None:
     camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
     lines = [recorded.log_line(T0 + at * recorded.SECOND // 10, level, words) for at, level, words in LINES]
-    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera, *lines]))
+    (folder / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera, *lines, *more]))
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(folder / "robot.mcap")
     await_map(page)
@@ -139,6 +168,42 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     expect(plots.locator(".field-plot .u-label").filter(has_text="contradicted")).to_have_count(1)
     contradicted.click()
     expect(legend).to_have_count(2)
+
+
+def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Page, server: str, tmp_path: Path) -> None:
+    focal, bend, (width, height) = 20.0, -0.1, (64, 48)
+    info = recorded.camera(T0, (width, height), focal, "/camera_info")
+    info.fields["d"][0] = bend
+    mount = [  # which is published again and again
+        recorded.transform(T0 + at * recorded.SECOND, "base_link", "optical", z=1.0, yaw=-np.pi / 2, roll=-np.pi / 2)
+        for at in range(3)
+    ]
+    opened(page, server, tmp_path, [info, *mount])
+    held = map_bytes(page)
+    rows, cols = np.nonzero(np.frombuffer(held["bytes"], dtype=np.uint8).reshape(held["rows"], -1) > 150)
+    places = np.column_stack([cols, rows]) * held["resolution"] + np.array(held["origin"][:2])
+    ahead = places[np.hypot(*(places - (3.0, 0.6)).T).argmin()] + held["resolution"] / 2
+    page.keyboard.press("2")
+    figure = page.locator(".view-pane").nth(1).locator("figure")
+    page.mouse.click(*page.evaluate(SCREEN, ahead.tolist()))
+    expect(figure).to_contain_text("the selected place, on the floor, is marked")
+    # The picture is of 0.5 s, when the robot is 0.5 m along x, and the camera 1 m above the floor.
+    x, y = page.evaluate("() => gridbloom.connection.store.explainedPoint.peek()")
+    right, down = -y / (x - 0.5), 1.0 / (x - 0.5)
+    bent = 1.0 + bend * (right**2 + down**2)
+    circle = figure.locator("circle")
+    wanted = (width / 2 + focal * right * bent, height / 2 + focal * down * bent)
+    assert np.allclose([float(circle.get_attribute(name) or 0) for name in ("cx", "cy")], wanted, atol=0.01)
+
+    # The beam that updated the cell last is marked in the plots at its time.
+    page.get_by_role("button", name="Plots", exact=True).click()
+    slider = page.get_by_role("slider", name="Moment in the plots")
+    first, last = (float(slider.get_attribute(f"aria-value{end}") or 0) for end in ("min", "max"))
+    stamp = page.evaluate("() => gridbloom.connection.store.selectedContribution.peek().stamp")
+    share = (stamp - first) / (last - first)
+    until("a line at the time", lambda: np.allclose(page.evaluate(MARKED), [share], atol=0.01))
+    page.evaluate("() => gridbloom.connection.store.explain(null)")
+    until("no line", lambda: page.evaluate(MARKED) == [])
 
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:

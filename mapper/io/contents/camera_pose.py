@@ -1,8 +1,9 @@
-"""Where a camera of a recording was, and what it saw of the map, by its CameraInfo and the static transforms."""
+"""Where a camera of a recording was, and what it saw of the map, by its CameraInfo and the transforms."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,30 +12,51 @@ from mapper.core.errors import ReadError
 from mapper.core.se3 import from_euler, from_quaternion
 from mapper.io.contents.frame_graph import chain_of, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, FrameEdge
-from mapper.io.logs.ros.camera_topics import camera_info_topic
+from mapper.io.logs.ros.camera_topics import camera_info_topic, is_rectified
 
 Float64Array = NDArray[np.float64]
 
 
-def map_projection(contents: Contents, topic: str, base: str, pose: Float64Array) -> Float64Array:
-    """Return the matrix (3, 4) of :meth:`mapper.sensors.camera.Intrinsics.projection` for the images on ``topic``.
+class Sight(NamedTuple):
+    """Where an image has a place: shares of its width and height, from the upper left corner; 0 where it has not."""
 
-    ``pose`` (3,) is that of the robot's frame ``base`` in the map, which moves in the plane z = 0. Distortion of the
-    lens is not regarded. Raises :class:`ReadError`, which says in a few words what the recording lacks.
+    where: Literal["inside", "outside", "behind"]
+    u: float
+    v: float
+
+
+def sight_of(
+    contents: Contents, topic: str, base: str, pose: Float64Array, place: Sequence[float], at_ns: int
+) -> Sight:
+    """Return where an image on ``topic`` of the moment ``at_ns`` has a ``place`` (3,), metres in the map.
+
+    ``pose`` (3,) is that of the robot's frame ``base`` in the map, which moves in the plane z = 0. Raises
+    :class:`ReadError`, which says in a few words what the recording lacks, and :class:`ConfigError` as
+    :meth:`mapper.sensors.camera.Lens.shares`.
     """
     info = camera_info_topic(topic)
     camera = next((one for one in contents.cameras if one.topic == info), None)
     if camera is None:
         raise ReadError("camera.no_info", f"the log has no CameraInfo on {info}")
     trees = trees_of(contents.edges, topic)
-    mount = _mount(trees.get(tree_for(trees, topic, camera.frame), []), base, camera.frame)
+    mount = _mount(trees.get(tree_for(trees, topic, camera.frame), []), base, camera.frame, at_ns)
     x, y, yaw = (float(value) for value in pose)
     T_map_camera = from_euler((x, y, 0.0), 0.0, 0.0, yaw) @ mount  # noqa: N806
-    return camera.intrinsics.projection(np.linalg.inv(T_map_camera).astype(np.float64))
+    seen = (np.linalg.inv(T_map_camera) @ [*place, 1.0])[:3]
+    right, down, depth = seen.tolist()
+    if depth <= 0.0:
+        return Sight("behind", 0.0, 0.0)
+    if is_rectified(topic):
+        shares: tuple[float, float] | None = camera.intrinsics.shares(right / depth, down / depth)
+    else:
+        shares = camera.lens.shares(seen)
+    if shares is None or min(shares) < 0.0 or max(shares) > 1.0:
+        return Sight("outside", 0.0, 0.0)
+    return Sight("inside", *shares)
 
 
-def _mount(edges: Sequence[FrameEdge], base: str, frame: str) -> Float64Array:
-    """Return ``T_base_frame`` (4, 4) by static transforms. Raises :class:`ReadError` where they do not join the two."""
+def _mount(edges: Sequence[FrameEdge], base: str, frame: str, at_ns: int) -> Float64Array:
+    """Return ``T_base_frame`` (4, 4) at a moment. Raises :class:`ReadError` where no transforms join the two then."""
     parents = parents_of(edges)
     from_base, from_frame = chain_of(parents, base), chain_of(parents, frame)
     common = next((name for name in from_frame if name in from_base), None)
@@ -47,9 +69,9 @@ def _mount(edges: Sequence[FrameEdge], base: str, frame: str) -> Float64Array:
         pose = np.eye(4)
         for child in chain[: chain.index(common)]:
             edge = stated[parents[child], child]
-            if not edge.is_static:
-                raise ReadError("camera.moves", f"the transform from {child!r} to {edge.parent!r} is not static")
-            x, y, z, *turn = edge.pose
+            if (placed := edge.pose_at(at_ns)) is None:
+                raise ReadError("camera.no_mount", f"no transform from {child!r} to {edge.parent!r} is that old")
+            x, y, z, *turn = placed
             pose = from_quaternion((x, y, z), *(np.array(turn) / np.linalg.norm(turn)).tolist()) @ pose
         return pose
 

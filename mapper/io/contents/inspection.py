@@ -225,10 +225,11 @@ class Inspector(MessageSink):
 
     def _take_camera(self, topic: _Topic, data: bytes) -> None:
         if topic.name not in self._cameras:
-            frame, intrinsics = camera_info(data, cdr=topic.cdr)
-            if intrinsics.width * intrinsics.height == 0:
+            info = camera_info(data, cdr=topic.cdr)
+            if info.intrinsics.width * info.intrinsics.height == 0:
                 raise BadMessageError("it states no size of the images")
-            self._cameras[topic.name] = CameraContents(topic.name, printable(frame[:MAX_NAME]), intrinsics)
+            frame = printable(info.frame[:MAX_NAME])
+            self._cameras[topic.name] = CameraContents(topic.name, frame, info.intrinsics, info.lens)
 
     def contents(self) -> Contents:
         """Return what was taken."""

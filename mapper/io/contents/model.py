@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError
 from mapper.io.contents.log_lines import LogLine
 from mapper.io.logs.recording.poses3 import interpolated, poses_of
 from mapper.io.logs.ros.message_fields import Pose7
-from mapper.sensors.camera import Intrinsics
+from mapper.sensors.camera import Intrinsics, Lens
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +115,15 @@ class FrameEdge:
 
 @dataclass(frozen=True, slots=True)
 class CameraContents:
-    """What the CameraInfo on ``topic`` states first: the optical ``frame`` of the camera, and its intrinsics."""
+    """What the CameraInfo on ``topic`` states first: the optical ``frame`` of the camera, and what it images.
+
+    ``intrinsics`` are those of rectified images, ``lens`` is that of the others.
+    """
 
     topic: str
     frame: str
     intrinsics: Intrinsics
+    lens: Lens
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ import numpy as np
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from mapper.core.errors import MapperError, ReadError
+from mapper.core.errors import ConfigError, MapperError, ReadError
 from mapper.core.se3 import to_euler
-from mapper.io.contents.camera_pose import map_projection
+from mapper.io.contents.camera_pose import sight_of
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
@@ -273,15 +273,16 @@ async def picture(
 
 @dataclass(frozen=True, slots=True)
 class CameraAnswer:
-    """How a camera saw the map at a moment.
+    """Where a camera's image has a place on the map's floor.
 
-    ``projection`` (3, 4), row after row, takes (x, y, z, 1), metres in the map, to (u w, v w, w): w is the depth,
-    metres, and u and v are shares of the image's width and height from its upper left corner. null where the recording
-    lacks something for it, which ``why`` says.
+    ``u`` and ``v`` are shares of the image's width and height from its upper left corner, 0 for a place that is not
+    inside. ``where`` is null where the recording lacks something for it, which ``why`` says.
     """
 
-    projection: list[float] | None
-    why: str
+    where: Literal["inside", "outside", "behind"] | None
+    u: float
+    v: float
+    why: str = ""
 
 
 @router.get("/{session_id}/contents/camera")
@@ -293,20 +294,22 @@ async def camera(
     visitor: Visitor,
     session_id: str,
     topic: Annotated[str, Query(max_length=400)],
+    x: Annotated[float, Query(allow_inf_nan=False, description="Metres in the map.")],
+    y: Annotated[float, Query(allow_inf_nan=False, description="Metres in the map.")],
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
 ) -> CameraAnswer:
-    """Return how the camera of the images on a topic saw the map at a moment, along the trajectory in use."""
+    """Return where an image on a topic has a place of the map at a moment, along the trajectory in use."""
     held = await look_into(request, sessions, library, visitor, session_id)
     log = held.recording.log
     trajectory = log.trajectories[held.recording.trajectory]
     order = np.argsort(log.stamps_ns, kind="stable")
-    at_ns = np.array(held.origin_ns + round(at * 1e9))
-    pose = poses_at(log.stamps_ns[order], trajectory.poses[order], at_ns)
+    at_ns = held.origin_ns + round(at * 1e9)
+    pose = poses_at(log.stamps_ns[order], trajectory.poses[order], np.array(at_ns))
     try:
-        matrix = map_projection(held.contents, topic, trajectory.child_frame_id, pose)
-    except ReadError as error:
-        return CameraAnswer(None, error.message)
-    return CameraAnswer(matrix.ravel().tolist(), "")
+        sight = sight_of(held.contents, topic, trajectory.child_frame_id, pose, (x, y, 0.0), at_ns)
+        return CameraAnswer(*sight)
+    except (ReadError, ConfigError) as error:
+        return CameraAnswer(None, 0.0, 0.0, error.message)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from mapper.io.contents.log_lines import LogLine
 from mapper.io.contents.model import CameraContents, Column, Contents, FrameEdge, Series, TopicContents
-from mapper.sensors.camera import Intrinsics
+from mapper.sensors.camera import Intrinsics, Lens
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
-VERSION = 5
+VERSION = 6
 
 
 class StaleContentsError(Exception):
@@ -96,9 +96,13 @@ def read_contents(path: Path) -> Contents:
                 lines=tuple(LogLine(*line) for line in about["lines"]),
                 lines_left_out=about["lines_left_out"],
                 cameras=tuple(
-                    CameraContents(one["topic"], one["frame"], Intrinsics(**one["intrinsics"]))
+                    CameraContents(one["topic"], one["frame"], Intrinsics(**one["intrinsics"]), _lens_of(**one["lens"]))
                     for one in about["cameras"]
                 ),
             )
     except UNREADABLE as error:
         raise StaleContentsError(f"{type(error).__name__}: {error}") from error
+
+
+def _lens_of(intrinsics: dict[str, Any], rectification: list[float], model: str, coefficients: list[float]) -> Lens:
+    return Lens(Intrinsics(**intrinsics), tuple(rectification), model, tuple(coefficients))

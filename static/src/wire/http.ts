@@ -61,12 +61,14 @@ export interface Attempt {
 }
 
 /**
- * How a camera saw the map at a moment. `projection` (3, 4), row after row, takes (x, y, z, 1), metres in the map, to
- * (u w, v w, w): w is the depth, metres, and u and v are shares of the image's width and height from its upper left
- * corner. null where the recording lacks something for it, which `why` says.
+ * Where a camera's image has a place on the map's floor. `u` and `v` are shares of the image's width and height from
+ * its upper left corner, 0 for a place that is not inside. `where` is null where the recording lacks something for it,
+ * which `why` says.
  */
 export interface CameraAnswer {
-  readonly projection: readonly number[] | null;
+  readonly where: "inside" | "outside" | "behind" | null;
+  readonly u: number;
+  readonly v: number;
   readonly why: string;
 }
 

@@ -286,20 +286,26 @@ def camera_and_scan(stamp_ns: int, grey: int) -> list[recorded.Said]:
 
 
 def test_a_place_is_seen_along_the_trajectory_in_use(service: Service) -> None:
+    info = recorded.camera(T0, (32, 24), 16.0, "/camera_info")
+    info.fields["d"][0] = -0.18
     camera = [
         image(np.full((24, 32), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND),
-        recorded.camera(T0, (32, 24), 16.0, "/camera_info"),
-        recorded.transform(T0, "base_link", "optical", yaw=-np.pi / 2, roll=-np.pi / 2, z=1.0, topic="/tf_static"),
+        info,
+        recorded.transform(T0, "base_link", "optical", yaw=-np.pi / 2, roll=-np.pi / 2, z=1.0),
     ]
     session = opened(service, "camera.mcap", recorded.mcap_bytes([*robot(SECONDS), *camera]))
     until(lambda: service.http.get(f"/api/sessions/{session}/contents").status_code == 200)
-    answer = got(service, session, "/camera", topic="/camera", at=2.0)
-    assert answer["why"] == ""
-    # After 2 s the robot is 2 m along x; the place is 3 m ahead of it and 1 m to the left.
-    u, v, w = np.reshape(answer["projection"], (3, 4)) @ [5.0, 1.0, 0.0, 1.0]
-    assert w == pytest.approx(3.0)
-    assert (u / w, v / w) == (pytest.approx(0.5 - 0.5 / 3.0), pytest.approx(0.5 + 2.0 / 3.0 / 3.0))
-    assert got(service, session, "/camera", topic="/rear/image") == {
-        "projection": None,
+    # After 2 s the robot is 2 m along x; the place is 3 m ahead of it and 1 m to the left, r² = 2/9 from the axis.
+    bent = 1.0 - 0.18 * 2.0 / 9.0
+    assert got(service, session, "/camera", topic="/camera", at=2.0, x=5.0, y=1.0) == {
+        "where": "inside",
+        "u": pytest.approx(0.5 - 0.5 / 3.0 * bent),
+        "v": pytest.approx(0.5 + 2.0 / 3.0 / 3.0 * bent),
+        "why": "",
+    }
+    assert got(service, session, "/camera", topic="/rear/image", x=5.0, y=1.0) == {
+        "where": None,
+        "u": 0.0,
+        "v": 0.0,
         "why": "the log has no CameraInfo on /rear/camera_info",
     }

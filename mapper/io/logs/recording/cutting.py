@@ -87,7 +87,7 @@ class Cutter:
 
     def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
         """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
-        self._cameras[topic_folder(stream.topic)] = camera_info(data, cdr=stream.cdr)[1]
+        self._cameras[topic_folder(stream.topic)] = camera_info(data, cdr=stream.cdr).intrinsics
         self._cut_held()
 
     def finish(self) -> None:

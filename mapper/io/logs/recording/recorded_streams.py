@@ -157,7 +157,7 @@ class _Recorded:
         info = camera_info_topic(topic)
         for message in pulled(self.files, self.take, info, CAMERA, self.limits):
             try:
-                return camera_info(message.data, cdr=message.cdr)[1]
+                return camera_info(message.data, cdr=message.cdr).intrinsics
             except BadMessageError:
                 continue
         raise ReadError("clouds.no_camera", f"The depth images on {topic} have no CameraInfo on {info}.")

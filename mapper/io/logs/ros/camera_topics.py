@@ -12,5 +12,13 @@ def topic_folder(topic: str) -> str:
 
 def camera_info_topic(topic: str) -> str:
     """Return the topic of the CameraInfo of the images on ``topic``, compressed or not."""
-    image = next((topic.removesuffix(ending) for ending in _TRANSPORTS if topic.endswith(ending)), topic)
-    return f"{topic_folder(image)}/camera_info"
+    return f"{topic_folder(_image_topic(topic))}/camera_info"
+
+
+def is_rectified(topic: str) -> bool:
+    """Return whether the images on ``topic`` are rectified: image_rect, image_rect_color, image_rect_raw."""
+    return "rect" in _image_topic(topic).rpartition("/")[2].split("_")
+
+
+def _image_topic(topic: str) -> str:
+    return next((topic.removesuffix(ending) for ending in _TRANSPORTS if topic.endswith(ending)), topic)

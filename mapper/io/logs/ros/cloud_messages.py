@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.io.logs.names import printable
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
-from mapper.sensors.camera import Intrinsics
+from mapper.sensors.camera import Intrinsics, Lens
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_FIELDS = 256  #: of one point
+MOST_MODEL = 100  #: characters of a distortion model's name that are kept
+UNTURNED = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  #: R of a camera that states none
 MOST_SIDE = 1 << 16  #: pixels
 PART_POINTS = 1 << 17  #: taken at once: each takes some hundred bytes with what is computed from it
 MOST_NAME = 100  #: characters of a field's name that are kept
@@ -227,23 +229,38 @@ def depth_image(data: bytes, *, cdr: bool) -> DepthImage:
     return DepthImage(stamp, frame, np.ndarray((height, width), kind, values, 0, (step, kind.itemsize)), unit)
 
 
-def camera_info(data: bytes, *, cdr: bool) -> tuple[str, Intrinsics]:
-    """Decode a sensor_msgs/CameraInfo: its frame, and its projection matrix P, or where that is zero, K."""
+@dataclass(frozen=True, slots=True)
+class CameraInfo:
+    """A sensor_msgs/CameraInfo: its frame, the intrinsics of the rectified image, and the lens of the raw one.
+
+    The intrinsics are those of the projection matrix P, or where that is zero, of K, and those of the lens the other
+    way round.
+    """
+
+    frame: str
+    intrinsics: Intrinsics
+    lens: Lens
+
+
+def camera_info(data: bytes, *, cdr: bool) -> CameraInfo:
+    """Decode a sensor_msgs/CameraInfo."""
     fields = MessageFields(data, cdr=cdr)
     _, frame = fields.header()
     height, width = (int(n) for n in fields.unpack("2I", 4))
-    fields.string()  # the distortion model
+    model = printable(fields.string()[:MOST_MODEL])
     n = fields.count(8)
-    fields.unpack(f"{n}d", 8)
+    d = fields.unpack(f"{n}d", 8)
     k = fields.unpack("9d", 8)
-    fields.unpack("9d", 8)
+    r = fields.unpack("9d", 8)
     p = fields.unpack("12d", 8)
     fields.unpack("2I", 4)  # binning
     fields.unpack("4I", 4)  # the region of interest
     fields.unpack("B", 1)
     fields.end()
-    fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] > 0.0 else (k[0], k[4], k[2], k[5])
+    of_p, of_k = (p[0], p[5], p[2], p[6]), (k[0], k[4], k[2], k[5])
     try:
-        return frame, Intrinsics(width, height, fx, fy, cx, cy)
+        rectified = Intrinsics(width, height, *(of_p if p[0] > 0.0 else of_k))
+        raw = Intrinsics(width, height, *(of_k if k[0] > 0.0 else of_p))
+        return CameraInfo(frame, rectified, Lens(raw, r if any(r) else UNTURNED, model, d))
     except ConfigError as error:
         raise BadMessageError(error.message) from None

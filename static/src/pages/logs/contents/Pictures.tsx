@@ -9,7 +9,6 @@ import { signed } from "../../../ui/numbers";
 import { SelectField } from "../../../ui/Select";
 import { addressOf, ask, fetched } from "../../../wire/ask";
 import type { CameraAnswer } from "../../../wire/http";
-import { type Sight, sightOf } from "./sight";
 import { useAtMoment } from "./useAtMoment";
 import { WhenKnown } from "./useContents";
 
@@ -59,10 +58,8 @@ function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonl
   );
   const shown = answer.kind === "ready" ? answer.value : null;
   useEffect(() => () => shown && URL.revokeObjectURL(shown.address), [shown]);
-  const camera = useCamera(store, session, shown);
+  const sight = useSight(store, session, shown);
   const at = store.frame.value?.stamp ?? 0;
-  const place = selectionOf(store).value?.place;
-  const sight = camera?.projection && place ? sightOf(camera.projection, place) : null;
   return (
     <div class="pictures stack">
       <SelectField
@@ -85,8 +82,8 @@ function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonl
           <figcaption class="quiet">
             {shownTime(store, shown.seconds)}, {signed(shown.seconds - at, 3)} s from the moment of the map
             {shown.isCloud && "; the cloud from above, x up and y to the left, lighter is higher"}
-            {sight && `; the selected place, on the floor, ${IS_SEEN[sight.where]}`}
-            {camera?.why && `; the selected place is not marked: ${camera.why}`}
+            {sight?.where && `; the selected place, on the floor, ${IS_SEEN[sight.where]}`}
+            {sight?.why && `; the selected place is not marked: ${sight.why}`}
           </figcaption>
         </figure>
       )}
@@ -94,41 +91,41 @@ function OfTopic({ store, session, pictured, topics }: PicturesProps & { readonl
   );
 }
 
-const IS_SEEN: Readonly<Record<Sight["where"], string>> = {
+const IS_SEEN: Readonly<Record<NonNullable<CameraAnswer["where"]>, string>> = {
   inside: "is marked",
   outside: "lies outside of the picture",
   behind: "lies behind the camera",
 };
 
-/** How the camera saw the map when it took a picture, asked for once a place is selected; null until it is known. */
-function useCamera(store: Store, session: string, shown: Shown | null): CameraAnswer | null {
-  const camera = useSignal<CameraAnswer | null>(null);
+/** Where a picture has the selected place; null until it is known. */
+function useSight(store: Store, session: string, shown: Shown | null): CameraAnswer | null {
+  const sight = useSignal<CameraAnswer | null>(null);
   const trajectory = store.trajectory.value;
-  const isWanted = selectionOf(store).value !== null;
+  const [x, y] = selectionOf(store).value?.place ?? [];
   useEffect(() => {
-    camera.value = null;
-    if (!isWanted || !shown || shown.isCloud) return;
+    sight.value = null;
+    if (x === undefined || y === undefined || !shown || shown.isCloud) return;
     const { topic, seconds: at } = shown;
     const ending = new AbortController();
     ask(
       "GET /api/sessions/{session_id}/contents/camera",
       { session_id: session },
-      { query: { topic, at }, ending: ending.signal },
+      { query: { topic, at, x, y }, ending: ending.signal },
     ).then(
       (answer) => {
-        camera.value = answer;
+        sight.value = answer;
       },
       () => undefined, // without an answer nothing is marked
     );
     return () => ending.abort();
-  }, [shown, isWanted, trajectory]);
-  return camera.value;
+  }, [shown, x, y, trajectory]);
+  return sight.value;
 }
 
 interface MarkedProps {
   readonly src: string;
   readonly alt: string;
-  readonly sight: Sight | null;
+  readonly sight: CameraAnswer | null;
 }
 
 /** A picture, and a mark where it shows a place; the drawing is scaled as the picture is. */
