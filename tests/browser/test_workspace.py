@@ -234,6 +234,17 @@ def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> No
     expect(measured).to_contain_text(f"± {row['resolution']:.2f} m")
     distance = float(re.search(r"([\d.]+) m ±", measured.inner_text())[1])  # type: ignore[index]
     assert abs(distance - abs(row["to"][0] - row["from"][0])) <= 2.0 * row["resolution"]
+    # Where the map is one of four views it is not hidden by what is measured.
+    page.set_viewport_size({"width": 1024, "height": 700})
+    page.keyboard.press("4")
+    expect(page.locator(".view-pane")).to_have_count(4)
+
+    def covered() -> float:
+        boxes = [one.bounding_box() or {"width": 0.0, "height": 0.0} for one in (measured, page.locator(".viewer-map"))]
+        own, whole = (box["width"] * box["height"] for box in boxes)
+        return own / whole
+
+    until("most of the map to be seen", lambda: 0.0 < covered() < 0.3)
     page.locator(".picture").press("Escape")
     expect(measured).to_contain_text("two sides of a door")
     page.locator(".picture").press("Escape")

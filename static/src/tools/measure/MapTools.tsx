@@ -5,10 +5,10 @@ import type { RefObject } from "preact";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { inHand } from "../../ui/browser/touch";
+import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { IconName } from "../../ui/Icon";
 import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
-import { ToggleOf } from "../../ui/Toggle";
 import { measuredText, scaleBar, scaleText } from "./model";
 import "./measure.css";
 import { type MeasuringTool, measuringOf } from "./measuring";
@@ -87,7 +87,13 @@ function Measured({ store, tool }: { readonly store: Store; readonly tool: Measu
     <section class="measured" aria-label="Measured">
       <p class="number">{text}</p>
       <div class="measured-actions">
-        <ToggleOf label="Snap to walls" signal={measuring.snaps} />
+        <SwitchChip
+          label="Snap to walls"
+          checked={measuring.snaps.value}
+          onChange={(isOn) => {
+            measuring.snaps.value = isOn;
+          }}
+        />
         <Button
           kind="quiet"
           icon="undo"
