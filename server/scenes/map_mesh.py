@@ -103,7 +103,7 @@ def first_column(
     met = np.flatnonzero((heights > 0.0) & np.isfinite(shares))
     if not len(met):
         return None
-    place = start + shares[met[0]] * along
+    place: NDArray[np.float64] = start + shares[met[0]] * along
     if shown.block == 1:
         return place
     row, col = shown.block * cells[met[0]]
@@ -111,10 +111,11 @@ def first_column(
     width = shown.cell / shown.block
     shares = _shares_of_columns(inner, width, heights[met[0]], start, along)
     if np.isfinite(shares).any():
-        return start + shares.min() * along
-    middles = (inner[:, ::-1] + 0.5) * width
-    nearest = middles[np.hypot(*(middles - place[:2]).T).argmin()]
-    return np.append(nearest, place[2])
+        place = start + shares.min() * along
+    else:
+        middles = (inner[:, ::-1] + 0.5) * width
+        place[:2] = middles[np.hypot(*(middles - place[:2]).T).argmin()]
+    return place
 
 
 def _shares_of_columns(
@@ -127,7 +128,9 @@ def _shares_of_columns(
     low = np.column_stack([cells[:, ::-1] * width, np.zeros(len(cells))])
     high = np.column_stack([low[:, :2] + width, np.broadcast_to(heights, len(cells))])
     enter, leave = _shares_inside(low, high, start, along)
-    return 0.5 * np.add(enter, leave, where=enter < leave, out=np.full(len(cells), np.inf))
+    middles: NDArray[np.float64] = np.full(len(cells), np.inf)
+    np.add(0.5 * enter, 0.5 * leave, where=enter < leave, out=middles)
+    return middles
 
 
 def _cells_along(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.intp]:

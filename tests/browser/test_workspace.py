@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, centre, frame, map_bytes, open_group, until
+from tests.browser.looking import await_map, centre, frame, map_bytes, open_group, still, until
 from tests.browser.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -185,7 +185,11 @@ def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Pag
     ahead = places[np.hypot(*(places - (3.0, 0.6)).T).argmin()] + held["resolution"] / 2
     page.keyboard.press("2")
     figure = page.locator(".view-pane").nth(1).locator("figure")
+    expect(figure.get_by_role("img")).to_be_visible()
+    still(page.locator(".picture"))
+    page.keyboard.down("Shift")
     page.mouse.click(*page.evaluate(SCREEN, ahead.tolist()))
+    page.keyboard.up("Shift")
     expect(figure).to_contain_text("the selected place, on the floor, is marked")
     # The picture is of 0.5 s, when the robot is 0.5 m along x, and the camera 1 m above the floor.
     x, y = page.evaluate("() => gridbloom.connection.store.explainedPoint.peek()")
@@ -197,6 +201,7 @@ def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Pag
 
     # The beam that updated the cell last is marked in the plots at its time.
     page.get_by_role("button", name="Plots", exact=True).click()
+    expect(page.locator("[data-strip=speed] .u-over")).to_be_visible()
     slider = page.get_by_role("slider", name="Moment in the plots")
     first, last = (float(slider.get_attribute(f"aria-value{end}") or 0) for end in ("min", "max"))
     stamp = page.evaluate("() => gridbloom.connection.store.selectedContribution.peek().stamp")

@@ -77,7 +77,7 @@ def test_the_rectification_is_taken_back() -> None:
     turn = (c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c)  # the rectified camera looks 0.3 rad to one side
     # A place on the axis of the rectified camera is 0.3 rad to the side of the raw one.
     x, y = imaged("plumb_bob", (0.1,), (0.0, 0.0, 2.0), turn) or (0.0, 0.0)
-    assert (abs(x), y) == (pytest.approx(math.tan(0.3) * (1.0 + 0.1 * math.tan(0.3) ** 2)), pytest.approx(0.0))
+    assert (abs(x), y) == pytest.approx((math.tan(0.3) * (1.0 + 0.1 * math.tan(0.3) ** 2), 0.0))
     x, _ = imaged("plumb_bob", (0.1,), (-s, 0.0, c), turn) or (9.0, 9.0)
     assert x == pytest.approx(0.0, abs=1e-9)
     assert imaged("plumb_bob", (), (1.0, 0.0, 0.01), turn) is None  # which is behind the raw camera
