@@ -47,6 +47,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents/series"),
     ("GET", "/api/sessions/{session_id}/contents/camera"),
     ("GET", "/api/sessions/{session_id}/contents/frames"),
+    ("GET", "/api/sessions/{session_id}/contents/frame_age"),
     ("GET", "/api/sessions/{session_id}/contents/message"),
     ("GET", "/api/sessions/{session_id}/contents/lines"),
     ("GET", "/api/sessions/{session_id}/contents/fields"),
