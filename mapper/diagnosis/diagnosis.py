@@ -16,7 +16,7 @@ from mapper.sensors.scan import ScanLog
 
 EXAMINED = 0.6  #: share of the work that the findings are
 DRIFT, DELAY = "walls.drift", "timing.delay"
-TOLD = 3  #: events that a finding names
+MOST_NAMED = 3  #: events that a finding names
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +78,9 @@ def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
     moved = [event for event in events if event.kind in DISPLACED]
     if finding.check != DRIFT or not moved:
         return finding
-    at = [one.time for one in moved[:TOLD]]
+    at = [one.time for one in moved[:MOST_NAMED]]
     said = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
-    more = f" and {len(moved) - TOLD} times later" if len(moved) > TOLD else ""
+    more = f" and {len(moved) - MOST_NAMED} times later" if len(moved) > MOST_NAMED else ""
     return replace(
         finding,
         sentence=f"{finding.sentence} The wheels did not measure what happened at {said}{more}: poses are off from "

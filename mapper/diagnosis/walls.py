@@ -32,7 +32,7 @@ BESIDE = 4
 LEAST_CONSISTENT = 0.35  #: below this nothing can be said of what moves
 
 #: What corrects poses, in advice
-HEALED_BY = "Heal on the page of the log, or gridbloom slam on the command line"
+CORRECTED_BY = "Heal on the page of the log, or gridbloom slam on the command line"
 
 
 def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
@@ -52,7 +52,7 @@ def check_still(log: ScanLog, seen: Examined) -> list[Finding]:
             f"The poses stay in one place, but the readings do not: over {STRETCH} scans beams agree in "
             f"{100 * local:.0f} % of all cases, over the whole log in {100 * far:.0f} %. The robot moved.",
             "Record /tf and /tf_static, or the odometry, with the scans; or estimate the poses with SLAM: "
-            f"{HEALED_BY}.",
+            f"{CORRECTED_BY}.",
             float(np.clip(0.5 + 4.0 * (MOVED - far / local), 0.5, 0.99)),
         )
     ]
@@ -77,7 +77,7 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
             f"The poses {'may drift' if sure < POSSIBLE else 'drift'}: {100 * found.far:.0f} % of the readings end "
             "where beams of another time passed freely, against "
             f"{100 * found.near:.0f} % between scans a moment apart. Walls that the robot comes back to are double.",
-            f"Take another trajectory, or correct the poses with SLAM: {HEALED_BY}.",
+            f"Take another trajectory, or correct the poses with SLAM: {CORRECTED_BY}.",
             sure,
             _worst_scans(seen),
         )

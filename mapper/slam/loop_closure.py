@@ -95,12 +95,14 @@ class LoopCloser:
         is_earlier &= way < way[loop.j] - BEFORE - LEAST_WAY
         share = share_contradicted(self._store, [loop], poses, way, is_earlier)
         if share > most:
-            told = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
-            return replace(loop, reason=told)
+            reason = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
+            return replace(loop, reason=reason)
         share = share_contradicted_mutually(self._store, self._place(submap), loop)
         if share > most:
-            told = f"{100 * share:.0f} % of the points of the scan and the earlier ones are in free space of the other"
-            return replace(loop, reason=told)
+            reason = (
+                f"{100 * share:.0f} % of the points of the scan and the earlier ones are in free space of the other"
+            )
+            return replace(loop, reason=reason)
         return loop
 
     def _place(self, submap: int) -> Place:

@@ -4,7 +4,7 @@ Each submap, some metres of the way, is a local map (:mod:`mapper.slam.local_map
 earlier submaps by their descriptors, and RANSAC finds the relative pose. Scans of the submap are then matched with the
 earlier ones from there as in every loop. No loop is accepted by itself: only a group of them whose relative poses agree
 with one another along the way driven between them (Mangelson et al. 2018), which spans some metres, leaves no direction
-uncertain, is contradicted by no free space along the way, and has no rival: no other group at another place.
+uncertain, is contradicted by no free space along the way, and has no competitor: no other group at another place.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ LEAST_SPAN = 2.0  #: metres between the two loops of a group that are farthest a
 OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that two loops may disagree
 TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
-RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
+CONTRADICTING = (
+    0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
+)
 LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
 
 
@@ -207,11 +209,11 @@ class PlaceRecognizer:
         numbers = [self._waiting[int(k)].number for k in group]
         chosen = [waiting[int(k)] for k in group]
         reason = self._reason_against(chosen, poses, way)
-        rivals = np.flatnonzero(~agree[group].any(axis=0))
-        if not reason and len(rivals):
-            rival = len(largest_consistent(agree[np.ix_(rivals, rivals)]))
-            if rival >= RIVAL * len(group):
-                reason = f"{rival} others agree on another place"
+        others = np.flatnonzero(~agree[group].any(axis=0))
+        if not reason and len(others):
+            agreeing = len(largest_consistent(agree[np.ix_(others, others)]))
+            if agreeing >= CONTRADICTING * len(group):
+                reason = f"{agreeing} others agree on another place"
         if reason:
             for number in numbers:
                 tried[number] = refused(tried[number], reason)

@@ -215,7 +215,7 @@ class Classroom:
 
     # -- commands -------------------------------------------------------------------------------------------------
 
-    def obey(self, member: Member, command: ClassCommand) -> None:
+    def handle(self, member: Member, command: ClassCommand) -> None:
         """Carry out a command. Raises :class:`ConfigError` if it cannot be carried out."""
         match command:
             case AnswerCommand(question=number, value=value):

@@ -64,7 +64,7 @@ async def _receive(websocket: WebSocket, room: Classroom, member: Member) -> Non
         try:
             if text is None or len(text) > MAX_BYTES:
                 raise msgspec.ValidationError(f"A message is a text of at most {MAX_BYTES} characters")
-            room.obey(member, _decoder.decode(text))
+            room.handle(member, _decoder.decode(text))
         except MapperError as error:
             member.send(ClassError(error.code, error.message, room.counted_answer(member)))
             refused += 1

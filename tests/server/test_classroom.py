@@ -103,20 +103,20 @@ async def test_a_revealed_question_is_closed_when_another_slide_or_page_is_shown
 
     def asked_after_showing(*view: tuple[Page, str]) -> bool:
         for page, fragment in view:
-            room.obey(teacher, ShowCommand(ClassView(page, fragment)))
+            room.handle(teacher, ShowCommand(ClassView(page, fragment)))
         return room.asked is not None
 
     assert not asked_after_showing(asked_on)
-    room.obey(teacher, AskCommand("Which?", options=["a", "b"]))
+    room.handle(teacher, AskCommand("Which?", options=["a", "b"]))
     assert asked_after_showing(another, asked_on)  # it can still be answered
-    room.obey(teacher, RevealCommand())
+    room.handle(teacher, RevealCommand())
     assert asked_after_showing(same)
     assert not asked_after_showing(another)
     assert len(room.questions) == 1  # of the results
     # revealed where another page is shown already, it stays there
-    room.obey(teacher, AskCommand("Which?", options=["a", "b"]))
+    room.handle(teacher, AskCommand("Which?", options=["a", "b"]))
     assert asked_after_showing(asked_on)
-    room.obey(teacher, RevealCommand())
+    room.handle(teacher, RevealCommand())
     assert asked_after_showing(same, another, same)
     assert not asked_after_showing(("other", ""))
 
@@ -127,11 +127,11 @@ async def test_a_guess_has_an_axis_of_a_usable_width() -> None:
     most = sys.float_info.max
     for low, high in ((-most, most), (0.0, 5e-324)):
         with pytest.raises(ConfigError) as caught:
-            room.obey(teacher, AskCommand("How far?", axis=ClassAxis(low, high, "m")))
+            room.handle(teacher, AskCommand("How far?", axis=ClassAxis(low, high, "m")))
         assert caught.value.code == "class.axis"
-    room.obey(teacher, AskCommand("How far?", axis=ClassAxis(10_000.0, 10_001.0, "m"), right=10_000.13))
-    room.obey(pupil, AnswerCommand(1, 10_000.13))
-    room.obey(teacher, RevealCommand())
+    room.handle(teacher, AskCommand("How far?", axis=ClassAxis(10_000.0, 10_001.0, "m"), right=10_000.13))
+    room.handle(pupil, AnswerCommand(1, 10_000.13))
+    room.handle(teacher, RevealCommand())
     rows = [*csv.DictReader(io.StringIO(results_csv(room.questions)))]
     assert [row["from"] for row in rows if row["answers"] == "1"] == ["10000.1"]
     assert [row["answers"] for row in rows if row["right"] == "yes"] == ["1"]

@@ -14,7 +14,7 @@ DISPLACED = (PUSHED, SLIPPED, LIFTED)  #: kinds of events that moved the robot a
 KINDS = (*DISPLACED, CLOCK, GAP)
 
 SMALL_SHARE = 0.4  #: of the greater component of a displacement, below which the smaller one is not told
-TOLD_M, TOLD_RAD = 0.05, math.radians(4.0)  #: smaller displacements and turns are not told
+LEAST_M, LEAST_RAD = 0.05, math.radians(4.0)  #: smaller displacements and turns are not stated
 LONG_S = 1.0  #: an event that lasts longer is told with its end
 
 
@@ -54,7 +54,7 @@ class Event:
     @property
     def direction(self) -> str | None:
         """The side of the robot to which it was displaced: ahead, behind, left or right; None for no displacement."""
-        if self.ahead_m is None or self.left_m is None or math.hypot(self.ahead_m, self.left_m) < TOLD_M:
+        if self.ahead_m is None or self.left_m is None or math.hypot(self.ahead_m, self.left_m) < LEAST_M:
             return None
         if abs(self.ahead_m) >= abs(self.left_m):
             return "ahead" if self.ahead_m > 0.0 else "behind"
@@ -100,7 +100,7 @@ class Event:
         return f"the robot {verb} {self._displacement()}, which the wheels did not measure."
 
     def _moved(self) -> bool:
-        return (self.distance_m or 0.0) >= TOLD_M
+        return (self.distance_m or 0.0) >= LEAST_M
 
     def _displacement(self, sign: float = 1.0) -> str:
         """Return the displacement, or with a sign of −1 its opposite, in words."""
@@ -113,7 +113,7 @@ class Event:
             if abs(left) >= SMALL_SHARE * greater:
                 parts.append(f"{abs(left):.2f} m to its {'left' if left > 0.0 else 'right'}")
         said = " and ".join(parts)
-        if abs(turn) >= TOLD_RAD or not said:
+        if abs(turn) >= LEAST_RAD or not said:
             turned = f"turned by {math.degrees(abs(turn)):.0f}° to its {'left' if turn > 0.0 else 'right'}"
             said = f"{said}, {turned}" if said else turned
         return said

@@ -139,7 +139,7 @@ def _found_again(log: ScanLog, before: int, after: int) -> Float64Array | None:
         return None
     off = compose(inverse(match.pose), match.candidates)
     other = (np.hypot(off[:, 0], off[:, 1]) > SAME_PLACE_M) | (np.abs(off[:, 2]) > SAME_PLACE_RAD)
-    rival = float(match.scores[other].max(initial=0.0))
-    if match.score < LEAST_SCORE or match.is_degenerate or rival > match.score - CLEARLY:
+    next_best = float(match.scores[other].max(initial=0.0))
+    if match.score < LEAST_SCORE or match.is_degenerate or next_best > match.score - CLEARLY:
         return None
     return compose(match.pose, compose(inverse(poses[source]), poses[after]))

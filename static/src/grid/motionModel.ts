@@ -17,13 +17,13 @@ export type Normals = readonly [number, number, number];
 export type Control = readonly [turn1: number, distance: number, turn2: number];
 
 /** Below this distance, m, the direction of a motion is noise: the first turn is 0 then, as in AMCL. */
-const STANDING = 0.01;
+const STILL_M = 0.01;
 
 /** Turn, distance and turn between two poses of the odometry. Table 5.6, lines 2 to 4. */
 export function odometryControl(before: Pose, after: Pose): Control {
   const [dx, dy] = [after[0] - before[0], after[1] - before[1]];
   const distance = Math.hypot(dx, dy);
-  const turn1 = distance < STANDING ? 0 : wrapped(Math.atan2(dy, dx) - before[2]);
+  const turn1 = distance < STILL_M ? 0 : wrapped(Math.atan2(dy, dx) - before[2]);
   return [turn1, distance, wrapped(after[2] - before[2] - turn1)];
 }
 
