@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, centre, frame, map_bytes, open_group, still, until
+from tests.browser.looking import await_map, await_true, centre, frame, map_bytes, open_group, still, until
 from tests.browser.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -204,6 +204,7 @@ def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Pag
     expect(page.locator("[data-strip=speed] .u-over")).to_be_visible()
     slider = page.get_by_role("slider", name="Moment in the plots")
     first, last = (float(slider.get_attribute(f"aria-value{end}") or 0) for end in ("min", "max"))
+    await_true(page, "() => gridbloom.connection.store.selectedContribution.peek() !== null")
     stamp = page.evaluate("() => gridbloom.connection.store.selectedContribution.peek().stamp")
     share = (stamp - first) / (last - first)
     until("a line at the time", lambda: np.allclose(page.evaluate(MARKED), [share], atol=0.01))
