@@ -25,6 +25,9 @@ CONTROLS = ", ".join(
 _NAME = """(control) => (control.getAttribute("aria-label") ?? control.labels?.[0]?.innerText ?? control.innerText
   ).trim().replace(/[0-9.:,]+/g, "#")"""
 
+# Whether a control chooses the views of the stage.
+_ARRANGES = "(control) => control.closest('.layout-choice, .view-choice') !== null"
+
 # What a control is; keeps what the map is before it is used.
 _BEFORE = """(control) => {
   const { geometry, cells } = gridbloom.connection.store.map.peek();
@@ -170,6 +173,9 @@ class Screen:
             control.fill("3")
         else:
             control.click()
+        if control.evaluate(_ARRANGES):
+            self._arranged(name)
+            return
         carried_out(self.page)
         self._answer(name)
         wrong = control.evaluate(_AT_HAND)
@@ -178,6 +184,20 @@ class Screen:
         changed, seen = self.page.evaluate(_CHANGED, self.pictures)
         assert seen == changed, (self._size, name)
         self.changes += bool(changed)
+
+    def _arranged(self, name: str) -> None:
+        """What chooses views moves the pictures: each view is in the viewport. The first layout is chosen again."""
+        self.page.evaluate(_STILL, self.pictures)
+        for view in self.page.locator(".view-pane").all():
+            box = view.bounding_box()
+            assert box is not None, (self._size, name)
+            assert box["x"] >= 0, (self._size, name)
+            assert box["y"] >= 0, (self._size, name)
+            assert box["x"] + box["width"] <= self._size[0] + 0.5, (self._size, name)
+            assert box["y"] + box["height"] <= self._size[1] + 0.5, (self._size, name)
+        self.page.locator(".layout-choice select").first.select_option(label="World and belief")
+        self.page.evaluate(_STILL, self.pictures)
+        self.stands(name)
 
     def _answer(self, name: str) -> None:
         """Close the dialog that asks whether it is meant, which has to be seen whole; end the full screen."""
