@@ -38,6 +38,7 @@ class Aim(NamedTuple):
     position: Vector  #: metres
 
 
+DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)  #: metres, where a model states none
 FOV = 0.8  #: vertical field of view of all cameras, radians
 MARGIN = 1.03  #: by which a box is seen smaller than the picture
 ASPECT = 1.3  #: aspect ratio from which the distances of :data:`CAMERAS` are meant

@@ -16,6 +16,7 @@ import viser
 from msgspec import Struct
 
 from mapper.core.parameter import Parameter
+from server.scenes.axes_and_grid import OFF_AT_FIRST
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.stream.commands import PauseCommand, PlayCommand, RestartCommand, SeekCommand
 
@@ -234,7 +235,7 @@ class VisibilitySwitches:
 
     def _add(self, label: str) -> viser.GuiInputHandle[bool]:
         with self._folder:
-            switch = self._gui.add_checkbox(label, True)
+            switch = self._gui.add_checkbox(label, label not in OFF_AT_FIRST)
 
         async def switched(_: viser.GuiEvent[Any]) -> None:
             self._apply(label)

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from server.scenes.axes_and_grid import axes_and_grid
+from server.scenes.cameras import DEFAULT_BOUNDS
 from server.scenes.drawers import Drawers
 from server.sessions import SessionHost
 from server.sessions.drawings import Drawing
@@ -36,13 +38,16 @@ class SceneState:
 
 
 async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Drawing], bool]) -> SceneState:
-    """Read the state of a session under its lock (event loop). Arrays that the session updates are read on a thread.
+    """Read the state of a session under its lock (event loop), with the axes and the grid among its drawings.
 
-    Raises :class:`ValueError` if two drawings have one name, :class:`KeyError` for a drawing without a drawer.
+    Arrays that the session updates are read on a thread. Raises :class:`ValueError` if two drawings have one name,
+    :class:`KeyError` for a drawing without a drawer.
     """
     async with session.locked():
         read_at = time.monotonic()
         drawings, controls = session.model.drawings(), session.model.controls()
+        floor = 0.0 if controls.heights is None else controls.heights[0]
+        drawings = [*drawings, *axes_and_grid(controls.bounds or DEFAULT_BOUNDS, floor)]
         if len({drawing.name for drawing in drawings}) < len(drawings):
             raise ValueError(f"two drawings have one name: {sorted(drawing.name for drawing in drawings)}")
         wanted = [drawing for drawing in drawings if due(drawing)]

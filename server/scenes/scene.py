@@ -22,7 +22,8 @@ from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from server.logging import short_hash
-from server.scenes.cameras import ASPECT, CAMERAS, FOV, Aim, CameraName, camera_at
+from server.scenes.axes_and_grid import spacing_of
+from server.scenes.cameras import ASPECT, CAMERAS, DEFAULT_BOUNDS, FOV, Aim, CameraName, camera_at
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
@@ -38,7 +39,6 @@ from server.stream.messages import SceneMessage
 
 MAX_HZ = 15.0
 SHARE = 0.2
-DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
 MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
@@ -247,9 +247,14 @@ class Scene:
         await asyncio.to_thread(self._contents.set_height, height)
         self._tell()
 
+    @property
+    def grid_spacing(self) -> float:
+        """Distance between two lines of the grid, metres."""
+        return spacing_of(self._bounds or DEFAULT_BOUNDS)
+
     def _tell(self) -> None:
         """Tell the session's pages the settings, where they have changed."""
-        settings = SceneMessage(list(CAMERAS), self.layers, self.height)
+        settings = SceneMessage(list(CAMERAS), self.layers, self.height, self.grid_spacing)
         if settings != self._announced:
             self._announced = settings
             self._session.announce(settings)

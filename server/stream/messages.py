@@ -294,6 +294,7 @@ class SceneMessage(Struct, tag_field="type", tag="scene"):
     cameras: Annotated[list[str], Meta(description="places of the camera")]
     layers: Annotated[dict[str, bool], Meta(description="whether each layer is shown, by its label")]
     height: Annotated[float, Meta(description="height of the map's columns, of the default")]
+    grid: Annotated[float, Meta(description="distance between two lines of the layer `Grid`, m")]
 
 
 class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):

@@ -72,11 +72,12 @@ class SceneSettings(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class SceneAnswer:
-    """A 3D view: its cameras, whether each layer is visible, and the height of the columns."""
+    """A 3D view: cameras, whether each layer is visible, height of the columns, metres between the lines of the grid."""
 
     cameras: list[str]
     layers: dict[str, bool]
     height: float
+    grid: float
 
 
 @router.get("/{session_id}/settings")
@@ -101,7 +102,7 @@ async def change(
 
 
 def _settings(scene: Scene) -> SceneAnswer:
-    return SceneAnswer(list(CAMERAS), scene.layers, scene.height)
+    return SceneAnswer(list(CAMERAS), scene.layers, scene.height, scene.grid_spacing)
 
 
 @router.websocket("/{session_id}")

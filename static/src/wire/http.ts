@@ -819,11 +819,12 @@ export interface ScanSeries {
   readonly trajectory: string;
 }
 
-/** A 3D view: its cameras, whether each layer is visible, and the height of the columns. */
+/** A 3D view: cameras, whether each layer is visible, height of the columns, metres between the lines of the grid. */
 export interface SceneAnswer {
   readonly cameras: readonly string[];
   readonly layers: Readonly<Record<string, boolean>>;
   readonly height: number;
+  readonly grid: number;
 }
 
 /**

@@ -805,6 +805,8 @@ export interface SceneMessage {
   readonly layers: Readonly<Record<string, boolean>>;
   /** height of the map's columns, of the default */
   readonly height: number;
+  /** distance between two lines of the layer `Grid`, m */
+  readonly grid: number;
 }
 
 /** Answer to `ping`. */
@@ -2061,6 +2063,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     cameras: isListOf(isText),
     layers: isRecordOf(isFlag),
     height: isNumber,
+    grid: isNumber,
   },
   pong: {
     id: isInteger,

@@ -308,7 +308,7 @@ MESSAGES: tuple[Struct, ...] = (
     messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second_map"),
     messages.PickedMessage("pose", 1.5, -2.0, yaw=0.25, index=10, edge=None),
     messages.PickedMessage("loop", 1.5, -2.0, yaw=None, index=None, edge=7),
-    messages.SceneMessage(["overview", "above"], {"Map": True, "Beams": False}, 1.5),
+    messages.SceneMessage(["overview", "above"], {"Map": True, "Beams": False}, 1.5, 2.0),
     messages.WhyMessage(
         1,
         2,

@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Slider } from "../../ui/Slider";
+import { SceneButtons } from "./SceneButtons";
 import { fullScreen, SceneFrame } from "./SceneFrame";
 import { useSelectedPlace } from "./selection";
 import { changeScene } from "./settings";
@@ -67,35 +68,20 @@ function SceneControls({
 }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = store.part("scene").message.value;
   if (!now) return null; // all of them come at once, so that none moves when others come
-  const change = (wanted: object): void => void changeScene(session, wanted);
-  const { cameras, layers, height } = now;
   return (
     <div class="scene-controls stack-tight">
-      <fieldset class="actions" aria-label="Camera">
-        {cameras.map((camera) => (
-          <Button key={camera} onClick={() => change({ camera })}>
-            {camera.charAt(0).toUpperCase() + camera.slice(1)}
-          </Button>
-        ))}
-      </fieldset>
-      <fieldset class="actions" aria-label="Layers">
-        {Object.entries(layers).map(([label, isShown]) => (
-          <Button key={label} pressed={isShown} onClick={() => change({ layers: { [label]: !isShown } })}>
-            {label}
-          </Button>
-        ))}
-      </fieldset>
+      <SceneButtons store={store} session={session} />
       {hasColumns && (
         <Slider
           label="Height of the columns"
           sentence="Height of the map’s columns, relative to the default."
           unit="×"
-          value={height}
+          value={now.height}
           initial={1}
           low={0.2}
           high={5}
           step={0.1}
-          onInput={(value) => change({ height: value })}
+          onInput={(value) => void changeScene(session, { height: value })}
         />
       )}
       <div class="actions">

@@ -3,8 +3,8 @@
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { SceneButtons } from "../scene/SceneButtons";
 import { fullScreen, SceneFrame } from "../scene/SceneFrame";
-import { changeScene } from "../scene/settings";
 import { ClipHandles } from "./ClipBox";
 import { useLook } from "./useLook";
 import "./volume.css";
@@ -29,27 +29,10 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
         />
       )}
       <div class="volume-buttons">
-        <Cameras store={store} session={session} onFullScreen={() => fullScreen(group.current)} />
+        <SceneButtons store={store} session={session} />
         {look && <ClipHandles look={look} />}
+        <Button icon="fit" label="Full screen" onClick={() => fullScreen(group.current)} />
       </div>
     </div>
-  );
-}
-
-interface CamerasProps extends VolumeStageProps {
-  readonly onFullScreen: () => void;
-}
-
-function Cameras({ store, session, onFullScreen }: CamerasProps) {
-  const cameras = store.part("scene").message.value?.cameras ?? [];
-  return (
-    <fieldset class="volume-cameras" aria-label="Camera">
-      {cameras.map((camera) => (
-        <Button key={camera} onClick={() => void changeScene(session, { camera })}>
-          {camera.charAt(0).toUpperCase() + camera.slice(1)}
-        </Button>
-      ))}
-      <Button icon="fit" label="Full screen" onClick={onFullScreen} />
-    </fieldset>
   );
 }
