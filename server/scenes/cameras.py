@@ -9,11 +9,12 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from server.sessions.scene_controls import Bounds
+from server.sessions.scene_controls import Bounds, Sight
 
 CameraName = Literal["overview", "above", "south", "west", "north", "east"]
+RobotCameraName = Literal["follow", "first person"]
 Vector = tuple[float, float, float]
 
 #: Name → direction from the centre of the bounds to the camera, in sizes of the bounds, which is its least distance.
@@ -27,6 +28,13 @@ CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
         "north": (0.0, 1.25, 0.35),
         "east": (1.25, 0.0, 0.35),
     }
+)
+
+
+#: Cameras that move with the robot: name → where it is and where it looks, seen from the robot, x ahead and z up,
+#: metres. What the camera of the robot itself looks at is near, so that dragging turns it and hardly moves it.
+ROBOT_CAMERAS: Mapping[RobotCameraName, tuple[Vector, Vector]] = MappingProxyType(
+    {"follow": ((-4.0, 0.0, 2.5), (1.0, 0.0, 0.0)), "first person": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0))}
 )
 
 
@@ -62,6 +70,31 @@ def camera_at(
     far = max(far, _least_distance(direction, np.array([x1 - x0, y1 - y0, z1 - z0]), aspect))
     place = centre + far * direction / np.linalg.norm(direction)
     return _vector(place), _vector(centre)
+
+
+def robot_camera_at(name: RobotCameraName, sight: Sight) -> tuple[Vector, Vector]:
+    """Return where the camera ``name`` is and what it looks at, metres; that of the robot looks up and down with it."""
+    place, look_at = ROBOT_CAMERAS[name]
+    if name == "first person":
+        return sight.place, _vector(np.array(sight.place) + look_at[0] * np.array(sight.ahead))
+    return carried(place, sight), carried(look_at, sight)
+
+
+def carried(place: ArrayLike, sight: Sight) -> Vector:
+    """Return where a place is on the map, metres, that is known from the robot, x ahead and z up."""
+    return _vector(_turn(sight) @ np.asarray(place) + sight.place)
+
+
+def seen_from(place: ArrayLike, sight: Sight) -> Vector:
+    """Return where a place of the map is, metres, seen from the robot, x ahead and z up."""
+    return _vector((np.asarray(place) - sight.place) @ _turn(sight))
+
+
+def _turn(sight: Sight) -> NDArray[np.float64]:
+    """Return the rotation (3, 3) about z from the robot's axes to those of the map."""
+    yaw = math.atan2(sight.ahead[1], sight.ahead[0])
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _least_distance(direction: NDArray[np.float64], sides: NDArray[np.float64], aspect: float) -> float:

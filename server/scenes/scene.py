@@ -23,10 +23,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from server.logging import short_hash
 from server.scenes.axes_and_grid import spacing_of
-from server.scenes.cameras import ASPECT, CAMERAS, DEFAULT_BOUNDS, FOV, Aim, CameraName, camera_at
+from server.scenes.cameras import (
+    ASPECT,
+    CAMERAS,
+    DEFAULT_BOUNDS,
+    FOV,
+    ROBOT_CAMERAS,
+    Aim,
+    CameraName,
+    RobotCameraName,
+    camera_at,
+)
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
+from server.scenes.following import Following
 from server.scenes.marks import Marks, Place
 from server.scenes.panel import Panel
 from server.scenes.reading import SceneState, read_state
@@ -34,7 +45,7 @@ from server.scenes.viser_server import ViserServer
 from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
-from server.sessions.scene_controls import Bounds
+from server.sessions.scene_controls import Bounds, Sight
 from server.stream.messages import SceneMessage
 
 MAX_HZ = 15.0
@@ -54,6 +65,7 @@ class View:
     position: NDArray[np.float64]
     look_at: NDArray[np.float64]
     aim: Aim | None = None
+    following: Following | None = None  #: while its camera moves with the robot
 
     def is_at(self, position: ArrayLike) -> bool:
         """Return whether its camera is at ``position`` (3,)."""
@@ -74,6 +86,7 @@ class Scene:
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
         self._heights: tuple[float, float] | None = None
+        self._sight: Sight | None = None
         self._views: dict[int, View] = {}  #: of each of viser's clients
         self._left: deque[View] = deque(maxlen=MOST_LEFT)  #: of those that have disconnected
         self._marks = Marks(server)
@@ -147,6 +160,7 @@ class Scene:
         )
         self._contents.show(state)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
+        self._sight = state.controls.sight
         scene.on_click()(self._clicked)
         self._server.on_client_connect(self._welcome)
         self._server.on_client_disconnect(self._dismiss)
@@ -171,7 +185,10 @@ class Scene:
         view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
         before = self._last_of(view.viewer)
         self._views[client.client_id] = view
-        if before is not None and not before.is_at(before.aim.position if before.aim else self._first_place):
+        if before is not None and before.following is not None:
+            before.following.forget_told()
+            view.following = before.following
+        elif before is not None and not before.is_at(before.aim.position if before.aim else self._first_place):
             client.camera.position, client.camera.look_at = before.position, before.look_at
             view.position, view.look_at = before.position, before.look_at
         elif before is not None and before.aim is not None:
@@ -215,16 +232,30 @@ class Scene:
         if view is None:
             return
         view.position, view.look_at, aim = camera.position, camera.look_at, view.aim
+        if view.following is not None:
+            view.following.reported(camera.position, camera.look_at)
+            return
         if aim is not None and aim.aspect != camera.aspect and view.is_at(aim.position):
             self._aim_client(camera.client, aim.name)
 
     # -- from the page's own controls ---------------------------------------------------------------------------
 
-    def aim(self, visitor: str, name: CameraName) -> None:
-        """Move the cameras of a visitor's views of this scene to one of :data:`CAMERAS`."""
+    @property
+    def cameras(self) -> list[str]:
+        """The names of the cameras that there are: those that move with the robot only where there is one."""
+        return [*CAMERAS, *(ROBOT_CAMERAS if self._sight is not None else ())]
+
+    def aim(self, visitor: str, name: CameraName | RobotCameraName) -> None:
+        """Move the cameras of a visitor's views of this scene to one of :attr:`cameras`."""
         for client_id, client in self._server.get_clients().items():
             view = self._views.get(client_id)
-            if view is not None and view.viewer.visitor == visitor:
+            if view is None or view.viewer.visitor != visitor:
+                continue
+            if name in ("follow", "first person"):
+                view.following = Following(name)
+                self._note_change()
+            else:
+                view.following = None
                 self._aim_client(client, name)
 
     @property
@@ -254,7 +285,7 @@ class Scene:
 
     def _tell(self) -> None:
         """Tell the session's pages the settings, where they have changed."""
-        settings = SceneMessage(list(CAMERAS), self.layers, self.height, self.grid_spacing)
+        settings = SceneMessage(self.cameras, self.layers, self.height, self.grid_spacing)
         if settings != self._announced:
             self._announced = settings
             self._session.announce(settings)
@@ -337,8 +368,21 @@ class Scene:
         wait = self._contents.show(state)
         self._marks.show(selected)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
+        self._sight = state.controls.sight
+        self._follow_robot()
         self._panel.show(state.controls)
         self._server.flush()  # viser would wait for further messages for 17 ms
         if wait is not None or self._panel.unsettled or self._contents.unsettled:
             later = partial(self._loop.call_later, max(wait or 0.0, SETTLE_S), self._changed.set)
             self._loop.call_soon_threadsafe(later)
+
+    def _follow_robot(self) -> None:
+        """Move the cameras that move with the robot (a thread)."""
+        for client_id, client in self._server.get_clients().items():
+            view = self._views.get(client_id)
+            if view is None or view.following is None or self._sight is None:
+                continue
+            camera = view.following.follow(self._sight)
+            if camera is not None:
+                with client.atomic():
+                    client.camera.position, client.camera.look_at = camera

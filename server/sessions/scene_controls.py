@@ -38,13 +38,22 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
+class Sight:
+    """From where a robot or its sensor looks, map metres, and in which direction, a unit vector."""
+
+    place: tuple[float, float, float]
+    ahead: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class SceneControls:
     """The controls of the panel.
 
     ``hint`` describes the effect of a click into the scene, "" for none. Titles of ``tables`` and labels of ``choices``
     do not change during a session. ``count`` is the number of scans that "seek" can reach, None if the session cannot
     seek; ``index`` is how many of them are in the map. ``bounds`` is what the initial camera shows, None for 20 m
-    around the origin; ``heights`` are its least and greatest z, where it is no plane.
+    around the origin; ``heights`` are its least and greatest z, where it is no plane. ``sight`` is what cameras follow
+    that move with the robot, None where there is none.
     """
 
     playing: bool
@@ -56,3 +65,4 @@ class SceneControls:
     can_restart: bool = False
     bounds: Bounds | None = None
     heights: tuple[float, float] | None = None
+    sight: Sight | None = None

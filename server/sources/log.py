@@ -34,7 +34,7 @@ from server.sessions.tick import TickResult
 from server.sessions.view import LogView, Playback
 from server.sources.log_recording import LogRecording
 from server.sources.log_updates import FollowedPoses, LogUpdates
-from server.sources.map_drawings import map_drawings
+from server.sources.map_drawings import map_drawings, sight_of
 from server.sources.scene_picks import ScenePick, picked_by
 from server.stream.commands import (
     AutoCommand,
@@ -243,6 +243,7 @@ class LogModel(SessionModel):
             count=count,
             can_restart=True,
             bounds=bounds_of(self._poses),
+            sight=sight_of(self.recording.robot_state()),
         )
 
     def on_scene_ray(self, origin: Point, direction: Point, met: Point | None = None) -> Struct:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.sessions.drawings import Drawing, GridColumns, RobotBody
+from server.sessions.scene_controls import Sight
 from server.sessions.view import RobotState
 
 MAX_BEAMS = 120  #: beams drawn of one scan
@@ -32,6 +35,15 @@ def beam_segments(state: RobotState, config: MappingConfig) -> NDArray[np.float3
         segments[:, end, 0] = x + distance * np.cos(angles)
         segments[:, end, 1] = y + distance * np.sin(angles)
     return segments
+
+
+EYE_M = 0.35  #: height over the floor from which a robot's camera looks: its body is below
+
+
+def sight_of(robot: RobotState) -> Sight:
+    """Return from where a robot on the floor looks ahead."""
+    x, y, yaw = robot.pose
+    return Sight((x, y, EYE_M), (math.cos(yaw), math.sin(yaw), 0.0))
 
 
 def map_drawings(grid: OccupancyGrid, robot: RobotState, config: MappingConfig) -> list[Drawing]:

@@ -35,7 +35,7 @@ from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
 from server.sources.history import Action, History
-from server.sources.map_drawings import map_drawings
+from server.sources.map_drawings import map_drawings, sight_of
 from server.sources.simulation_replay import SimulationReplay, act
 from server.stream.commands import (
     AutoCommand,
@@ -222,6 +222,7 @@ class SimulationModel(SessionModel):
             choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
             can_restart=True,
             bounds=self.world.bounds,
+            sight=sight_of(self.robot_state()),
         )
 
     def on_scene_click(self, x: float, y: float) -> Struct:

@@ -37,6 +37,7 @@ from server.parts.volume.messages import (
     VoxelCommand,
     VoxelRayCommand,
 )
+from server.parts.volume.sight import sensor_sight
 from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, map_limits, times_of
 from server.parts.volume.surface import VolumeSurface
 from server.parts.volume.voxel_questions import VoxelQuestions
@@ -231,9 +232,10 @@ class VolumeModel(SessionModel, Volumetric):
         ]
 
     def controls(self) -> SceneControls:
-        """Return what the camera shows at first."""
+        """Return what the camera shows at first, and where the sensor is."""
         (x0, y0, z0), (x1, y1, z1) = self._low.tolist(), self._high.tolist()
-        return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1))
+        sight = sensor_sight(self._source, self._shown.index) if isinstance(self._source, ScanSequence) else None
+        return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1), sight=sight)
 
     @property
     def _has_free(self) -> bool:

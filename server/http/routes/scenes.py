@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
-from server.scenes.cameras import CAMERAS, CameraName
+from server.scenes.cameras import CameraName, RobotCameraName
 from server.scenes.visitors import Viewer
 from server.stream.protocol import PAGE_NAME
 
@@ -65,14 +65,14 @@ class SceneSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    camera: CameraName | None = None
+    camera: CameraName | RobotCameraName | None = None
     height: FiniteFloat | None = Field(None, ge=0.1, le=10.0)
     layers: dict[str, bool] = Field(default_factory=dict, max_length=100)
 
 
 @dataclass(frozen=True, slots=True)
 class SceneAnswer:
-    """A 3D view: cameras, whether each layer is visible, height of the columns, metres between the lines of the grid."""
+    """A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid."""
 
     cameras: list[str]
     layers: dict[str, bool]
@@ -102,7 +102,7 @@ async def change(
 
 
 def _settings(scene: Scene) -> SceneAnswer:
-    return SceneAnswer(list(CAMERAS), scene.layers, scene.height, scene.grid_spacing)
+    return SceneAnswer(scene.cameras, scene.layers, scene.height, scene.grid_spacing)
 
 
 @router.websocket("/{session_id}")

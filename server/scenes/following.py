@@ -1,0 +1,51 @@
+"""A camera that moves with the robot, and keeps the place relative to the robot to which somebody moved it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from server.scenes.cameras import RobotCameraName, Vector, carried, robot_camera_at, seen_from
+from server.sessions.scene_controls import Sight
+
+MOST_ON_THEIR_WAY = 64  #: places that a browser was told and has not reported yet
+
+
+class Following:
+    """Where the camera ``name`` of a view is, as the robot moves and as its browser reports."""
+
+    def __init__(self, name: RobotCameraName) -> None:
+        self._name: RobotCameraName = name
+        self._moved: tuple[Vector, Vector] | None = (
+            None  #: its place and what it looks at, from the robot; None: as told
+        )
+        self._told: deque[tuple[Vector, Sight]] = deque(maxlen=MOST_ON_THEIR_WAY)  #: the first is the last one reported
+
+    def follow(self, sight: Sight) -> tuple[Vector, Vector] | None:
+        """Return where the camera is to be and what it looks at, metres; None: as it was told last."""
+        if self._told and self._told[-1][1] == sight:
+            return None
+        if self._moved is None:
+            place, look_at = robot_camera_at(self._name, sight)
+        else:
+            place, look_at = (carried(one, sight) for one in self._moved)
+        self._told.append((place, sight))
+        return place, look_at
+
+    def reported(self, position: ArrayLike, look_at: ArrayLike) -> None:
+        """Note where a browser's camera is: where it was told to be some time ago, unless somebody has moved it."""
+        told = list(self._told)
+        for number, (place, _) in enumerate(told):
+            if np.allclose(position, place, atol=1e-3):
+                for _ in range(number):
+                    self._told.popleft()
+                return
+        if told:
+            sight = told[0][1]
+            self._moved = seen_from(position, sight), seen_from(look_at, sight)
+
+    def forget_told(self) -> None:
+        """Tell the place again with the next :meth:`follow`: another connection shows the view."""
+        self._told.clear()
