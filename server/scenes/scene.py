@@ -251,7 +251,7 @@ class Scene:
             view = self._views.get(client_id)
             if view is None or view.viewer.visitor != visitor:
                 continue
-            if name in ("follow", "first person"):
+            if name == "follow" or name == "first person":  # noqa: PLR1714 - narrows the type
                 view.following = Following(name)
                 self._note_change()
             else:

@@ -819,7 +819,7 @@ export interface ScanSeries {
   readonly trajectory: string;
 }
 
-/** A 3D view: cameras, whether each layer is visible, height of the columns, metres between the lines of the grid. */
+/** A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid. */
 export interface SceneAnswer {
   readonly cameras: readonly string[];
   readonly layers: Readonly<Record<string, boolean>>;

@@ -56,7 +56,10 @@ async def test_they_are_hidden_until_they_are_switched_on(service: Service) -> N
         assert not hidden["visible"]
         before = (await ann.get(address)).json()
         assert (before["layers"]["Axes"], before["layers"]["Grid"], before["grid"]) == (False, False, 1.0)
-        client.forget()
         await ann.post(address, json={"layers": {"Grid": True}})
-        shown = await client.until(lambda m: m["type"] == "SetSceneNodeVisibilityMessage")
-        assert (shown["name"], shown["visible"]) == ("/grid", True)
+        await client.until(
+            lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == "/grid" and m["visible"]
+        )
+        axes = [m["visible"] for m in client.of_type("SetSceneNodeVisibilityMessage") if m["name"] == "/axes"]
+        assert axes
+        assert not any(axes)

@@ -10,7 +10,7 @@ import httpx
 import numpy as np
 import pytest
 
-from server.scenes.cameras import ASPECT, CAMERAS, FOV, CameraName, camera_at
+from server.scenes.cameras import ASPECT, CAMERAS, FOV, ROBOT_CAMERAS, CameraName, camera_at
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, Client, viser_client
@@ -27,7 +27,7 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     base, address = f"http://127.0.0.1:{service.port}", f"/scenes/{session.id}/settings"
     async with httpx.AsyncClient(base_url=base, cookies={"visitor": "ann"}) as ann:
-        assert (await ann.get(address)).json()["cameras"] == list(CAMERAS)
+        assert (await ann.get(address)).json()["cameras"] == [*CAMERAS, *ROBOT_CAMERAS]
         async with (
             viser_client(service.port, session.id, "visitor=ann") as of_ann,
             viser_client(service.port, session.id, "visitor=bob") as of_bob,

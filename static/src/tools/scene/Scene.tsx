@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Slider } from "../../ui/Slider";
+import { savePicture } from "./picture";
 import { SceneButtons } from "./SceneButtons";
 import { fullScreen, SceneFrame } from "./SceneFrame";
 import { useSelectedPlace } from "./selection";
@@ -53,6 +54,7 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
           hasColumns={hasColumns}
           actions={actions}
           onFullScreen={enlarge}
+          onPicture={() => savePicture(group.current)}
         />
       </div>
     </div>
@@ -65,7 +67,8 @@ function SceneControls({
   hasColumns,
   actions,
   onFullScreen,
-}: SceneProps & { readonly onFullScreen: () => void }) {
+  onPicture,
+}: SceneProps & { readonly onFullScreen: () => void; readonly onPicture: () => void }) {
   const now = store.part("scene").message.value;
   if (!now) return null; // all of them come at once, so that none moves when others come
   return (
@@ -88,6 +91,9 @@ function SceneControls({
         {actions}
         <Button icon="fit" onClick={onFullScreen}>
           Full screen
+        </Button>
+        <Button icon="download" onClick={onPicture}>
+          PNG
         </Button>
         <Button icon="cube" href={`/3d?${new URLSearchParams({ session, page: store.page })}`} target="_blank">
           In a tab of its own

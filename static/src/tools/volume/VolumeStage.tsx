@@ -3,6 +3,7 @@
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { savePicture } from "../scene/picture";
 import { SceneButtons } from "../scene/SceneButtons";
 import { fullScreen, SceneFrame } from "../scene/SceneFrame";
 import { ClipHandles } from "./ClipBox";
@@ -31,6 +32,7 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
       <div class="volume-buttons">
         <SceneButtons store={store} session={session} />
         {look && <ClipHandles look={look} />}
+        <Button icon="download" label="Save the picture as PNG" onClick={() => savePicture(group.current)} />
         <Button icon="fit" label="Full screen" onClick={() => fullScreen(group.current)} />
       </div>
     </div>
