@@ -1,7 +1,7 @@
 /** The picture of a 3D view as a file. */
 
-import { toast } from "../../ui/Toast";
 import { saveAs } from "../../ui/files/saveAs";
+import { toast } from "../../ui/Toast";
 
 /** Save what the 3D view in a part of the page shows, on the ground of its own page, as a PNG of as many pixels. */
 export function savePicture(part: HTMLElement | null): void {
