@@ -232,11 +232,11 @@ def extended(
     """
     ground, new = ground.copy(), np.empty(len(points), dtype=np.bool_)
     lowest, near = np.empty(shape, dtype=np.int32), np.ones(shape, dtype=np.bool_)
-    sums = np.zeros((shape[0] + 1, shape[1] + 1), dtype=np.int32)
+    sums = np.zeros((shape[0] + 1, shape[1] + 1), dtype=np.int64)
     limits = PLANE_REACH, PLANE_POINTS, STEEPEST, height, share
     for _ in range(times):
         extension.lowest_ground(points, ground, corner, cell, lowest)
-        np.cumsum(np.cumsum(lowest >= 0, axis=0, dtype=np.int32), axis=1, out=sums[1:, 1:])
+        np.cumsum(np.cumsum(lowest >= 0, axis=0, dtype=np.int64), axis=1, out=sums[1:, 1:])
         extension.extend(points, ground, corner, cell, lowest, sums, near, *limits, new)
         if not new.any():
             break

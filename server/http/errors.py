@@ -61,6 +61,7 @@ _STATUS_OF_CODE = {
     "session.memory": 503,
     "session.not_yours": 403,
     "report.no_pdf": 501,
+    "report.pdf_failed": 503,
     "library.busy": 503,
     "library.full": 507,
     "library.too_many": 409,

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.browser.looking import await_map, await_true, frame, settled_digest, until
 from tests.browser.test_replicas import session_of
 from tests.browser.visits import visiting
 from tests.server.workers.test_workers import serving
@@ -22,7 +22,10 @@ def test_a_lab_whose_worker_is_killed_shows_its_map_again(browser: Browser, tmp_
         page = context.new_page()
         page.goto(f"{service.address}/lab.html")
         await_map(page)
+        playing = page.evaluate("() => location.hash")
         page.get_by_role("button", name="Pause").click()
+        # The world is made again from the address, which follows what is done a moment later.
+        await_true(page, "(before) => location.hash !== before", playing)
         kept, before = settled_digest(page), session_of(page)
         os.kill(service.numbered()[int(before.partition(".")[0])], signal.SIGKILL)
         expect(page.locator(".toast")).to_contain_text("Its world was restored")

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.core.jit import jit
 
 
@@ -45,7 +45,7 @@ def _continues(
     points: Float64Array,
     i: int,
     lowest: NDArray[np.int32],
-    sums: NDArray[np.int32],
+    sums: Int64Array,
     rows: tuple[int, int],
     cols: tuple[int, int],
     need: int,
@@ -61,7 +61,7 @@ def _continues(
     """
     first, last = max(rows[0], 0), min(rows[1], lowest.shape[0] - 1)
     left, right = max(cols[0], 0), min(cols[1], lowest.shape[1] - 1)
-    n = int(sums[last + 1, right + 1] - sums[first, right + 1] - sums[last + 1, left] + sums[first, left])
+    n = sums[last + 1, right + 1] - sums[first, right + 1] - sums[last + 1, left] + sums[first, left]
     if n < need:
         return False
     sx = sy = sz = xx = xy = yy = xz = yz = zz = 0.0
@@ -92,7 +92,7 @@ def _continues(
     limit = height + share * slope
     if slope > most or abs(mz - a * mx - b * my) > limit:
         return False
-    return zz - a * xz - b * yz <= limit * limit * (n - 3)
+    return bool(zz - a * xz - b * yz <= limit * limit * (n - 3))
 
 
 @jit
@@ -110,7 +110,7 @@ def extend(
     corner: Float64Array,
     cell: float,
     lowest: NDArray[np.int32],
-    sums: NDArray[np.int32],
+    sums: Int64Array,
     near: BoolArray,
     reach: int,
     need: int,
