@@ -19,6 +19,7 @@ COMMANDS: tuple[type[Struct], ...] = (*commands.COMMANDS, *(one for of in stated
 MESSAGES: tuple[type[Struct], ...] = (*messages.MESSAGES, *(one for of in stated("messages", "MESSAGES") for one in of))
 Command: Any = reduce(or_, COMMANDS)  #: the union of all commands
 _BY_TYPE: dict[str, type[Struct]] = {str(command.__struct_config__.tag): command for command in COMMANDS}
+_DECODER = msgspec.json.Decoder(Command)
 ServerMessage: Any = reduce(or_, MESSAGES)  #: the union of all messages
 
 _TYPE_WORDS = {
@@ -37,7 +38,7 @@ def _refuse_constant(name: str) -> float:
 
 
 def decode_command(text: str | bytes) -> Struct:
-    """Return a command from the browser, checked as :func:`command_of` does.
+    """Return a command from the browser, one of :data:`COMMANDS`.
 
     Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
     unknown ``type``, a field that is missing or of another type.
@@ -47,36 +48,39 @@ def decode_command(text: str | bytes) -> Struct:
     if len(text) > MAX_COMMAND_BYTES:
         raise ProtocolError("command.too_long", f"A command has at most {MAX_COMMAND_BYTES} characters.")
     try:
-        fields = json.loads(text, parse_constant=_refuse_constant)
-        if "\\u" in text:  # elsewhere there can be none: a frame is UTF-8
-            json.dumps(fields, ensure_ascii=False).encode()
+        command: Struct = _DECODER.decode(text)
+    except (msgspec.DecodeError, RecursionError):
+        return command_of(_fields(text))  # which says what is wrong
+    return command
+
+
+def _fields(text: str) -> object:
+    """Return what a text frame contains. Raises :class:`ProtocolError` for one that is not JSON."""
+    try:
+        fields: object = json.loads(text, parse_constant=_refuse_constant)
+        json.dumps(fields, ensure_ascii=False).encode()
     except UnicodeEncodeError as error:
         raise ProtocolError("command.json", "A command contains a surrogate without its pair.") from error
     except (ValueError, RecursionError) as error:
         raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
-    return command_of(fields)
+    return fields
 
 
 def command_of(fields: object) -> Struct:
     """Return the command with these fields, its ``type`` among them, as one of :data:`COMMANDS`.
 
-    Its ``values`` are those that were given: the table of the parameters checks them, and names the parameter that is
-    wrong. Raises :class:`ProtocolError`.
+    Raises :class:`ProtocolError`.
     """
     if not isinstance(fields, dict) or not isinstance(fields.get("type"), str):
         raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
     kind = _BY_TYPE.get(fields["type"])
     if kind is None:
         raise ProtocolError("command.unknown", f"There is no command {fields['type']!r:.80}.")
-    given = fields.get("values")
     try:
         # Of one type: of the union msgspec would prepare every type again with each command.
-        command: Struct = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, kind)
+        return msgspec.convert(fields, kind)
     except msgspec.ValidationError as error:
         raise _refused(fields["type"], str(error)) from error
-    if isinstance(given, dict) and hasattr(command, "values"):
-        command.values = given
-    return command
 
 
 def _refused(kind: str, error: str) -> ProtocolError:

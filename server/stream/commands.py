@@ -11,7 +11,7 @@ from typing import Annotated
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from server.stream.message_parts import DrawnSolid, Number, Point, Values, Whole
+from server.stream.message_parts import DrawnSolid, Number, Point, UncheckedValues, Whole
 
 
 class AckCommand(Struct, tag_field="type", tag="ack"):
@@ -78,25 +78,27 @@ class CancelCommand(Struct, tag_field="type", tag="cancel"):
 class ParametersCommand(Struct, tag_field="type", tag="parameters"):
     """Change mapping parameters and recompute the map."""
 
-    values: Annotated[Values, Meta(description="new values; the others stay")]
+    values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class SensorCommand(Struct, tag_field="type", tag="sensor"):
     """Simulations: change the simulated sensor."""
 
-    values: Annotated[Values, Meta(description="new values; the others stay")]
+    values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class FaultsCommand(Struct, tag_field="type", tag="faults"):
     """Simulations: set which faults of the robot affect the map. The whole map is recomputed."""
 
-    values: Annotated[Values, Meta(description="`drift`, `specular`: true or false")]
+    values: Annotated[UncheckedValues, Meta(description="`drift`, `specular`: true or false")]
 
 
 class CompareCommand(Struct, tag_field="type", tag="compare"):
     """Simulations: make a second map of the same recording. For logs use `PUT /api/sessions/{id}/compare`."""
 
-    values: Annotated[Values | None, Meta(description="parameters in which it differs; null: no second map")] = None
+    values: Annotated[
+        UncheckedValues | None, Meta(description="parameters in which it differs; null: no second map")
+    ] = None
 
 
 class TeleportCommand(Struct, tag_field="type", tag="teleport"):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from dataclasses import asdict, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
+from msgspec.json import schema
 
 from mapper.core.parameter import Parameter as TableRow
 
@@ -24,6 +25,11 @@ Place = Annotated[
 ]
 Value = Annotated[float | str | bool, Meta(title="Value", description="value of a parameter")]
 Values = Annotated[dict[str, Value], Meta(title="Values", description="parameters by name")]
+#: those of a command, as they were given: the table of the parameters checks them, and names the one that is wrong
+UncheckedValues = Annotated[
+    dict[str, Any],
+    Meta(title="Values", description="parameters by name", extra_json_schema={"additionalProperties": schema(Value)}),
+]
 CellState = Annotated[
     Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
 ]

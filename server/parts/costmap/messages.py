@@ -6,14 +6,14 @@ from typing import Annotated
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from server.stream.message_parts import BrushStroke, LayerCost, Number, Point, Values
+from server.stream.message_parts import BrushStroke, LayerCost, Number, Point, UncheckedValues, Values
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
     value: Annotated[bool | UnsetType, Meta(description="false: end it")] = UNSET
-    values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
+    values: Annotated[UncheckedValues, Meta(description="navigation parameters to change")] = {}
     footprint: Annotated[list[Point] | None, Meta(description="corners of the robot's outline, in its frame")] = None
     keepout: Annotated[list[BrushStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.message_parts import Pose, Values
+from server.stream.message_parts import Pose, UncheckedValues, Values
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Float64Array
@@ -19,7 +19,7 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
     """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
-    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
+    values: Annotated[UncheckedValues, Meta(description="localization parameters that differ from the first ones")] = {}
     map: Annotated[
         str,
         Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),

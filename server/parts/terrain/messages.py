@@ -6,14 +6,14 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.message_parts import Number, Part, Point, Values
+from server.stream.message_parts import Number, Part, Point, UncheckedValues, Values
 
 
 class TerrainCommand(Struct, tag_field="type", tag="terrain"):
     """Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end."""
 
     value: Annotated[bool, Meta(description="whether it is assessed")] = True
-    values: Annotated[Values, Meta(description="parameters to change; the others stay")] = {}
+    values: Annotated[UncheckedValues, Meta(description="parameters to change; the others stay")] = {}
     x: Annotated[Number | None, Meta(description="x of a place in the patch that is asked about, m; null: none")] = None
     y: Annotated[Number | None, Meta(description="y of that place, m")] = None
 

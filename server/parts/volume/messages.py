@@ -13,6 +13,7 @@ from server.stream.message_parts import (
     Place,
     SurfaceUpdate,
     Table,
+    UncheckedValues,
     Values,
     VolumeChanges,
     VoxelPoint,
@@ -24,19 +25,21 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
     """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
 
     value: Annotated[bool, Meta(description="whether there is one")] = True
-    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
+    values: Annotated[
+        UncheckedValues, Meta(description="parameters of the sensor and the map to change; the others stay")
+    ] = {}
 
 
 class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
     """Sessions in 3D: change what is shown, and how."""
 
-    values: Annotated[Values, Meta(description="new values; the others stay")]
+    values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class SurfaceCommand(Struct, tag_field="type", tag="surface"):
     """Sessions in 3D: change parameters of the surface, which is then made again."""
 
-    values: Annotated[Values, Meta(description="new values; the others stay")]
+    values: Annotated[UncheckedValues, Meta(description="new values; the others stay")]
 
 
 class VoxelCommand(Struct, tag_field="type", tag="voxel"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from server.parts.path.messages import GoalCommand
 from server.parts.volume.messages import VoxelCommand
 from server.parts.wire import command_of, decode_command
-from server.stream.commands import ParametersCommand
+from server.stream.commands import ParametersCommand, TeleportCommand
 from server.stream.messages import NotesMessage, Trajectories
 from server.stream.protocol import ProtocolError, encode_text, place_of
 
@@ -62,6 +63,20 @@ def test_a_field_has_its_type_or_the_command_is_refused_by_its_name(value: Any) 
             assert not isinstance(read, float) or math.isfinite(read)
 
 
+_VALUES = st.recursive(
+    st.none() | st.booleans() | st.floats(allow_nan=False, allow_infinity=False) | st.integers() | st.text(), st.lists
+)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.dictionaries(st.text(), _VALUES))
+def test_a_text_gives_the_numbers_and_values_that_python_reads_from_it(number: float, values: dict[str, Any]) -> None:
+    teleport = json.dumps({"type": "teleport", "x": number, "y": -number})
+    assert decode_command(teleport) == TeleportCommand(json.loads(teleport)["x"], json.loads(teleport)["y"])
+    text = json.dumps({"values": values, "type": "parameters"})
+    read: Any = decode_command(text)
+    assert repr(read.values) == repr(json.loads(text)["values"]), "the types of numbers too"
+
+
 def test_a_refusal_says_what_is_expected() -> None:
     with pytest.raises(ProtocolError) as refused:
         command_of({"type": "why", "row": 0, "col": 0, "epoch": 1, "until": "all"})
@@ -69,9 +84,10 @@ def test_a_refusal_says_what_is_expected() -> None:
     assert refused.value.message.endswith("Expected a whole number or null, got a string.")
 
 
-def test_wrong_values_are_left_to_the_table_of_parameters() -> None:
+@pytest.mark.parametrize("read", [command_of, lambda fields: decode_command(json.dumps(fields))])
+def test_wrong_values_are_left_to_the_table_of_parameters(read: Callable[[object], object]) -> None:
     given: Any = {"window": None, "model": [3], "resolution": 2**70}
-    assert command_of({"type": "parameters", "values": given}) == ParametersCommand(given)
+    assert read({"type": "parameters", "values": given}) == ParametersCommand(given)
 
 
 def test_a_place_has_all_of_its_coordinates() -> None:
