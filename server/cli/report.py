@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,11 +26,13 @@ from server.cli.common import (
     with_corrections,
     with_parameter_options,
 )
+from server.cli.slam import SLAM, with_slam_poses
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Event
+    from mapper.mapping.parameters import MappingConfig
     from mapper.sensors.scan import ScanLog
-    from server.report import Picture
+    from server.report import Picture, PlacedNote
 
 
 @app.command()
@@ -40,14 +43,25 @@ def report(
     topic: TopicNames = None,
     trajectory: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Poses of the map; the map along the log's first ones is shown before it."),
+        typer.Option(
+            metavar="NAME",
+            help="Poses of the map, or with --slam those to correct; the map along the log's first ones is shown "
+            "before it.",
+        ),
+    ] = None,
+    slam: Annotated[
+        bool, typer.Option("--slam", help="Correct the poses (SLAM): the maps before and after it.")
+    ] = False,
+    notes: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Notes on the log, GeoJSON as its page writes them."),
     ] = None,
     tum_trajectory: TumTrajectory = None,
     tf: TfTopic = None,
     mount: Mount = None,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Write a report on a log: facts, events, findings, maps, drift, a picture, parameters and versions."""
+    """Write a report on a log: facts, events, findings, maps, drift, a picture, notes, parameters and versions."""
     from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from server.report import make_report, report_page, report_pdf  # noqa: PLC0415 - start-up
@@ -56,11 +70,15 @@ def report(
     config = configured(given)
     scans = read_joint(log, topic or (), tum_trajectory, tf)
     name = trajectory or (list(scans.trajectories)[-1] if tum_trajectory is not None else scans.default_trajectory)
+    if slam:
+        with refusing(log), progress_bar("SLAM") as bar:
+            scans, name = _corrected(log, scans, config, trajectory, bar), SLAM
+    placed = [] if notes is None else _notes(notes, scans.trajectory(name).offset)
     with refusing(log), progress_bar("Examining") as bar:
         corrected = with_corrections(log, scans, replace(config, time_offset=0.0))
         diagnosis = diagnose(corrected, name, bar, time_offset=config.time_offset)
         shown = config.with_values(recorded_defaults(scans.beam_width, given))
-        made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events))
+        made = make_report(scans, name, diagnosis, shown, picture=_picture(log, scans, diagnosis.events), notes=placed)
         page = report_page(made)
         data = report_pdf(page) if out.suffix.lower() == ".pdf" else page.encode()
     try:
@@ -68,6 +86,31 @@ def report(
     except OSError as error:
         fail(f"{out}: {error.strerror}")
     typer.echo(f"{out} written")
+
+
+def _corrected(
+    path: Path, log: ScanLog, config: MappingConfig, trajectory: str | None, bar: Callable[[float], None] | None
+) -> ScanLog:
+    """Return the log with the poses that SLAM makes of ``trajectory``, None: of its odometry."""
+    from mapper.slam import SlamProgress, slam_log  # noqa: PLC0415 - start-up
+
+    def show(done: SlamProgress) -> None:
+        if bar is not None:
+            bar(done.fraction)
+
+    return with_slam_poses(log, slam_log(with_corrections(path, log, config), trajectory=trajectory, progress=show))
+
+
+def _notes(path: Path, offset: tuple[float, float]) -> list[PlacedNote]:
+    from server.library.annotations.note_files import MapFrame, notes_from_geojson  # noqa: PLC0415 - start-up
+    from server.report import PlacedNote  # noqa: PLC0415 - start-up
+
+    with refusing(path):
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            fail(f"{path}: {error.strerror}")
+        return [PlacedNote.of(text, pin) for text, pin in notes_from_geojson(data, MapFrame("map", offset))]
 
 
 def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | None:

@@ -98,7 +98,7 @@ def slam(
                     bar(done.fraction)
 
             result = slam_log(scans, config, trajectory=trajectory, progress=report)
-        corrected = _with_poses(scans, result)
+        corrected = with_slam_poses(scans, result)
         config_of_map = MappingConfig().with_values(recorded_defaults(scans.beam_width))
         before = None if result.odometry is None else map_figures(scans, result.odometry, config_of_map)
         grid = map_of(corrected, SLAM)
@@ -168,12 +168,13 @@ def _configured(values: list[str]) -> SlamConfig:
         fail(error.message)
 
 
-def _with_poses(log: ScanLog, result: SlamResult) -> ScanLog:
+def with_slam_poses(log: ScanLog, result: SlamResult) -> ScanLog:
+    """Return the log with the poses that SLAM found as its last trajectory, :data:`SLAM`."""
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
-    return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
+    return replace(log, trajectories={**{k: v for k, v in log.trajectories.items() if k != SLAM}, SLAM: corrected})
 
 
 def _write(prefix: Path, log: ScanLog, result: SlamResult) -> list[Path]:

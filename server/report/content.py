@@ -24,6 +24,7 @@ from server.version import package_version
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis, Event, Finding
+    from server.library.annotations.notes import Pin
 
 MOST_CELLS = 1600  #: along a side of a picture; of a larger map several cells are one pixel
 MOST_POSES = 2000  #: of the path in a picture
@@ -50,6 +51,11 @@ class PlacedNote:
     seconds: float | None
     xy: tuple[float, float] | None
     outline: tuple[tuple[float, float], ...] | None = None
+
+    @classmethod
+    def of(cls, text: str, pin: Pin) -> PlacedNote:
+        """Return a note of the library."""
+        return cls(text, pin.at_s, None if pin.x is None or pin.y is None else (pin.x, pin.y), pin.outline)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import re
+from collections.abc import Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -104,7 +106,9 @@ def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> N
         check_pdf(as_pdf.content)
         assert "The door <b>sticks</b> " in "".join(text)
         assert "at 0:01.000, at x 1.00 m, y 0.50 m" in text
-        assert "at x 1.17 m, y -0.33 m, 1.00 m²" in text  # of the triangle: the mean of its corners, and half 1 m × 2 m
+        of_notes = text[text.index("Notes") : text.index("Parameters of the map")]
+        # Of the triangle: the mean of its corners, and half 1 m × 2 m.
+        assert "at x 1.17 m, y -0.33 m, 1.00 m²" in of_notes
         drawn = re.findall(r'<polygon points="([^"]+)"', answer.text)
         (path,) = re.findall(r'<polyline[^>]* stroke="([^"]+)"', answer.text)
         assert f'stroke="{path}"' not in re.findall(r"<polygon[^>]*>", answer.text)[0]
@@ -115,3 +119,33 @@ def test_the_page_s_report_has_the_notes_and_its_own_policy(tmp_path: Path) -> N
         assert [round(20 * (corners[0][axis] - xy), 1) for axis, xy in enumerate((1.0, 0.5))] == [
             round(outline[0][0] - at[0][0], 1), round(at[0][1] - outline[0][1], 1),
         ]  # fmt: skip
+        # The command says the same of the notes that the page wrote.
+        geojson = service.http.get(f"/api/sessions/{session}/notes.geojson")
+        assert geojson.status_code == 200
+    log, notes, out = (tmp_path / name for name in ("robot.mcap", "notes.geojson", "report.html"))
+    log.write_bytes(recording())
+    notes.write_bytes(geojson.content)
+    done = CliRunner().invoke(app, ["report", str(log), "-o", str(out), "--notes", str(notes), "--slam"])
+    assert done.exit_code == 0, done.output
+    written = _Page(out.read_text("utf-8"))
+    assert written.texts[written.texts.index("Notes") : written.texts.index("Parameters of the map")] == of_notes
+    assert [kind.partition(";")[0] for kind in written.addresses] == 2 * ["data:image/png"] + ["data:image/jpeg"]
+    assert {"Before the correction", "After the correction"} <= set(written.texts)
+    assert [name for name in written.texts if name in ("tf/odom", "slam")] == ["tf/odom", "slam"]
+
+
+def test_notes_that_are_none_are_refused(tmp_path: Path) -> None:
+    log, notes = tmp_path / "robot.mcap", tmp_path / "notes.geojson"
+    log.write_bytes(recording())
+    point = {"type": "Point", "coordinates": [1.0]}
+    for wrong in ("{}", "no JSON", json.dumps(_collection(point)), json.dumps(_collection(None))):
+        notes.write_text(wrong)
+        done = CliRunner().invoke(app, ["report", str(log), "-o", str(tmp_path / "r.html"), "--notes", str(notes)])
+        assert done.exit_code == 2, wrong
+        assert "notes.geojson" in done.output
+    assert not (tmp_path / "r.html").exists()
+
+
+def _collection(geometry: Mapping[str, object] | None) -> dict[str, object]:
+    feature = {"type": "Feature", "geometry": geometry, "properties": {"text": "a"}}
+    return {"type": "FeatureCollection", "features": [feature]}

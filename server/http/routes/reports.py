@@ -62,15 +62,7 @@ async def _page(
     scan = diagnosis.events[0].scan if diagnosis.events else log.n_scans // 2
     seconds = float(recording.recorded[scan]) if log.n_scans else 0.0
     picture = await while_connected(request, _picture(request, library, of_log, visitor, seconds))
-    notes = [
-        server.report.PlacedNote(
-            note.text,
-            note.pin.at_s,
-            None if note.pin.x is None or note.pin.y is None else (note.pin.x, note.pin.y),
-            note.pin.outline,
-        )
-        for note in await library.notes.of(record.id)
-    ]
+    notes = [server.report.PlacedNote.of(note.text, note.pin) for note in await library.notes.of(record.id)]
     return await in_turn(
         request,
         work,

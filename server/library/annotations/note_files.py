@@ -1,4 +1,4 @@
-"""Notes on a log as files for other programs: GeoJSON (RFC 7946) and CSV.
+"""Notes on a log as files for other programs: GeoJSON (RFC 7946), which is also read, and CSV.
 
 Coordinates are metres in the frame of the map, not degrees: RFC 7946, 4 allows that where all who use a file agree, and
 each file says so.
@@ -13,9 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
+import msgspec
+from msgspec import Struct
+
+from mapper.core.errors import ReadError
 from server.csv_text import as_text
 from server.library.annotations.areas import Corner, area_of
-from server.library.annotations.notes import Note
+from server.library.annotations.notes import Note, Pin
 
 COLUMNS = ("id", "text", "seconds", "scan", "frame", "x_m", "y_m", "area_m2", "outline", "created", "changed")
 
@@ -41,10 +45,59 @@ def notes_as_geojson(notes: Sequence[Note], frame: MapFrame, title: str) -> str:
             "frame": frame.name,
             "unit": "m",
             "remark": f"Coordinates are metres in the frame {frame.name!r} of the poses, not longitude and latitude.",
-            "features": [_feature(note, frame) for note in notes],
+            "features": [_feature_of(note, frame) for note in notes],
         },
         ensure_ascii=False,
     )
+
+
+class _Point(Struct, tag_field="type", tag="Point"):
+    coordinates: list[float]
+
+
+class _Polygon(Struct, tag_field="type", tag="Polygon"):
+    coordinates: list[list[list[float]]]
+
+
+class _Properties(Struct):
+    text: str
+    seconds: float | None = None
+    scan: int | None = None
+
+
+class _Feature(Struct):
+    properties: _Properties
+    geometry: _Point | _Polygon | None = None
+
+
+class _Features(Struct, tag_field="type", tag="FeatureCollection"):
+    features: list[_Feature]
+
+
+def notes_from_geojson(data: bytes, frame: MapFrame) -> list[tuple[str, Pin]]:
+    """Return the text and the place of each note of a file that :func:`notes_as_geojson` wrote for ``frame``.
+
+    Of a polygon the outer ring counts. Raises :class:`ReadError` for another file, and :class:`MapperError` as
+    :class:`Pin` does.
+    """
+    try:
+        found = msgspec.json.decode(data, type=_Features).features
+        return [(one.properties.text, _pin(one, frame)) for one in found]
+    except (msgspec.DecodeError, ValueError, IndexError) as error:
+        raise ReadError("notes.file", f"These are not notes as GeoJSON: {error}.") from None
+
+
+def _pin(feature: _Feature, frame: MapFrame) -> Pin:
+    about, geometry = feature.properties, feature.geometry
+
+    def place(coordinates: list[float]) -> Corner:
+        x, y = coordinates[:2]
+        return x - frame.offset[0], y - frame.offset[1]
+
+    if isinstance(geometry, _Polygon):
+        ring = tuple(place(corner) for corner in geometry.coordinates[0])
+        return Pin(about.seconds, about.scan, outline=ring[:-1] if ring[0] == ring[-1] else ring)
+    return Pin(about.seconds, about.scan, *(() if geometry is None else place(geometry.coordinates)))
 
 
 def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
@@ -72,7 +125,7 @@ def notes_as_csv(notes: Sequence[Note], frame: MapFrame) -> str:
     return file.getvalue()
 
 
-def _feature(note: Note, frame: MapFrame) -> dict[str, object]:
+def _feature_of(note: Note, frame: MapFrame) -> dict[str, object]:
     pin = note.pin
     geometry: dict[str, object] | None = None
     more: dict[str, float] = {}
