@@ -9,8 +9,11 @@ import typer
 from server.cli.common import (
     AsJson,
     LogPath,
+    Mount,
+    TfTopic,
     TopicName,
     TrajectoryName,
+    TumTrajectory,
     bench_app,
     configured,
     given_parameters,
@@ -27,11 +30,14 @@ def bench() -> None:
 
 
 @bench_app.command("map")
-@with_parameter_options("resolution", "range_max")
+@with_parameter_options("resolution", "range_max", "mount_upside_down", "time_offset")
 def bench_map_command(
     log: LogPath,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
+    mount: Mount = None,
     repeats: Annotated[int, typer.Option(help="Number of runs for each kind of update; the shortest counts.")] = 5,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
@@ -40,8 +46,8 @@ def bench_map_command(
     from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
     from mapper.tools.bench import bench_map  # noqa: PLC0415 - start-up
 
-    given = given_parameters(parameters)
-    scans = read_log(log, topic)
+    given = given_parameters(parameters, mount)
+    scans = read_log(log, topic, tum_trajectory, tf)
     config = configured(recorded_defaults(scans.beam_width, given))
     with refusing(log):
         measured = bench_map(scans, config, repeats, trajectory)

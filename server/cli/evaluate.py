@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from server.cli.common import AsJson, TopicName, app, fail, print_json, print_notes, read_log, refusing
+from server.cli.common import AsJson, TfTopic, TopicName, app, fail, print_json, print_notes, read_log, refusing
 
 if TYPE_CHECKING:
     from mapper.evaluation import ErrorSeries, PublishedResult, RelationErrors
     from mapper.sensors.scan import ScanLog
     from mapper.sensors.timed_poses import TimedPoses
+
+    Read = Callable[[Path], ScanLog]  #: a log, as the options say
 
 FIGURES = ("rmse", "mean", "median", "std", "min", "max", "sse")
 NAMES = {"rigid": "rotation and translation", "scaled": "rotation, translation and scale", "origin": "first pose"}
@@ -59,17 +61,21 @@ def evaluate(
         bool, typer.Option("--pairs-from-reference", help="Measure delta along REFERENCE. [ESTIMATE]")
     ] = False,
     topic: TopicName = None,
+    tf: TfTopic = None,
     as_json: AsJson = False,
 ) -> None:
     """Print the errors of a trajectory against a reference, as evo does, or over known relations."""
     from mapper.evaluation import ComparisonOptions, compare_trajectories  # noqa: PLC0415 - start-up
 
+    def read(path: Path) -> ScanLog:
+        return read_log(path, topic, tf=tf)
+
     if relations is not None:
-        _evaluate_relations(reference, estimate, relations, topic, as_json=as_json)
+        _evaluate_relations(reference, estimate, relations, read, as_json=as_json)
         return
     if estimate is None:
         fail("evaluate needs a REFERENCE and an ESTIMATE, or a LOG and --relations FILE.")
-    sides = _poses(reference, topic), _poses(estimate, topic)
+    sides = _poses(reference, read), _poses(estimate, read)
     options = ComparisonOptions(
         max_difference_s=max_difference,
         offset_s=offset,
@@ -119,7 +125,7 @@ def evaluate(
     print_notes(notes)
 
 
-def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: str | None, *, as_json: bool) -> None:
+def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: Read, *, as_json: bool) -> None:
     """Print the errors of a log's poses, or of others of its scans, over known relations."""
     from mapper.evaluation import PUBLISHED, benchmark_named, evaluate_relations  # noqa: PLC0415 - start-up
     from mapper.io.logs import is_log, odometry_records  # noqa: PLC0415 - start-up
@@ -128,14 +134,14 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
     path, name = _path_and_name(log)
     if not is_log(path):
         fail(f"{path}: The relations need the log that they belong to, and this is none.")
-    scans = read_log(path, topic)
+    scans = read(path)
     with refusing(relations):
         known = read_relations(relations)
-    poses = _of_log(path, scans, name) if estimate is None else _poses(estimate, topic)
+    poses = _of_log(path, scans, name) if estimate is None else _poses(estimate, read)
     if len(poses) != scans.n_scans:
         fail(f"{estimate}: There are {len(poses)} poses, and {scans.n_scans} scans in the log: one for each is needed.")
     with refusing(path):
-        records = odometry_records(path, topic=topic)
+        records = odometry_records(path, topic=scans.topic)
         # A pose belongs to the scan with its number: stamps repeat, and programs change them.
         at_scans = type(poses)(scans.stamps_ns, poses.poses, poses.notes)
         errors = evaluate_relations(known, at_scans, records)
@@ -208,14 +214,14 @@ def _path_and_name(text: str) -> tuple[Path, str | None]:
     return Path(text), None
 
 
-def _poses(text: str, topic: str | None) -> TimedPoses:
+def _poses(text: str, read: Read) -> TimedPoses:
     """Return the poses of a TUM file, or of a log's trajectory, or end the command with an error."""
     from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
     from mapper.io.trajectories import read_tum  # noqa: PLC0415 - start-up
 
     path, name = _path_and_name(text)
     if is_log(path):
-        return _of_log(path, read_log(path, topic), name)
+        return _of_log(path, read(path), name)
     if name is not None:
         fail(f"{path}: The file is not a log, so it has no trajectory {name!r:.80}.")
     with refusing(path):

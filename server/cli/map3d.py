@@ -14,6 +14,7 @@ from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.cli.common import (
     AsJson,
+    TfTopic,
     app,
     fail,
     given_values,
@@ -67,6 +68,7 @@ def map3d(
     topic: Annotated[
         str | None, typer.Option(metavar="NAME", help="The clouds of a recording that has several.")
     ] = None,
+    tf: TfTopic = None,
     sensor: Annotated[
         str | None,
         typer.Option(
@@ -103,7 +105,7 @@ def map3d(
     if tsdf:
         if projection is not None or band is not None:
             fail("--map and --band are of occupied voxels and have no meaning with --tsdf.")
-        map_surface(inputs, out, typed, topic=topic, sensor=place, poses=poses, as_json=as_json)
+        map_surface(inputs, out, typed, topic=topic, tf=tf, sensor=place, poses=poses, as_json=as_json)
         return
     endings = (*KINDS, *MESHES)
     for path in out:
@@ -137,7 +139,7 @@ def map3d(
     posed = 0  # clouds so far, each of which takes one of the poses
     for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
-            source = open_source(path, topic=topic, sensor=place, poses=poses, number=posed, offset=offset)
+            source = open_source(path, topic=topic, tf=tf, sensor=place, poses=poses, number=posed, offset=offset)
             posed += source.given_poses
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]

@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 import typer
@@ -15,21 +15,32 @@ from mapper.core.errors import MapperError
 from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
 from server.cli.common import (
     AsJson,
+    Mount,
+    TfTopic,
     TopicName,
     TrajectoryName,
+    TumTrajectory,
     app,
+    configured,
     fail,
+    given_parameters,
     numbers,
     print_json,
     print_notes,
     read_log,
     refusing,
+    with_corrections,
+    with_parameter_options,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mapper.grid import OccupancyGrid
     from mapper.matching import Match
     from mapper.sensors.scan import ScanLog
+
+    Read = Callable[[Path], ScanLog]  #: a log, as the options say
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +53,7 @@ class Side:
 
 
 @app.command()
+@with_parameter_options("mount_upside_down", "time_offset")
 def match(
     first: Annotated[str, typer.Argument(metavar="A", help="A scan, LOG#I; or a map: MAP.yaml, or a LOG to map.")],
     second: Annotated[
@@ -67,13 +79,26 @@ def match(
     ] = None,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
+    mount: Mount = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Print the pose at which two scans, or two maps, lie on one another, and how certain it is."""
+    """Print the pose at which two scans, or two maps, lie on one another, and how certain it is.
+
+    A topic, a mount and a time offset are those of both; a TUM file is the first log's.
+    """
     one, other = _sides(first, second, scans)
     if (one.index is None) != (other.index is None):
         fail(f"{one.name} and {other.name}: Two scans can be matched, or two maps; these are one of each.")
     is_map = one.index is None
+    mapping = configured(given_parameters(parameters, mount))
+
+    def read(path: Path) -> ScanLog:
+        log = read_log(path, topic, tum_trajectory if path == one.path else None, tf)
+        return with_corrections(path, log, mapping)
+
     wanted: dict[str, object] = {}
     if method is not None:
         wanted["method"] = method.replace("-", "_")
@@ -88,10 +113,10 @@ def match(
     began = time.process_time()
     if is_map:
         begin = begin or [0.0, 0.0, 0.0]
-        aligned, notes = _match_maps(one, other, begin, config, topic, trajectory)
+        aligned, notes = _match_maps(one, other, begin, config, read, trajectory)
     else:
         notes = []
-        begin, aligned = _match_scans(one, other, begin, config, topic, trajectory)
+        begin, aligned = _match_scans(one, other, begin, config, read, trajectory)
     _print(one, other, begin, config, aligned, time.process_time() - began, notes, as_json=as_json)
 
 
@@ -116,13 +141,13 @@ def _side(text: str) -> Side:
 
 
 def _match_scans(
-    one: Side, other: Side, guess: list[float] | None, config: MatchConfig, topic: str | None, trajectory: str | None
+    one: Side, other: Side, guess: list[float] | None, config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[list[float], Match]:
     from mapper.core.se2 import compose, inverse  # noqa: PLC0415 - start-up
     from mapper.matching import match_scan, prepare_scans, scan_target  # noqa: PLC0415 - start-up
 
-    log = read_log(one.path, topic)
-    second = log if other.path == one.path else read_log(other.path, topic)
+    log = read(one.path)
+    second = log if other.path == one.path else read(other.path)
     indices = [_index(side, side_log) for side, side_log in ((one, log), (other, second))]
     if guess is None:
         guess = [0.0, 0.0, 0.0]
@@ -144,18 +169,18 @@ def _index(side: Side, log: ScanLog) -> int:
 
 
 def _match_maps(
-    one: Side, other: Side, guess: list[float], config: MatchConfig, topic: str | None, trajectory: str | None
+    one: Side, other: Side, guess: list[float], config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[Match, list[str]]:
     """Return the match, and the notes on map files."""
     from mapper.matching import match_maps  # noqa: PLC0415 - start-up
 
-    (first, of_first), (second, of_second) = (_grid(side.path, topic, trajectory) for side in (one, other))
+    (first, of_first), (second, of_second) = (_grid(side.path, read, trajectory) for side in (one, other))
     notes = [f"{side.path.name}: {note}" for side, of in ((one, of_first), (other, of_second)) for note in of]
     with refusing(other.path):
         return match_maps(first, second, np.array(guess), config), notes
 
 
-def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[OccupancyGrid, tuple[str, ...]]:
+def _grid(path: Path, read: Read, trajectory: str | None) -> tuple[OccupancyGrid, tuple[str, ...]]:
     """Return the map of a map file with the notes on it, or that of a log by its poses."""
     from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
@@ -167,7 +192,7 @@ def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[Occupa
         with refusing(path):
             loaded = load_map(path)
         return loaded.grid, loaded.notes
-    log = read_log(path, topic)
+    log = read(path)
     with refusing(path):
         config = MappingConfig().with_values(recorded_defaults(log.beam_width, {}))
         grid = grid_for(log, config, trajectory)

@@ -30,6 +30,7 @@ def map_surface(
     values: dict[str, object],
     *,
     topic: str | None,
+    tf: str | None,
     sensor: NDArray[Any] | None,
     poses: GivenPoses | None,
     as_json: bool,
@@ -53,7 +54,7 @@ def map_surface(
     volume, did, notes, offset = TsdfVolume(config), Fusions(), [], MapOffset()
     for path in inputs:
         with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
-            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, offset=offset, progress=bar)
+            fuse_all(volume, path, did, topic=topic, tf=tf, sensor=sensor, poses=poses, offset=offset, progress=bar)
         notes += [f"{path.name}: {note}" for note in did.notes]
         did.notes.clear()
     mesh = surface_mesh(volume)

@@ -133,6 +133,25 @@ def test_a_sensor_is_offered_with_each_topic_of_transforms(tmp_path: Path) -> No
     assert_places(true_one, sensor_at((0.5, 0.0, 0.0)))
 
 
+def test_a_cloud_is_offered_with_each_topic_of_transforms_and_cut_by_the_one_chosen(tmp_path: Path) -> None:
+    """The heights that count are above the base where the chosen transforms have it."""
+    low = static("base_link", "velodyne", (0.0, 0.0, 0.0))
+    high = recorded.transform(T0 - SECOND, "base_link", "velodyne", 0.0, 0.0, z=5.0, topic="/tf_gt_static")
+    said = [low, high]
+    for i in range(4):
+        said += [transform(T0 + i * STEP, "odom", "base_link", 0.1 * i, 0.0)]
+        said += [transform(T0 + i * STEP, "world", "base_link", 0.2 * i, 0.0, topic="/tf_gt")]
+        said += [recorded.cloud(T0 + i * STEP, [[3.0, 0.0, 0.5], [2.0, 0.0, -4.5]])]
+    path = written(tmp_path, said, "mcap")
+    robot = open_robot_log(path)
+    assert list(robot.sensors) == ["/points"]
+    assert [topic.name for topic in robot.first.topics if topic.beams] == ["/points", "/points#/tf_gt"]
+    for name, length, reading in (("/points", 0.3, 3.0), ("/points#/tf_gt", 0.6, 2.0)):
+        log = open_log(path, topic=name)
+        assert log.trajectory().poses[-1, 0] == pytest.approx(length)
+        assert log.ranges[0][np.isfinite(log.ranges[0])] == pytest.approx([reading])
+
+
 def test_scans_of_a_lidar_that_is_switched_stay_in_order_where_its_clock_steps_back(tmp_path: Path) -> None:
     """Groups of scans with other beams follow one another as they were recorded, also once they are stored."""
     for resets in (True, False):

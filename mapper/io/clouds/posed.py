@@ -81,6 +81,7 @@ def open_posed_clouds(
     path: str | os.PathLike[str],
     *,
     topic: str | None = None,
+    tf: str | None = None,
     deskew: bool = True,
     given: Mounts | None = None,
     limits: Limits = DEFAULT_LIMITS,
@@ -89,15 +90,19 @@ def open_posed_clouds(
     """Return the clouds of the recording at ``path`` along its transforms, those of ``topic``; else of the first topic.
 
     A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or a CompressedImage of them, with its
-    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. ``given``
+    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. ``tf`` names
+    the topic of transforms where there are several, as a name behind ``topic`` does: ``/points#/tf_gt``. ``given``
     returns the poses, ``T_map_sensor`` (n, 4, 4), at stamps, in place of the transforms. Raises
-    :class:`ReadError` for a file that is no recording, has no clouds, or lacks the topic, and as
+    :class:`ReadError` for a file that is no recording, has no clouds, or lacks a topic, and as
     :func:`mapper.io.clouds.open_clouds`.
     """
     files, kind = parts_of(Path(path), limits)
     if not isinstance(kind, Container):
         raise ReadError("clouds.none", "The file is not a recording (bag, MCAP, db3) with point clouds.")
-    streams = kind.streams(files, limits, progress)
+    if topic is not None:
+        topic, _, named = topic.partition("#")
+        tf = named or tf
+    streams = kind.streams(files, limits, progress, tf=tf)
     known = {**streams.clouds, **streams.depths}
     # What an image's encoding is, only its messages tell; drivers name the topics of depths so. Beside an image's
     # compressedDepth there may be a JPEG of it.

@@ -248,7 +248,17 @@ def _noting(notes: Sequence[str], reading: Reading) -> Reading:
 def _reader(kind: Container | Reader, also: MessageSink | None) -> RobotReader:
     if isinstance(kind, Container):
         return partial(kind.read, also=also)
-    return carmen.read_carmen_sensors if kind is carmen.read_carmen else partial(_one_sensor, kind)
+    reader = carmen.read_carmen_sensors if kind is carmen.read_carmen else partial(_one_sensor, kind)
+    return partial(_without_transforms, reader)
+
+
+def _without_transforms(
+    reader: RobotReader, file: Source, limits: Limits, progress: Progress | None, selection: Selection
+) -> RobotLog:
+    """Return the log of a format without transforms. Raises :class:`ReadError` where a topic of them is named."""
+    if selection.tf is not None:
+        raise ReadError("log.tf", f"The log has no transforms on {selection.tf!r:.80}: its format has none.")
+    return reader(file, limits, progress, selection)
 
 
 def _one_sensor(

@@ -34,6 +34,11 @@ class Selection:
         """Return whether a sensor is named."""
         return _plain(topic) in {_plain(name) for name in self.topics or ()}
 
+    def name_of(self, topic: str) -> str:
+        """Return a topic with what is named behind it, as the topic of transforms of ``/points#/tf_gt``."""
+        named = next((name for name in self.topics or () if _plain(name) == _plain(topic)), "")
+        return topic + "".join(named.partition("#")[1:])
+
 
 ALL_SENSORS = Selection(None)
 

@@ -68,7 +68,7 @@ class LogSummary:
     field_of_view_deg: float  #: from the first beam to the last
     angle_min: float
     angle_increment: float
-    range_max: float
+    range_max: float | None  #: None where nothing limits it, as of scans that are cut out of clouds
     mount: tuple[float, float, float]
     readings: ReadingCounts
     trajectories: tuple[TrajectorySummary, ...]
@@ -112,7 +112,7 @@ def summarise(log: ScanLog) -> LogSummary:
         field_of_view_deg=max(math.degrees(float(np.ptp(part.angles))) if part.n_beams else 0.0 for part in parts),
         angle_min=log.angle_min,
         angle_increment=log.angle_increment,
-        range_max=log.range_max,
+        range_max=log.range_max if math.isfinite(log.range_max) else None,
         mount=log.mount,
         readings=_count_readings(log),
         trajectories=tuple(

@@ -43,6 +43,7 @@ def fuse_all(
     into: Fusions,
     *,
     topic: str | None = None,
+    tf: str | None = None,
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
     offset: MapOffset | None = None,
@@ -52,7 +53,7 @@ def fuse_all(
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic``, ``sensor``, ``poses`` and ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
+    ``topic``, ``tf``, ``sensor``, ``poses`` and ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
     ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
     :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
     sensor is not known and where nothing was used.
@@ -72,8 +73,16 @@ def fuse_all(
             into.count(volume.fuse_depth(frame.read(), folder.camera, frame.pose))
             step(len(folder))
     else:
-        number = into.given_poses
-        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=number, offset=offset, limits=limits)
+        source = open_source(
+            path,
+            topic=topic,
+            tf=tf,
+            sensor=sensor,
+            poses=poses,
+            number=into.given_poses,
+            offset=offset,
+            limits=limits,
+        )
         into.given_poses += source.given_poses
         for scan in source.scans:
             if scan.origin is None:

@@ -16,18 +16,87 @@ from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.cli import app
+from tests.mapper.io.logs.recorded import SECOND, cloud, scan, transform, written
 from tests.mapper.localization.rooms import office
 from tests.server.cli.running import Run
 
 OF_A_LOG = {"--topic", "--trajectory", "--tum-trajectory", "--tf", "--mount", "--mount-upside-down", "--time-offset"}
-OF_TWO_LOGS = OF_A_LOG - {"--trajectory", "--tum-trajectory"}  #: of which each log would need its own
+#: Of these commands fewer have a meaning: each of two logs would need its own trajectory, poses are what is evaluated,
+#: and clouds are placed in three dimensions, by tf or by --poses.
+FEWER = {
+    "merge": OF_A_LOG - {"--trajectory", "--tum-trajectory"},
+    "evaluate": {"--topic", "--tf"},
+    "map3d": {"--topic", "--tf"},
+}
+WHOLE = ("info", "doctor", "check", "report", "map", "why", "compare", "match", "slam", "localize", "bench map")
 
 
-@pytest.mark.parametrize("name", ["info", "doctor", "check", "map", "why", "compare", "slam", "localize", "merge"])
-def test_every_command_that_maps_a_log_has_the_options_of_a_log(name: str) -> None:
-    command = typer.main.get_command(app).commands[name]  # type: ignore[attr-defined]
+@pytest.mark.parametrize("name", [*WHOLE, *FEWER])
+def test_every_command_that_reads_a_log_has_the_options_of_a_log(name: str) -> None:
+    command = typer.main.get_command(app)
+    for word in name.split():
+        command = command.commands[word]  # type: ignore[attr-defined]
     options = {option for one in command.params for option in one.opts}
-    assert (OF_TWO_LOGS if name == "merge" else OF_A_LOG) - options == set()
+    assert FEWER.get(name, OF_A_LOG) - options == set()
+
+
+POSES = {"": [(0.0, 0.0), (0.2, 0.0)], "_gt": [(0.0, 0.0), (0.4, 0.3)]}  #: of both scans, by the topics of transforms
+
+
+@pytest.fixture
+def both(tmp_path: Path) -> Path:
+    """A recording of scans and clouds with transforms on /tf and on /tf_gt, and a TUM file of the latter's poses."""
+    said = [transform(0, "base_link", name, 0.0, 0.0, topic="/tf_static") for name in ("laser", "velodyne")]
+    rows = []
+    for k in range(2):
+        at = (10 + k) * SECOND
+        for ending, poses in POSES.items():
+            said.append(transform(at, f"odom{ending}", "base_link", *poses[k], topic=f"/tf{ending}"))
+        beams = np.hypot(2.0, np.linspace(-1.5, 1.5, 61))
+        said += [scan(at, beams, angles=(-0.6435, 0.02145)), cloud(at, [[2.05, 0.55, 0.35], [2.05, 1.05, 0.35]])]
+        rows.append(f"{10 + k} {POSES['_gt'][k][0]} {POSES['_gt'][k][1]} 0 0 0 0 1\n")
+    (tmp_path / "gt.tum").write_text("".join(rows))
+    return written(tmp_path, said, "mcap")
+
+
+@pytest.mark.parametrize("named", [("--topic", "/scan", "--tf", "/tf_gt"), ("--topic", "/scan#/tf_gt")])
+def test_match_and_evaluate_take_the_transforms_that_are_named(run: Run, both: Path, named: tuple[str, ...]) -> None:
+    def guess(*options: str) -> list[float]:
+        return json.loads(run("match", both, "--scans", 0, 1, *options, "--json").out)["guess"]  # type: ignore[no-any-return]
+
+    assert guess("--topic", "/scan") == pytest.approx([0.2, 0.0, 0.0])
+    assert guess(*named) == pytest.approx([0.4, 0.3, 0.0])
+    told = run("evaluate", both.parent / "gt.tum", both, "--align", "none", "--delta", "1", "--delta-unit", "frames",
+               *named, "--json")  # fmt: skip
+    assert json.loads(told.out)["absolute"]["translation_m"]["max"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("named", [("--topic", "/points", "--tf", "tf_gt"), ("--topic", "/points#/tf_gt")])
+def test_clouds_and_the_scans_cut_out_of_them_follow_the_transforms_that_are_named(
+    run: Run, both: Path, named: tuple[str, ...]
+) -> None:
+    def length(*options: str) -> float:
+        told = json.loads(run("info", both, *options, "--json").out)
+        return float(told["trajectories"][0]["length_m"])
+
+    def high(*options: str) -> list[float]:
+        told = run("map3d", both, *options, "--resolution", "0.1", "--out", both.with_suffix(".bt"), "--json")
+        return json.loads(told.out)["high"]  # type: ignore[no-any-return]
+
+    assert length("--topic", "/points") == pytest.approx(0.2)
+    assert length(*named) == pytest.approx(0.5)
+    assert np.subtract(high(*named), high("--topic", "/points")) == pytest.approx([0.2, 0.3, 0.0])
+
+
+@pytest.mark.parametrize("command", ["info", "map3d"])
+def test_transforms_that_a_log_lacks_are_refused(run: Run, both: Path, command: str) -> None:
+    out = ("--out", both.with_suffix(".bt")) if command == "map3d" else ()
+    told = run(command, both, "--tf", "/other", *out)
+    assert told.status == 2
+    assert "no transforms on '/other'; it has /tf, /tf_gt." in told.err
+    text = both.with_suffix(".log")
+    text.write_text("FLASER 2 1.0 1.0 0 0 0 0 0 0 1.0 host 1.0\n")
+    assert "its format has none" in run("info", text, "--tf", "/tf").err
 
 
 def recorded(path: Path, log: ScanLog, mount: tuple[float, float, float], name: str) -> Path:

@@ -99,13 +99,15 @@ class Container:
         limits: Limits,
         progress: Progress | None,
         *,
+        tf: str | None = None,
         also: MessageSink | None = None,
     ) -> Streams:
         """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
 
-        ``also`` takes the messages in the same pass.
+        ``tf`` names the topic of transforms where there are several; ``also`` takes the messages in the same pass.
+        Raises :class:`ReadError` where the recording has no transforms on that topic.
         """
-        recording = Recording(limits, Selection((NO_SENSOR,)))
+        recording = Recording(limits, Selection((NO_SENSOR,), tf=tf))
         sink = _with(recording, also)
         for done, file in enumerate(files):
             self.take(file, sink, limits, part_of(progress, done, len(files)))

@@ -21,10 +21,10 @@ from mapper.io.logs.ros.camera_topics import topic_folder
 from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, Cloud, DepthImage, camera_info, depth_image
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import Beams
+from mapper.io.logs.selection import Selection
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
 from mapper.sensors.planar.depth import cut_depth
-from mapper.sensors.planar.options import PlanarCut
 
 IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
@@ -64,12 +64,13 @@ class Cutter:
     Where is the number of the message. ``tf`` and ``children`` are those of the recording, which grow while it is read.
     """
 
-    def __init__(self, cut: PlanarCut, tf: TfTopics, children: set[str], emit: Emit) -> None:
+    def __init__(self, selection: Selection, tf: TfTopics, children: set[str], emit: Emit) -> None:
         self.position = 0  #: the number of the message that is taken
         self._placements: dict[tuple[str, str], Placement] = {}  #: of frames that never move, by topic and frame
         self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
         self.low: dict[str, Low] = {}  #: by topic
-        self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
+        self._cut, self._named = selection.cut, selection.name_of
+        self._tf, self._children, self._emit = tf, children, emit
         self._statics = 0  #: how many static transforms were known when the placements were found
         self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
         self._held: list[_Held] = []
@@ -130,7 +131,7 @@ class Cutter:
             return topic_folder(stream.topic) in self._cameras
         if (stream.topic, message.frame) in self._placements:
             return True
-        tf = self._tf.tree_of(stream.topic, message.frame)
+        tf = self._tf.tree_of(self._named(stream.topic), message.frame)
         base = tf.base_of(message.frame, self._children)
         return tf.is_base(base, self._children) and tf.reaches(message.frame, base, message.stamp_ns)
 
@@ -175,7 +176,7 @@ class Cutter:
         found = self._placements.get(key)
         if found is not None:
             return found
-        tf = self._tf.tree_of(topic, cloud.frame)
+        tf = self._tf.tree_of(self._named(topic), cloud.frame)
         base = tf.base_of(cloud.frame, self._children)
         poses = None
         if base != cloud.frame:

@@ -66,9 +66,6 @@ class RecordedLog:
         :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
         """
         self._cut = selection.cut
-        if selection.tf is not None and not self._taken.tf.has(selection.tf):
-            known = listed(self._taken.tf.moving) or "none"
-            raise ReadError("log.tf", f"The log has no transforms on {selection.tf!r:.80}; it has {known}.")
         chosen = self._chosen(selection)
         log = self._scan_log(chosen[0], () if selection.topics else self._notes_on_others(chosen))
         sensors = {chosen[0].topic: log}
@@ -90,7 +87,7 @@ class RecordedLog:
         if not self._sensors:
             raise self._without_scans(selection)
         if selection.topics is None:
-            return [*self._sensors, *self._in_other_tf]
+            return [*self._sensors, *(sensor for sensor in self._in_other_tf if not is_cut(sensor.kind))]
         if not selection.topics:
             return self._sensors if self._sensors[0].kind == SONAR else self._sensors[:1]
         known = {sensor.topic: sensor for sensor in (*self._sensors, *self._in_other_tf)}
@@ -106,9 +103,9 @@ class RecordedLog:
     def _looked_up_otherwise(self, sensor: SensorScans) -> list[SensorScans]:
         """Return a sensor once for each other topic of transforms that may be its own, named in its topic's name.
 
-        Scans that are cut out of clouds are not among them: they are cut with the transforms of one topic.
+        Those that are cut out of clouds are read again for each: they are cut with the transforms of one topic.
         """
-        if is_cut(sensor.kind) or self._taken.tf.is_chosen:
+        if self._taken.tf.is_chosen:
             return []
         found = []
         for topic in self._taken.tf.choice(sensor.topic, sensor.frame).others:
@@ -309,8 +306,6 @@ class RecordedLog:
             return []
         others = listed(list(choice.others))
         said = f"Frames are looked up in {choice.moving}. The log has other transforms, {others}"
-        if is_cut(sensor.kind):
-            return [f"{said}: on the command line --tf looks all frames up in them."]
         if sensor in self._in_other_tf or self._taken.tf.is_chosen:
             return [f"{said}."]
         first = in_tf(sensor.topic, choice.others[0])

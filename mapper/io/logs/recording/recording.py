@@ -55,7 +55,7 @@ class Recording(MessageSink):
         self._taken = Taken(limits, TfTopics(limits, self.selection.tf), self.notes)
         self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}
-        self._cutter = Cutter(self.selection.cut, self._taken.tf, self._taken.children, self._take_beams)
+        self._cutter = Cutter(self.selection, self._taken.tf, self._taken.children, self._take_beams)
         self._pictures: set[str] = set()  #: topics of images that are no depth images
         self._has_lidar = False
         self._paths: dict[str, tuple[Stream, int, bytes]] = {}  #: the last message of each topic of paths
@@ -325,7 +325,8 @@ class Recording(MessageSink):
                 )
 
     def finish(self) -> None:
-        """Take what was held until all messages had come."""
+        """Take what was held until all messages had come. Raises :class:`ReadError` where there is no such tf."""
+        self._taken.tf.check()
         self._cutter.finish()
         self._take_paths()
         self._count_on()

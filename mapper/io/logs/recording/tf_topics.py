@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.recording.runs import Track
 from mapper.io.logs.recording.timeline import Timeline
@@ -103,8 +104,8 @@ class TfTopics:
         key = (sensor, frame)
         if key not in self._chosen:
             name, *parts = sensor.split("#")
-            named = parts[-1] if parts and parts[-1] in self.moving else None
-            self._chosen[key] = self._choose(name, frame, named)
+            named = (self._known(wanted) for wanted in (*parts[-1:], self._wanted or ""))
+            self._chosen[key] = self._choose(name, frame, next(filter(None, named), None))
         return self._chosen[key]
 
     def _choose(self, sensor: str, frame: str, named: str | None) -> Choice:
@@ -133,10 +134,6 @@ class TfTopics:
         return [names[one] for one in wanted if one in names]
 
     def _moving_of(self, sensor: str, frame: str) -> str:
-        if self._wanted is not None:
-            named = next((one for one in self.moving if one.strip("/") == self._wanted.strip("/")), None)
-            if named is not None:
-                return named
         near = self._named(sensor, "tf")
         for topic in near:
             static = self._stated.get(self._static_of(sensor, topic, frame), self._nothing)
@@ -165,6 +162,12 @@ class TfTopics:
         """Whether one topic was named to be taken for all sensors."""
         return self._wanted is not None
 
-    def has(self, topic: str) -> bool:
-        """Return whether there are transforms that may change on a topic."""
-        return any(one.strip("/") == topic.strip("/") for one in self.moving)
+    def check(self) -> None:
+        """Raise :class:`ReadError` where the recording has no transforms on the topic that was named for all."""
+        if self._wanted is not None and self._known(self._wanted) is None:
+            known = ", ".join(self.moving[:6]) or "none"
+            raise ReadError("log.tf", f"The log has no transforms on {self._wanted!r:.80}; it has {known:.400}.")
+
+    def _known(self, topic: str) -> str | None:
+        """Return the topic of transforms that may change of that name, with or without its first slash."""
+        return next((one for one in self.moving if one.strip("/") == topic.strip("/")), None)
