@@ -1,6 +1,6 @@
 """The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
 
-from mapper.diagnosis.diagnosis import Diagnosis, diagnose
+from mapper.diagnosis.diagnosis import Diagnosis, diagnose, events_of
 from mapper.diagnosis.drifting import drift_finding, first_cause
 from mapper.diagnosis.events import Event, find_events
 from mapper.diagnosis.examination import CHECKS, examine
@@ -17,6 +17,7 @@ __all__ = [
     "Verdict",
     "diagnose",
     "drift_finding",
+    "events_of",
     "examine",
     "find_events",
     "first_cause",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mapper.diagnosis.events import DISPLACED, Event, find_events
-from mapper.diagnosis.examination import examine
+from mapper.diagnosis.examination import LEAST_SCANS, examine
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.mounting import CHANGING
 from mapper.mapping.corrections import as_mapped
@@ -52,6 +52,12 @@ def diagnose(
     if is_own:
         findings = [_with_cause(one, events) for one in findings]
     return Diagnosis(tuple(findings), tuple(events))
+
+
+def events_of(log: ScanLog, trajectory: str | None = None) -> tuple[Event, ...]:
+    """Return the events of :func:`diagnose`; none of a log that is too short to judge."""
+    is_long = any(sensor.n_scans >= LEAST_SCANS for sensor, _ in by_sensor(log))
+    return diagnose(log, trajectory).events if is_long else ()
 
 
 def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:

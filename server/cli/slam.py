@@ -76,6 +76,7 @@ def slam(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
+    from mapper.diagnosis import events_of  # noqa: PLC0415 - start-up
     from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - start-up
     from mapper.diagnosis.verdict import map_of  # noqa: PLC0415 - start-up
     from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
@@ -103,6 +104,7 @@ def slam(
         before = None if result.odometry is None else map_figures(scans, result.odometry, config_of_map)
         grid = map_of(corrected, SLAM)
         after = map_figures(corrected, SLAM, config_of_map)
+        events = events_of(scans, result.odometry)
     offset = corrected.trajectory(SLAM).offset
     written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, result)]
     loops = result.graph.kind == 1
@@ -126,6 +128,7 @@ def slam(
             for name in FIGURES
             for when, one in (("before", before), ("after", after))
         },
+        "events": [event.public() for event in events],
         "files": [str(path) for path in written],
         "notes": notes,
     }
@@ -140,7 +143,7 @@ def slam(
     )
     if len(residuals):
         typer.echo(f"  residuals of the loops: mean {residuals.mean():.2f}, largest {residuals.max():.2f} σ")
-    for line in _figure_lines(before, after):
+    for line in (*_figure_lines(before, after), *(event.sentence for event in events)):
         typer.echo(f"  {line}")
     for path in written:
         typer.echo(f"  wrote {path}")

@@ -9,10 +9,13 @@ import pytest
 
 from mapper.core.se2 import compose, inverse
 from mapper.evaluation import absolute_errors, align
+from mapper.io.export import write_mcap
 from mapper.io.graphs import read_g2o
 from mapper.io.maps import load_map
 from mapper.io.trajectories import read_tum
 from mapper.sensors.scan import ScanLog, Trajectory
+from tests.bench.event_runs import RATE_HZ, Happening, free_scans
+from tests.bench.event_runs import drive as pushed
 from tests.mapper.slam.worlds import along, drive
 from tests.server.cli.running import Run
 
@@ -74,6 +77,22 @@ def test_two_logs_are_merged(run: Run, room: tuple[Path, np.ndarray], tmp_path: 
     assert (status, "map files can be merged, or two logs" in err) == (2, True)
     status, _, err = run("merge", log, log, log, "--out", tmp_path / "no")
     assert (status, "two logs at a time, not 3" in err) == (2, True)
+
+
+def test_says_when_the_robot_was_pushed_and_how_far(run: Run, tmp_path: Path) -> None:
+    moved = (0.0, -0.4, 0.0)
+    scan = int(free_scans("office", 400, 4, moved)[0])
+    log = pushed("office", 400, [Happening("pushed", scan, 2, moved)], seed=4)
+    path = tmp_path / "pushed.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log)
+    status, out, err = run("slam", path, "--json")
+    assert status == 0, err
+    (event,) = json.loads(out)["events"]
+    assert (event["kind"], event["direction"]) == ("pushed", "right")
+    assert event["seconds"] == pytest.approx(scan / RATE_HZ, abs=1.0 / RATE_HZ)
+    assert event["distance_m"] == pytest.approx(0.4, abs=0.08)
+    assert f"  {event['sentence']}\n" in run("slam", path).out
 
 
 def test_says_what_it_found(run: Run, room: tuple[Path, np.ndarray]) -> None:

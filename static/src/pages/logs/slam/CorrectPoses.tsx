@@ -7,6 +7,7 @@ import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import { compareWith } from "../compare/sides";
+import { Events } from "../Doctor";
 import { JobProgress } from "../jobs/JobProgress";
 import { ParameterDetails } from "../jobs/ParameterDetails";
 import { trajectoryLabel } from "../library/describeLog";
@@ -58,7 +59,7 @@ export function CorrectPoses({ store, session, correction, comparison, isGuest }
                 </>
               )}
             />
-            {job && !isUnderWay && <Outcome job={job} />}
+            {job && !isUnderWay && <Outcome job={job} store={store} />}
             {correction.failure.value !== null && (
               <p class="failure" role="alert">
                 {correction.failure.value}
@@ -109,7 +110,13 @@ const LONG_S = 3;
 const beginning = (job: SlamStatus): string =>
   (job.elapsed_s ?? 0) < LONG_S ? "Beginning" : "Compiling SLAM, which this server does once";
 
-function Outcome({ job }: { readonly job: SlamStatus }) {
+interface OutcomeProps {
+  readonly job: SlamStatus;
+  readonly store: Store;
+}
+
+/** What has become of a job: figures of the map, and what the wheels did not measure. */
+export function Outcome({ job, store }: OutcomeProps) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
   if (job.state === "failed")
     return (
@@ -143,6 +150,7 @@ function Outcome({ job }: { readonly job: SlamStatus }) {
       {result.loops === 0 && (
         <p>No loop was found: the poses are as good as the alignment of each scan with those before it.</p>
       )}
+      {result.events.length > 0 && <Events events={result.events} store={store} />}
       {result.notes.map((note) => (
         <p class="quiet" key={note}>
           {note}

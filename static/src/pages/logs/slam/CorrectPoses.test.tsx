@@ -1,0 +1,74 @@
+import { render } from "preact";
+import { act } from "preact/test-utils";
+import { afterEach, expect, test } from "vitest";
+import { Store } from "../../../store/store";
+import type { LogEvent } from "../../../wire/http";
+import type { Command } from "../../../wire/protocol";
+import type { SlamStatus } from "./api";
+import { Outcome } from "./CorrectPoses";
+
+// @vitest-environment happy-dom
+
+afterEach(() => render(null, document.body));
+
+const PUSH: LogEvent = {
+  kind: "pushed",
+  seconds: 73.4,
+  until_s: 73.6,
+  stamp_ns: 0,
+  scan: 366,
+  until_scan: 368,
+  time: "1:13.400",
+  utc: null,
+  ahead_m: 0,
+  left_m: 0.4,
+  turned_rad: 0,
+  distance_m: 0.4,
+  direction: "left",
+  step_s: 0,
+  moved_m: null,
+  sentence: "At 1:13.400 the robot moved 0.40 m to its left, which the wheels did not measure.",
+  what: "the robot moved 0.40 m to its left, which the wheels did not measure.",
+};
+
+const healed = (events: readonly LogEvent[]): SlamStatus => ({
+  state: "done",
+  created_s: 0,
+  error: null,
+  fraction: 1,
+  elapsed_s: 1,
+  ahead: 0,
+  log: "a",
+  topic: null,
+  odometry: null,
+  parameters: {},
+  stage: null,
+  scans: 0,
+  loops: 0,
+  result: {
+    trajectory: "SLAM",
+    odometry: "odom",
+    loops: 2,
+    nodes: 400,
+    cpu_s: 1,
+    drift_m: [0.6, 0.1],
+    contradicted: [0.2, 0.01],
+    sharpness: [0.5, 0.6],
+    notes: [],
+    events,
+  },
+});
+
+test("what the wheels did not measure stands in the result, with a button that goes there", () => {
+  const sent: Command[] = [];
+  const store = new Store((command) => sent.push(command) > 0);
+  act(() => render(<Outcome job={healed([PUSH])} store={store} />, document.body));
+  expect(document.body.textContent).toContain("The robot moved 0.40 m to its left, which the wheels did not measure.");
+  document.querySelector("button")?.click();
+  expect(sent.at(-1)).toEqual({ type: "seek", index: 367 });
+});
+
+test("without events there is no heading for them", () => {
+  act(() => render(<Outcome job={healed([])} store={new Store(() => true)} />, document.body));
+  expect(document.querySelector("h4")).toBeNull();
+});
