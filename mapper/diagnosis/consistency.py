@@ -3,34 +3,48 @@
 Every check that asks "would the map be better if …" asks this: of the cells in which beams ended, how often did a beam
 end there, of all that reached the cell? Where poses, mount and times are right, walls are hit again and again and
 hardly ever passed; every error smears them over cells that other beams passed.
+
+Evidence for double walls is the share of readings that end where readings of another part of the log passed: a beam
+that ends in a cell is evidence for an object; a beam that passes through it is evidence for free space. Where the poses
+are right, two parts of a log contradict each other only by what moved and by noise, and that share is the same for
+parts recorded a moment apart and for parts recorded minutes apart. Where the poses drift it grows with the time between
+them. So the second share is compared with the first, from the same log.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import KDTree
 
 from mapper.core.errors import WorkCancelledError
-from mapper.grid import OccupancyGrid
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog, Trajectory
 
-if TYPE_CHECKING:
-    from mapper.diagnosis.contradiction import Contradiction
-
 RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast and robust to the noise of a reading
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
 PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
 OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct it
+PARTS = 24  #: of the whole log
+FAR = 3  #: parts: from here on two parts are far apart in time
+WINDOW = 16  #: scans in which drift does not show; its two halves are the parts that are near in time
+TOLERANCE = 2  #: cells: a beam that passes nearer to an endpoint does not contradict it
+LEAST_PASSES = 2  #: beams through a cell that make it free
+RANGE_MAX = 10.0  #: metres: farther away a heading that is wrong by 1° exceeds the tolerance
+LEAST_EVIDENCE = 1000.0  #: endpoints that fall into cells of a part far in time
+WITHIN = 0.9  #: share of the endpoints that lie within :meth:`Contradiction.offset` of a wall
+_DISK = np.hypot(*np.mgrid[-TOLERANCE : TOLERANCE + 1, -TOLERANCE : TOLERANCE + 1]) <= TOLERANCE + 0.01
 
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
@@ -140,3 +154,156 @@ def _agreement(grid: OccupancyGrid) -> float:
     others = hits - 1.0
     share = np.divide(others, others + misses, out=np.zeros_like(hits), where=others + misses > 0)
     return float((hits * share).sum() / hits.sum())
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Flat cell numbers of one part: with endpoints, how many, near an endpoint, and free."""
+
+    ends: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    near: NDArray[np.int64]
+    free: NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
+
+    ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
+    the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.
+    ``parts`` are the PARTS parts themselves, on a grid of ``geometry``.
+    """
+
+    near: float
+    far: float
+    evidence: float
+    by_part: NDArray[np.float64]
+    parts: Sequence[_Part]
+    geometry: GridGeometry
+
+    @property
+    def excess(self) -> float:
+        """Share contradicted far apart in time, of what is not contradicted a moment apart; 0 without evidence."""
+        if self.evidence < LEAST_EVIDENCE:
+            return 0.0
+        return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0
+
+    def offset(self) -> float | None:
+        """Return within how many metres of a wall of another part, far in time, :data:`WITHIN` of the endpoints lie.
+
+        Counted are the endpoints in ``far``: those that the other part confirms and those that it contradicts. The
+        distance is from the centre of the endpoint's cell to that of the nearest cell in which the other part has an
+        endpoint. With right poses it is one or two cells; where walls are double it is about the distance between the
+        two copies, and at most about half the width of a room, because then another wall is the nearest. None without
+        evidence.
+        """
+        if self.evidence < LEAST_EVIDENCE:
+            return None
+        distances, weights = [], []
+        for i, other in enumerate(self.parts):
+            if not len(other.ends):
+                continue
+            walls = KDTree(self._cells(other.ends))
+            known = np.concatenate([other.near, other.free])
+            for j, part in enumerate(self.parts):
+                if _far_apart(i, j):
+                    counted = np.isin(part.ends, known)
+                    distances.append(walls.query(self._cells(part.ends[counted]))[0])
+                    weights.append(part.weights[counted])
+        cells, count = np.concatenate(distances), np.concatenate(weights)
+        order = np.argsort(cells)
+        below = np.cumsum(count[order])
+        found = order[np.searchsorted(below, WITHIN * below[-1])]
+        return float(cells[found]) * self.geometry.resolution
+
+    def _cells(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.stack(np.divmod(numbers, self.geometry.cols), axis=-1)
+
+
+def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
+    """Return how far parts of one log contradict each other with one of its trajectories.
+
+    ``thinned`` holds scans from all over the log, which are compared far apart in time; ``whole`` holds all scans, of
+    which short windows are compared. The mount and the largest range are those of their configurations. Raises
+    :class:`WorkCancelledError`.
+    """
+    whole, thinned = (
+        replace(seen, config=replace(seen.config, range_max=min(seen.config.range_max, RANGE_MAX)))
+        for seen in (whole, thinned)
+    )
+    parts, geometry = _parts(thinned, PARTS)
+    far = _compared(parts, geometry, _far_apart)
+    starts = np.unique(np.linspace(0, max(0, whole.log.n_scans - WINDOW), PARTS).astype(np.int64))
+    near = np.zeros(2)
+    for start in starts.tolist():
+        window = cut(whole, start, start + WINDOW)
+        halves, place = _parts(window, 2)
+        near += _compared(halves, place, lambda i, j: i != j).sum(axis=0)
+    totals = far.sum(axis=1)
+    by_part = np.divide(far[:, 0], totals, out=np.full(len(far), np.nan), where=totals > 0)
+    return Contradiction(_share(near), _share(far.sum(axis=0)), float(totals.sum()), by_part, parts, geometry)
+
+
+def cut(seen: Examined, start: int, stop: int) -> Examined:
+    """Return scans ``start`` up to ``stop`` alone."""
+    part = slice(start, stop)
+    return replace(seen, log=seen.log.take(part), scans=seen.scans[part])
+
+
+def _far_apart(i: int, j: int) -> bool:
+    return abs(i - j) >= FAR
+
+
+def _share(counts: NDArray[np.float64]) -> float:
+    return float(counts[0] / counts.sum()) if counts.sum() else 0.0
+
+
+def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], GridGeometry]:
+    """Return the scans in ``n_parts`` parts of equal length, and the grid that they share."""
+    seen.check_wanted()
+    geometry = geometry_for(seen.log, seen.config)
+    edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)
+    found = []
+    for start, stop in pairwise(edges.tolist()):
+        grid = OccupancyGrid(geometry)
+        integrate_scans(grid, seen.log, seen.config, None, start, stop)
+        found.append(_part(grid, geometry))
+    return found, geometry
+
+
+def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
+    nothing = np.zeros(0, dtype=np.int64)
+    if grid.cell_statistics is None:
+        return _Part(nothing, np.zeros(0), nothing, nothing)
+    hits, misses = grid.cell_statistics
+    touched = (hits > 0) | (misses > 0)
+    rows, cols = np.flatnonzero(touched.any(axis=1)), np.flatnonzero(touched.any(axis=0))
+    if not len(rows):
+        return _Part(nothing, np.zeros(0), nothing, nothing)
+    box = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
+    ended = hits[box] > 0
+    near = ndimage.binary_dilation(ended, structure=_DISK)
+
+    def numbers(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+        row, col = np.nonzero(mask)
+        return np.asarray((row + rows[0]) * geometry.cols + col + cols[0], dtype=np.int64)
+
+    free = (misses[box] >= LEAST_PASSES) & ~near
+    return _Part(numbers(ended), hits[box][ended].astype(np.float64), numbers(near), numbers(free))
+
+
+def _compared(
+    parts: Sequence[_Part], geometry: GridGeometry, counts: Callable[[int, int], bool]
+) -> NDArray[np.float64]:
+    """Return for each part (n, 2) how many of its endpoints the others contradict and how many they confirm."""
+    found = np.zeros((len(parts), 2))
+    said = np.zeros(geometry.rows * geometry.cols, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
+    for i, other in enumerate(parts):
+        said[other.free], said[other.near] = 1, 2
+        for j, part in enumerate(parts):
+            if counts(i, j):
+                here = said[part.ends]
+                found[j] += (part.weights[here == 1].sum(), part.weights[here == 2].sum())
+        said[other.free] = said[other.near] = 0
+    return found

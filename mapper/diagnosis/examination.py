@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, sweep, time_unit, timing, walls
 from mapper.diagnosis.between import check_between
-from mapper.diagnosis.consistency import MOST_READINGS, Examined, examined
-from mapper.diagnosis.contradiction import Contradiction
+from mapper.diagnosis.consistency import MOST_READINGS, Contradiction, Examined, examined
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.several import of_sensors, share_of
 from mapper.sensors.joint_log import by_sensor, each_part

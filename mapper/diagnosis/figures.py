@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mapper.diagnosis.consistency import examined_as_mapped, unthinned
-from mapper.diagnosis.contradiction import contradiction
+from mapper.diagnosis.consistency import contradiction, examined_as_mapped, unthinned
 from mapper.diagnosis.verdict import map_of
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
@@ -18,7 +17,7 @@ from mapper.sensors.scan import ScanLog
 class MapFigures:
     """How far parts of a log that were recorded at different times agree on where walls are.
 
-    ``drift_m`` is :meth:`mapper.diagnosis.contradiction.Contradiction.offset`, metres; ``contradicted`` the share,
+    ``drift_m`` is :meth:`mapper.diagnosis.consistency.Contradiction.offset`, metres; ``contradicted`` the share,
     0 … 1, of the readings that end where beams of another time passed freely. Both are None where too few readings
     can be compared, and for sonars; of several sensors they are the greatest. ``sharpness`` is
     :func:`mapper.grid.compare.wall_contrast` of the map, 0 … 1.

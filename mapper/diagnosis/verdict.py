@@ -8,7 +8,7 @@ from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import between
-from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
+from mapper.diagnosis.consistency import LEAST_EVIDENCE, WITHIN, Contradiction
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import POSSIBLE, Finding
 from mapper.diagnosis.several import of_sensors, share_of
@@ -33,7 +33,7 @@ ROUNDING = 1e-9  #: a limit that is reached is kept
 class Limits:
     """Limits on a log; those that are None or empty are not checked.
 
-    ``max_drift`` is in metres, of :meth:`mapper.diagnosis.contradiction.Contradiction.offset`; ``min_sharpness`` is
+    ``max_drift`` is in metres, of :meth:`mapper.diagnosis.consistency.Contradiction.offset`; ``min_sharpness`` is
     0 … 1, of :func:`mapper.grid.compare.wall_contrast`; ``no_findings`` are names of findings that there may not be.
     Findings that are only possible count if ``possible``; so do those that kept another check from being made.
     """

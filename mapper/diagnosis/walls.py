@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mapper.diagnosis.consistency import Examined, consistency, counts, unthinned
-from mapper.diagnosis.contradiction import contradiction, cut
+from mapper.diagnosis.consistency import Examined, consistency, contradiction, counts, cut, unthinned
 from mapper.diagnosis.finding import MOST_SCANS, POSSIBLE, Finding
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import cell_of

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
-from server.http.routes.trajectories import update_sessions
 from server.library.library import Library
 from server.library.processing.localization import NAME as LOCALIZED
 from server.library.processing.log_jobs import AnyLogJobs, LogJobs
 from server.library.processing.slam import NAME as SLAM
 from server.sessions import SessionRegistry
-from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar
+from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar, UpdateLog
 from server.sessions.parts import Recording
 from server.stream.protocol import ProtocolError
 
@@ -127,3 +126,15 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, o
             task.add_done_callback(_tasks.discard)
 
     jobs.listen(owner, log_id, notify)
+
+
+async def update_sessions(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
+    """Let the open sessions of ``owner`` on a log have its present trajectories."""
+    for session in sessions.all():
+        recording = session.model.find(Recording)
+        if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
+            continue
+        view = recording.view()
+        log = await library.load(owner, log_id, view.topic, view.planar_cut)
+        with suppress(ProtocolError):  # of too many commands; the next session on the log has them
+            session.enqueue(UpdateLog(log))

@@ -41,7 +41,8 @@ from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
 from server.work.movable_timer import MovableTimer
-from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
+from server.work.scheduler import URGENT_S, Scheduler, checkpoint
+from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher

@@ -10,7 +10,8 @@ from msgspec import Struct
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
-from server.work.scheduler import JobOwner, Scheduler
+from server.work.scheduler import Scheduler
+from server.work.waiting_turns import JobOwner
 
 T = TypeVar("T")
 

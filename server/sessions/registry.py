@@ -26,7 +26,8 @@ from server.sessions.prefetching import CheckpointPrefetching
 from server.sessions.use import OthersUse, Use
 from server.stream.traffic import Traffic
 from server.work.memory import give_back
-from server.work.scheduler import JobOwner, Scheduler
+from server.work.scheduler import Scheduler
+from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
     from server.sessions.host import SessionHost

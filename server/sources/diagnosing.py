@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mapper.sensors.scan import ScanLog
 from server.work.priority import lower_priority
-from server.work.scheduler import JobOwner, Scheduler
+from server.work.scheduler import Scheduler
+from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis

@@ -23,11 +23,10 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 from mapper.core.parallel import share_cores
-from server.work.waiting_turns import HEAVY_S, RecentComputing, WaitingTurns
+from server.work.waiting_turns import HEAVY_S, Finished, JobOwner, RecentComputing, Task, Turn, WaitingTurns
 
 T = TypeVar("T")
 
@@ -37,76 +36,11 @@ DEFERRED_EVERY_S = 0.2  #: urgent computing after which a deferred job gets a sl
 _MAX_HISTORY = 1024  #: addresses and visitors whose last turn is recorded
 
 
-@dataclass(frozen=True, slots=True)
-class JobOwner:
-    """The visitor for whom a job computes, and the visitor's address."""
-
-    visitor: str
-    address: str = ""
-
-
 def _uncancellable() -> Future[None]:
     """Return a future that cannot be cancelled: cancelling a waiting job removes its turn instead."""
     future: Future[None] = Future()
     future.set_running_or_notify_cancel()
     return future
-
-
-@dataclass(slots=True, eq=False)
-class _Task:
-    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
-
-    pool: Executor
-    job: Callable[[], Any]
-    loop: asyncio.AbstractEventLoop
-    done: asyncio.Future[Any]
-
-    def compute(self) -> _Finished:
-        """Compute it; an error is part of the result."""
-        try:
-            return _Finished(self.done, self.job(), None)
-        except BaseException as error:  # noqa: BLE001 - whoever waits for the job gets it
-            return _Finished(self.done, None, error)
-
-
-@dataclass(frozen=True, slots=True)
-class _Finished:
-    """Result of a job, or the error that it raised, for the future that waits for it."""
-
-    done: asyncio.Future[Any]
-    result: Any
-    error: BaseException | None
-
-    def tell(self) -> None:
-        """Set the future (event loop), unless the wait for it was cancelled."""
-        if self.done.done():
-            return
-        if self.error is None:
-            self.done.set_result(self.result)
-        else:
-            self.done.set_exception(self.error)
-
-
-@dataclass(slots=True, eq=False)
-class Turn:
-    """A job's turn, waiting or held. ``computed_s`` is the total time for which the job has held turns."""
-
-    owner: JobOwner
-    interactive: bool
-    number: int
-    request: Future[None] | None = None  #: done when the turn is granted; None while nobody waits for that
-    began: float = 0.0  #: when the slice began
-    computed_s: float = 0.0
-    was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
-    granted_before: bool = False  #: whether a slice of it was granted
-    task: _Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
-
-    @property
-    def granted(self) -> Future[None]:
-        """Done once the turn is held. A turn that was requested for a task has it after its first slice only."""
-        if self.request is None:
-            raise RuntimeError("nobody waits for this turn")
-        return self.request
 
 
 class Scheduler:
@@ -124,7 +58,7 @@ class Scheduler:
         self._light_s = 0.0  #: urgent computing since the last slice of an address that computed HEAVY_S of late
         self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
         #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
-        self._finished: dict[asyncio.AbstractEventLoop, list[_Finished]] = {}
+        self._finished: dict[asyncio.AbstractEventLoop, list[Finished]] = {}
 
     # -- jobs ---------------------------------------------------------------------------------------------------------
 
@@ -135,7 +69,7 @@ class Scheduler:
         cancelled later runs to its end.
         """
         loop = asyncio.get_running_loop()
-        task = _Task(pool, job, loop, loop.create_future())
+        task = Task(pool, job, loop, loop.create_future())
         turn = self.request(owner, interactive=interactive, task=task)
         try:
             return cast("T", await task.done)
@@ -178,10 +112,10 @@ class Scheduler:
             try:
                 turn.task.pool.submit(self._work, turn)
             except RuntimeError as error:  # the pool takes no more
-                self._tell(turn.task.loop, _Finished(turn.task.done, None, error))
+                self._tell(turn.task.loop, Finished(turn.task.done, None, error))
                 self.release(turn)
 
-    def _tell(self, loop: asyncio.AbstractEventLoop, finished: _Finished) -> None:
+    def _tell(self, loop: asyncio.AbstractEventLoop, finished: Finished) -> None:
         with self._lock:
             waiting = self._finished.setdefault(loop, [])
             waiting.append(finished)
@@ -200,7 +134,7 @@ class Scheduler:
 
     # -- turns --------------------------------------------------------------------------------------------------------
 
-    def request(self, owner: JobOwner, *, interactive: bool = True, task: _Task | None = None) -> Turn:
+    def request(self, owner: JobOwner, *, interactive: bool = True, task: Task | None = None) -> Turn:
         """Return a new turn, which is held once its ``granted`` is done."""
         with self._lock:
             self._count += 1

@@ -1,16 +1,16 @@
-"""Turns that wait, in the order in which owners get them: with hundreds of visitors few of them are looked at."""
+"""Turns, and the order in which owners get those that wait: with hundreds of visitors few of them are looked at."""
 
 from __future__ import annotations
 
+import asyncio
 import math
 from bisect import bisect_left, insort
 from collections import OrderedDict, deque
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from collections.abc import Set as AbstractSet
-from typing import TYPE_CHECKING, Generic, TypeVar
-
-if TYPE_CHECKING:
-    from server.work.scheduler import JobOwner, Turn
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 RECENT_S = 5.0  #: time after which computing counts 1 / e of what it did
 HEAVY_S = 1.0  #: recent computing of an address from which on much less of another address counts
@@ -18,6 +18,71 @@ LIGHTER = 0.5  #: recent computing of an address that is much less, as a share o
 _MAX_ADDRESSES = 1024
 
 K = TypeVar("K", bound=Hashable)
+
+
+@dataclass(frozen=True, slots=True)
+class JobOwner:
+    """The visitor for whom a job computes, and the visitor's address."""
+
+    visitor: str
+    address: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Task:
+    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+
+    pool: Executor
+    job: Callable[[], Any]
+    loop: asyncio.AbstractEventLoop
+    done: asyncio.Future[Any]
+
+    def compute(self) -> Finished:
+        """Compute it; an error is part of the result."""
+        try:
+            return Finished(self.done, self.job(), None)
+        except BaseException as error:  # noqa: BLE001 - whoever waits for the job gets it
+            return Finished(self.done, None, error)
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """Result of a job, or the error that it raised, for the future that waits for it."""
+
+    done: asyncio.Future[Any]
+    result: Any
+    error: BaseException | None
+
+    def tell(self) -> None:
+        """Set the future (event loop), unless the wait for it was cancelled."""
+        if self.done.done():
+            return
+        if self.error is None:
+            self.done.set_result(self.result)
+        else:
+            self.done.set_exception(self.error)
+
+
+@dataclass(slots=True, eq=False)
+class Turn:
+    """A job's turn, waiting or held. ``computed_s`` is the total time for which the job has held turns."""
+
+    owner: JobOwner
+    interactive: bool
+    number: int
+    request: Future[None] | None = None  #: done when the turn is granted; None while nobody waits for that
+    began: float = 0.0  #: when the slice began
+    computed_s: float = 0.0
+    was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
+    granted_before: bool = False  #: whether a slice of it was granted
+    task: Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
+
+    @property
+    def granted(self) -> Future[None]:
+        """Done once the turn is held. A turn that was requested for a task has it after its first slice only."""
+        if self.request is None:
+            raise RuntimeError("nobody waits for this turn")
+        return self.request
 
 
 class _ServiceOrder(Generic[K]):

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
@@ -16,15 +15,11 @@ from starlette.requests import ClientDisconnect
 from server.downloads.names import disposition, file_name, file_stem
 from server.http.clients import client_address, while_connected
 from server.http.file_answer import file_answer
+from server.http.following import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
-from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
 from server.library.processing.relation_scores import PoseScore, relations_text
-from server.sessions import SessionRegistry
-from server.sessions.commands import UpdateLog
-from server.sessions.parts import Recording
-from server.stream.protocol import ProtocolError
 
 router = APIRouter(prefix="/api", tags=["logs"])
 
@@ -120,15 +115,3 @@ async def score(
     record = library.get(of_log.owner, of_log.log_id)
     score = library.scores.score(record, visitor, log, trajectory, text, name, topic, address=client_address(request))
     return await while_connected(request, score)
-
-
-async def update_sessions(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
-    """Let the open sessions of ``owner`` on a log have its present trajectories."""
-    for session in sessions.all():
-        recording = session.model.find(Recording)
-        if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
-            continue
-        view = recording.view()
-        log = await library.load(owner, log_id, view.topic, view.planar_cut)
-        with suppress(ProtocolError):  # of too many commands; the next session on the log has them
-            session.enqueue(UpdateLog(log))

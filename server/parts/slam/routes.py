@@ -12,9 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
 from server.http.computed_series import graph_source
-from server.http.following import follow_slam, tell_at_end
+from server.http.following import follow_slam, tell_at_end, update_sessions
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import part_of_log, writable_session
 from server.library.library import Library

@@ -13,7 +13,7 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sweep
-from mapper.diagnosis.contradiction import Contradiction
+from mapper.diagnosis.consistency import Contradiction
 from mapper.diagnosis.verdict import FINDINGS
 from mapper.io.logs import open_log
 from mapper.mapping.parameters import MappingConfig

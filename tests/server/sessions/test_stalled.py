@@ -18,7 +18,8 @@ from server.sessions.host import SessionHost
 from server.sources.simulation import SimulationModel
 from server.stream.hub import STALLED_S
 from server.stream.protocol import ProtocolError
-from server.work.scheduler import JobOwner, Scheduler
+from server.work.scheduler import Scheduler
+from server.work.waiting_turns import JobOwner
 from tests.server.service import eventually
 
 
