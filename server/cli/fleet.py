@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from itertools import starmap
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -25,11 +26,15 @@ def fleet(
     ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Logs done at once. [all cores]")] = None,
     again: Annotated[bool, typer.Option("--again", help="Do the logs again that failed in an earlier run.")] = False,
+    order: Annotated[
+        Literal["name", "drift", "findings", "sharpness", "scans", "size"],
+        typer.Option("--sort", help="Order of the lines: by name, or the most first, of sharpness the least."),
+    ] = "name",
     as_json: AsJson = False,
 ) -> None:
     """Read, examine and map many logs; OUT/index.html shows the maps as they are made."""
     from server.fleet import Fleet, Result, workers_at  # noqa: PLC0415 - start-up
-    from server.fleet.page import PAGE, write_page  # noqa: PLC0415 - start-up
+    from server.fleet.page import PAGE, line_of, ordered, write_page  # noqa: PLC0415 - start-up
     from server.library.processing.fleet.fleet_job import LIMITS  # noqa: PLC0415
 
     began = time.monotonic()
@@ -63,6 +68,8 @@ def fleet(
     else:
         ended = f"{len(whole.results)} of {len(whole.logs)} logs, {before} of them before, {len(failed)} failed"
         typer.echo(f"{ended}, in {time.monotonic() - began:.1f} s")
+        for line in starmap(line_of, ordered([*whole.results.values()], order)):
+            typer.echo(f"  {line}")
         for one in failed:
             typer.echo(f"  {one.log}: {one.message}")
         typer.echo(f"  {out / PAGE}")

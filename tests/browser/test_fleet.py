@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from mapper.diagnosis.examination import CHECKS
+from server.fleet import Result
+from server.fleet.page import page as page_of
+from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
 from tests.browser.looking import await_true
+from tests.browser.test_axe import violations
 
 
 @pytest.mark.usefixtures("two_logs")
@@ -63,6 +68,33 @@ def test_drift_and_first_finding_are_shown_and_choose_and_order_the_maps(page: P
     expect(names).to_have_text(["c"])
     expect(page.get_by_text("1 log found")).to_be_visible()
     expect(cards.get_by_role("link")).to_have_attribute("href", "/logs.html?log=id-c")
+
+
+def test_the_page_of_the_command_orders_and_finds_its_maps(page: Page, tmp_path: Path) -> None:
+    def one(name: str, drift_m: float | None, *sentences: str) -> Result:
+        findings = tuple(FleetFinding("walls.drift", sentence, possible=True) for sentence in sentences)
+        facts = MapFacts(
+            scans=3, beams=2, trajectory="odom", rows=10, cols=20, resolution=0.05, contrast=0.5, drift_m=drift_m,
+            findings=findings, picture=False, cpu_s=0.1,
+        )  # fmt: skip
+        return Result(name, f"/logs/{name}", 1.0, 1, facts)
+
+    file = tmp_path / "index.html"
+    file.write_text(
+        page_of([one("a.log", 0.1, "The poses drift."), one("b.log", 2.0), one("c.log", None)], 3, running=False)
+    )
+    page.goto(file.as_uri())
+    names = page.locator(".wall > li:visible .text a")
+    expect(names).to_have_text(["a.log", "b.log", "c.log"])
+    page.get_by_role("combobox", name="Order").select_option("most drift first")
+    expect(names).to_have_text(["b.log", "a.log", "c.log"])
+    page.get_by_role("combobox", name="Drift").select_option("drift of 0.1 m or more")
+    page.reload()
+    expect(names).to_have_text(["b.log", "a.log"])
+    page.get_by_role("searchbox", name="Search logs").fill("possibly drift")
+    expect(names).to_have_text(["a.log"])
+    expect(page.get_by_role("status")).to_have_text("1 found")
+    assert violations(page) == []
 
 
 def test_each_finding_of_the_doctor_is_named_in_words(page: Page, server: str) -> None:

@@ -19,7 +19,7 @@ from distributed.security import Security
 from mapper.core.errors import ConfigError
 from mapper.io.maps import load_map
 from server.fleet import Fleet, Result, workers_at
-from server.fleet.page import write_page
+from server.fleet.page import ORDERS, line_of, ordered, write_page
 from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
 from tests.server.library.small_logs import carmen
 
@@ -146,11 +146,29 @@ def test_the_page_lists_maps_and_failures_and_quotes_names(tmp_path: Path) -> No
     assert "<h1>3 of 3 logs, ended</h1>" in text
     assert "Failed: 1" in text
     assert "&lt;b&gt;&amp;.log" in text
-    assert "<p>Drift 0.46 m, 3 scans</p><p>The time &lt;runs&gt; backwards.</p>" in text
-    assert "1 more finding</summary><ul><li>The poses drift.</li>" in text
+    assert "<p>Drift 0.46 m</p><p>3 scans, 1 × 1 m</p><p>The time &lt;runs&gt; backwards.</p>" in text
+    assert "1 more finding</summary><ul><li>Possibly: The poses drift.</li>" in text
+    assert f'<a href="{(tmp_path / "0.log").as_uri()}">0.log</a>' in text
     assert "<b>&." not in text
-    assert "refresh" not in text
+    assert "location.reload" not in text
     assert not re.search(r"https?://", text), "it asks no other host"
+
+
+def test_logs_are_ordered_and_told_in_lines() -> None:
+    def one(name: str, drift_m: float | None, contrast: float | None, *findings: FleetFinding) -> Result:
+        facts = replace(FACTS, drift_m=drift_m, contrast=contrast, findings=findings)
+        return Result(name, f"/logs/{name}", 1.0, 1, facts)
+
+    results = [one("c", None, 0.5), one("a", 0.1, None, FACTS.findings[1]), one("b", 2.0, 0.25, *FACTS.findings)]
+    failed = Result("d", "/logs/d", 1.0, 1, None, "code", "words")
+    assert [found.key for found, _ in ordered([*results, failed])] == ["a", "b", "c"]
+    orders = {order: "".join(found.key for found, _ in ordered(results, order)) for order in ORDERS}
+    assert orders == {"drift": "bac", "findings": "bac", "sharpness": "bca", "scans": "abc", "size": "abc"}
+    assert [line_of(*found) for found in ordered(results)] == [
+        "/logs/a: Drift 0.10 m, 3 scans, 1 × 1 m. Possibly: The poses drift.",
+        "/logs/b: Drift 2.00 m, sharpness 0.25, 3 scans, 1 × 1 m. The time <runs> backwards. And 1 more.",
+        "/logs/c: Drift not measured, sharpness 0.50, 3 scans, 1 × 1 m. No findings.",
+    ]
 
 
 @pytest.fixture(scope="module")
