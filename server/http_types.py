@@ -1,7 +1,7 @@
-"""Generate ``static/src/wire/http.ts``: the types of the answers of the HTTP interface, from its OpenAPI document.
+"""Generate ``static/src/wire/http.ts``: the types of the HTTP interface, from its OpenAPI document.
 
-``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date. Files
-have no type there.
+They are those of queries, of bodies and of answers in JSON. ``python -m server.http_types`` writes the file; with
+``--check`` it only fails if it is out of date.
 """
 
 from __future__ import annotations
@@ -40,6 +40,8 @@ def _typescript(schema: Schema) -> str:
     if "enum" in schema or "const" in schema:
         return " | ".join(json.dumps(value) for value in schema.get("enum", [schema.get("const")]))
     kind = schema.get("type")
+    if schema.get("format") == "binary":
+        return "Blob"
     if kind == "array" and "prefixItems" in schema:
         return f"readonly [{', '.join(map(_typescript, schema['prefixItems']))}]"
     if kind == "array":
@@ -65,21 +67,50 @@ def _references(schema: object) -> Iterator[str]:
             yield from _references(one)
 
 
+def _operations(document: Schema) -> Iterator[tuple[str, Schema]]:
+    """Yield each request, by method and address, with its description."""
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            yield f"{method.upper()} {path}", operation
+
+
 def answers_of(document: Schema) -> dict[str, list[Schema]]:
     """Return the schemas of the answers to each request, by method and address; {} where there is no content.
 
     A request that is answered with a file is left out.
     """
     answers: dict[str, list[Schema]] = {}
-    for path, methods in document["paths"].items():
-        for method, operation in methods.items():
-            good = [answer for status, answer in operation["responses"].items() if status.startswith("2")]
-            kinds = {kind for answer in good for kind in answer.get("content", {})}
-            if kinds <= {"application/json"}:
-                answers[f"{method.upper()} {path}"] = [
-                    answer.get("content", {}).get("application/json", {}).get("schema", {}) for answer in good
-                ]
+    for request, operation in _operations(document):
+        good = [answer for status, answer in operation["responses"].items() if status.startswith("2")]
+        kinds = {kind for answer in good for kind in answer.get("content", {})}
+        if kinds <= {"application/json"}:
+            answers[request] = [
+                answer.get("content", {}).get("application/json", {}).get("schema", {}) for answer in good
+            ]
     return answers
+
+
+def _bodies_of(document: Schema) -> dict[str, Schema]:
+    """Return the schema of the body of each request that has one, by method and address."""
+    return {
+        request: content["schema"]
+        for request, operation in _operations(document)
+        for content in operation.get("requestBody", {}).get("content", {}).values()
+    }
+
+
+def _queries_of(document: Schema) -> dict[str, str]:
+    """Return the type of the query of each request that has one, by method and address."""
+    queries = {}
+    for request, operation in _operations(document):
+        fields = [
+            _field(one["name"], one["schema"], is_optional=not one.get("required", False)).replace(" | null", "")
+            for one in operation.get("parameters", [])
+            if one["in"] == "query"
+        ]
+        if fields:
+            queries[request] = "\n    ".join(["{", *fields]) + "\n  }"
+    return queries
 
 
 def _answer_type(schemas: list[Schema]) -> str:
@@ -95,7 +126,12 @@ def _comment(text: str, indent: str = "") -> list[str]:
     return [f"{indent}/**", *(f"{indent} * {line}" for line in lines), f"{indent} */"]
 
 
-def _interface(name: str, schema: Schema) -> list[str]:
+def _field(name: str, schema: Schema, *, is_optional: bool) -> str:
+    return f"readonly {name}{'?' if is_optional else ''}: {_typescript(schema)};"
+
+
+def _interface(name: str, schema: Schema, *, is_answer: bool) -> list[str]:
+    """Return the declaration of a schema; an answer has all of its fields."""
     described = _comment(schema["description"]) if "description" in schema else []
     if schema.get("type") != "object" or "properties" not in schema:
         return [*described, f"export type {_name(name)} = {_typescript(schema)};", ""]
@@ -103,25 +139,38 @@ def _interface(name: str, schema: Schema) -> list[str]:
     for field, of in schema["properties"].items():
         if "description" in of:
             lines += _comment(of["description"], "  ")
-        lines.append(f"  readonly {field}: {_typescript(of)};")
+        is_optional = not is_answer and field not in schema.get("required", [])
+        lines.append(f"  {_field(field, of, is_optional=is_optional)}")
     return [*lines, "}", ""]
+
+
+def _with_references(of: object, schemas: Schema) -> set[str]:
+    """Return the names of the schemas that one refers to, directly or through others."""
+    found: set[str] = set()
+    left = [*_references(of)]
+    while left:
+        if (name := left.pop()) not in found:
+            found.add(name)
+            left += _references(schemas[name])
+    return found
 
 
 def typescript(document: Schema) -> str:
     """Return the file for an OpenAPI document."""
-    schemas, answers = document["components"]["schemas"], answers_of(document)
-    wanted, left = set(), [*_references(list(answers.values()))]
-    while left:
-        name = left.pop()
-        if name not in wanted:
-            wanted.add(name)
-            left += _references(schemas[name])
-    lines = [f"// Written by `{COMMAND}` from the answers of the routes in server/http/routes: change those.", ""]
-    for name in sorted(wanted):
-        lines += _interface(name, schemas[name])
-    lines += ["/** The answer to each request, by method and address. */", "export interface Answers {"]
-    lines += [f"  {json.dumps(request)}: {_answer_type(models)};" for request, models in sorted(answers.items())]
-    return "\n".join([*lines, "}", ""])
+    schemas, answers, bodies = document["components"]["schemas"], answers_of(document), _bodies_of(document)
+    answered = _with_references([*answers.values()], schemas)
+    lines = [f"// Written by `{COMMAND}` from the routes of the server: change those.", ""]
+    for name in sorted(answered | _with_references([*bodies.values()], schemas)):
+        lines += _interface(name, schemas[name], is_answer=name in answered)
+    listed = (
+        ("Queries", "The query of each request that has one", _queries_of(document)),
+        ("Bodies", "The body of each request that has one", {what: _typescript(of) for what, of in bodies.items()}),
+        ("Answers", "The answer to each request", {what: _answer_type(of) for what, of in answers.items()}),
+    )
+    for title, meaning, types in listed:
+        lines += [f"/** {meaning}, by method and address. */", f"export interface {title} {{"]
+        lines += [*(f"  {json.dumps(request)}: {of};" for request, of in sorted(types.items())), "}", ""]
+    return "\n".join(lines)
 
 
 def main() -> None:

@@ -1,10 +1,18 @@
-"""The answer of a route that returns a file, as the OpenAPI document describes it."""
+"""Files as answers and as bodies of requests, as the OpenAPI document describes them."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from fastapi.responses import Response
+
+#: argument ``openapi_extra`` of a route's decorator where the body is a file, which the route reads as it arrives
+FILE_BODY = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
 
 
 def file_answer(*media_types: str) -> dict[str, Any]:

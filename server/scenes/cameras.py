@@ -6,15 +6,14 @@ import math
 from collections.abc import Mapping
 from itertools import product
 from types import MappingProxyType
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from server.sessions.scene_controls import Bounds, Sight
+from server.stream.message_parts import CameraName, RobotCameraName
 
-CameraName = Literal["overview", "above", "south", "west", "north", "east"]
-RobotCameraName = Literal["follow", "first person"]
 Vector = tuple[float, float, float]
 
 #: Name → direction from the centre of the bounds to the camera, in sizes of the bounds, which is its least distance.

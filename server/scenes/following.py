@@ -7,8 +7,9 @@ from collections import deque
 import numpy as np
 from numpy.typing import ArrayLike
 
-from server.scenes.cameras import RobotCameraName, Vector, carried, robot_camera_at, seen_from
+from server.scenes.cameras import Vector, carried, robot_camera_at, seen_from
 from server.sessions.scene_controls import Sight
+from server.stream.message_parts import RobotCameraName
 
 MOST_ON_THEIR_WAY = 64  #: places that a browser was told and has not reported yet
 

@@ -30,8 +30,6 @@ from server.scenes.cameras import (
     FOV,
     ROBOT_CAMERAS,
     Aim,
-    CameraName,
-    RobotCameraName,
     camera_at,
 )
 from server.scenes.contents import SceneContents
@@ -46,6 +44,7 @@ from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds, Sight
+from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.messages import SceneMessage
 
 MAX_HZ = 15.0
@@ -241,7 +240,7 @@ class Scene:
     # -- from the page's own controls ---------------------------------------------------------------------------
 
     @property
-    def cameras(self) -> list[str]:
+    def cameras(self) -> list[CameraName | RobotCameraName]:
         """The names of the cameras that there are: those that move with the robot only where there is one."""
         return [*CAMERAS, *(ROBOT_CAMERAS if self._sight is not None else ())]
 

@@ -33,6 +33,8 @@ UncheckedValues = Annotated[
 CellState = Annotated[
     Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
 ]
+CameraName = Literal["overview", "above", "south", "west", "north", "east"]
+RobotCameraName = Literal["follow", "first person"]
 LayerKind = Annotated[
     Literal["grid", "points", "path", "graph"], Meta(title="LayerKind", description="kind of content of a layer")
 ]

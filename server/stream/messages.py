@@ -13,6 +13,7 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import (
     Block,
+    CameraName,
     CellState,
     Compared,
     Contribution,
@@ -23,6 +24,7 @@ from server.stream.message_parts import (
     Parameter,
     Point,
     Pose,
+    RobotCameraName,
     Segment,
     Table,
     TrajectoryInfo,
@@ -291,7 +293,7 @@ class PickedMessage(Struct, tag_field="type", tag="picked"):
 class SceneMessage(Struct, tag_field="type", tag="scene"):
     """Settings of the 3D view of the session, from when it is first opened."""
 
-    cameras: Annotated[list[str], Meta(description="places of the camera")]
+    cameras: Annotated[list[CameraName | RobotCameraName], Meta(description="places of the camera")]
     layers: Annotated[dict[str, bool], Meta(description="whether each layer is shown, by its label")]
     height: Annotated[float, Meta(description="height of the map's columns, of the default")]
     grid: Annotated[float, Meta(description="distance between two lines of the layer `Grid`, m")]

@@ -1,4 +1,4 @@
-"""The types of the answers in the pages are those of the OpenAPI document."""
+"""The types of requests and answers in the pages are those of the OpenAPI document."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_an_outdated_file_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: An
 
 
 def test_models_become_interfaces() -> None:
-    """Of the answers only, with what they refer to; a body of a request is none."""
+    """With what they refer to; a field that a body may leave out is optional there, an answer has all of its fields."""
     end = {"type": "object", "properties": {"at": {"prefixItems": [{"type": "number"}] * 2, "type": "array"}}}
     line = {
         "type": "object",
@@ -39,13 +39,27 @@ def test_models_become_interfaces() -> None:
     answer = {"200": {"content": {"application/json": {"schema": {"$ref": "#/components/schemas/Line"}}}}, "404": {}}
     either = {"200": answer["200"], "202": {"content": {"application/json": {"schema": {"type": "null"}}}}, "204": {}}
     file: dict[str, object] = {"200": {"content": {"image/png": {}}}}
+    wanted = {
+        "type": "object",
+        "properties": {"end": {"$ref": "#/components/schemas/End"}, "name": {"type": "string"}},
+        "required": ["end"],
+    }
+    named = {"requestBody": {"content": {"application/json": {"schema": {"$ref": "#/components/schemas/Wanted"}}}}}
+    binary = {"requestBody": {"content": {"a/b": {"schema": {"type": "string", "format": "binary"}}}}}
+    query = {
+        "parameters": [
+            {"in": "path", "name": "id", "schema": {"type": "string"}},
+            {"in": "query", "name": "at", "required": True, "schema": {"type": "number"}},
+            {"in": "query", "name": "until", "schema": {"anyOf": [{"type": "number"}, {"type": "null"}]}},
+        ]
+    }
     document = {
         "paths": {
             "/lines/{id}": {"get": {"responses": answer}, "delete": {"responses": {"204": {}}}},
-            "/lines": {"get": {"responses": either}},
-            "/lines.png": {"get": {"responses": file}},
+            "/lines": {"get": {"responses": either}, "post": {"responses": file} | named},
+            "/lines.png": {"get": {"responses": file} | query, "put": {"responses": file} | binary},
         },
-        "components": {"schemas": {"Line": line, "End": end, "Body": end}},
+        "components": {"schemas": {"Line": line, "End": end, "Wanted": wanted, "Other": end}},
     }
     assert (
         http_types.typescript(document).split("\n", 2)[2]
@@ -60,6 +74,25 @@ export interface Line {
   readonly colour: "red" | "blue" | null;
   readonly lengths: Readonly<Record<string, number>>;
   readonly mixed: readonly (string | number)[];
+}
+
+export interface Wanted {
+  readonly end: End;
+  readonly name?: string;
+}
+
+/** The query of each request that has one, by method and address. */
+export interface Queries {
+  "GET /lines.png": {
+    readonly at: number;
+    readonly until?: number;
+  };
+}
+
+/** The body of each request that has one, by method and address. */
+export interface Bodies {
+  "POST /lines": Wanted;
+  "PUT /lines.png": Blob;
 }
 
 /** The answer to each request, by method and address. */

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/classes", tags=["classes"])
 
 
-class Given(BaseModel):
+class PuzzleOfClass(BaseModel):
     """A puzzle for a class."""
 
     model_config = ConfigDict(extra="forbid")
@@ -40,7 +40,7 @@ async def give(
     puzzles: AllPuzzles,
     visitor: Visitor,
     code: str,
-    given: Given,
+    given: PuzzleOfClass,
 ) -> None:
     """Have the class solve a puzzle."""
     room = owned_class(brake, classes, code, request, visitor)

@@ -17,7 +17,7 @@ from server.library.processing.fleet.fleet_jobs import FleetState
 router = APIRouter(prefix="/api/fleet", tags=["fleet"])
 
 
-class Wanted(BaseModel):
+class FleetRequest(BaseModel):
     """Logs to be mapped."""
 
     model_config = ConfigDict(extra="forbid")
@@ -54,7 +54,7 @@ async def state(
 
 
 @router.post("", status_code=202)
-async def begin(library: Logs, visitor: Visitor, wanted: Wanted) -> QueuedLogs:
+async def begin(library: Logs, visitor: Visitor, wanted: FleetRequest) -> QueuedLogs:
     """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
     await library.list(visitor)
     return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=wanted.again))

@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
 from server.http.clients import client_address, in_turn
-from server.http.file_answer import file_answer
+from server.http.file_answer import FILE_BODY, file_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library.annotations.tags import MAX_TAGS
 from server.library.logs.examples import FILES, ExampleName, example_bytes
@@ -47,7 +47,7 @@ class LogList:
     tags: dict[str, int]
 
 
-@router.put("", status_code=202, response_model=LogAnswer)
+@router.put("", status_code=202, response_model=LogAnswer, openapi_extra=FILE_BODY)
 async def upload(
     request: Request,
     response: Response,

@@ -29,7 +29,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 Place = Annotated[FiniteFloat, Field(ge=-1e7, le=1e7)]
 
 
-class Written(BaseModel):
+class NewNote(BaseModel):
     """A note as its author writes it."""
 
     model_config = ConfigDict(extra="forbid")
@@ -115,7 +115,7 @@ def _as_file(of_log: SessionOfLog, text: str, ending: str, media_type: str) -> R
 
 
 @router.post("/{session_id}/notes", status_code=201)
-async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: Written) -> NoteAnswer:
+async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, written: NewNote) -> NoteAnswer:
     """Pin a note to a time of the session's log, to a place on its map, or to both."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.add(visitor, record, written.text, written.pin())
@@ -125,7 +125,7 @@ async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: s
 
 @router.put("/{session_id}/notes/{note_id}")
 async def change(
-    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str, written: Written
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str, written: NewNote
 ) -> NoteAnswer:
     """Change the text and the pin of one's own note."""
     record = _writable(sessions, library, session_id)

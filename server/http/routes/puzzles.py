@@ -48,8 +48,8 @@ class NewPuzzle(BaseModel):
     title: str = Field("", max_length=80, description="Title; by default that of the world or log.")
 
 
-class Answer(BaseModel):
-    """An answer."""
+class AttemptAnswer(BaseModel):
+    """An answer to a puzzle."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -266,7 +266,7 @@ async def attempt(puzzles: AllPuzzles, session_id: str) -> Attempt:
 
 @router.post("/api/sessions/{session_id}/puzzle/answer")
 @guests_may(GuestRight.LINKED_SESSION)
-async def answer(puzzles: AllPuzzles, session_id: str, given: Answer) -> Attempt:
+async def answer(puzzles: AllPuzzles, session_id: str, given: AttemptAnswer) -> Attempt:
     """Name the cause; answer as GET does."""
     game = puzzles.game(session_id)
     game.answer(given.cause)

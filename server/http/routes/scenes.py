@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
-from server.scenes.cameras import CameraName, RobotCameraName
 from server.scenes.visitors import Viewer
+from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.protocol import PAGE_NAME
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class SceneSettings(BaseModel):
 class SceneAnswer:
     """A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid."""
 
-    cameras: list[str]
+    cameras: list[CameraName | RobotCameraName]
     layers: dict[str, bool]
     height: float
     grid: float

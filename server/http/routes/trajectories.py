@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect
 
 from server.downloads.names import disposition, file_name, file_stem
 from server.http.clients import client_address, while_connected
-from server.http.file_answer import file_answer
+from server.http.file_answer import FILE_BODY, file_answer
 from server.http.following import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
@@ -33,7 +33,9 @@ class AddedTrajectory(TrajectoryAnswer):
     notes: tuple[str, ...] = ()
 
 
-@router.put("/logs/{log_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
+@router.put(
+    "/logs/{log_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory, openapi_extra=FILE_BODY
+)
 async def put(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, name: Name
 ) -> AddedTrajectory | Response:
@@ -69,7 +71,12 @@ async def delete(library: Logs, sessions: Sessions, visitor: Visitor, log_id: st
     await update_sessions(library, sessions, visitor, log_id)
 
 
-@router.put("/sessions/{session_id}/trajectories/{name}", status_code=201, response_model=AddedTrajectory)
+@router.put(
+    "/sessions/{session_id}/trajectories/{name}",
+    status_code=201,
+    response_model=AddedTrajectory,
+    openapi_extra=FILE_BODY,
+)
 async def put_of_session(
     request: Request, library: Logs, sessions: Sessions, session_id: str, name: Name
 ) -> AddedTrajectory | Response:
@@ -95,7 +102,7 @@ async def delete_of_session(library: Logs, sessions: Sessions, session_id: str, 
     await delete(library, sessions, of_log.owner, of_log.log_id, name)
 
 
-@router.put("/sessions/{session_id}/relations")
+@router.put("/sessions/{session_id}/relations", openapi_extra=FILE_BODY)
 async def score(
     request: Request,
     library: Logs,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class Other(BaseModel):
+class ComparedMap(BaseModel):
     """The other side, A: a map of the session's log or of another one."""
 
     model_config = ConfigDict(extra="forbid")
@@ -89,7 +89,7 @@ def _compared(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 @router.put("/{session_id}/compare")
 @guests_may(GuestRight.LINKED_SESSION)
 async def begin(
-    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: Other
+    sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: ComparedMap
 ) -> ComparisonAnswer | RefusedComparison:
     """Compare the session's map, B, with another map, A, in every window on the session; answer as GET does."""
     session, comparison = _compared(sessions, session_id)

@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
 from server.http.clients import client_address, in_turn
-from server.http.file_answer import file_answer
+from server.http.file_answer import FILE_BODY, file_answer
 from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, RequestWork, Sessions, Visitor
@@ -85,7 +85,7 @@ class AmclParameters:
     notes: list[str]
 
 
-@router.put("/localization/parameters")
+@router.put("/localization/parameters", openapi_extra=FILE_BODY)
 async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> AmclParameters:
     """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
 
@@ -143,7 +143,7 @@ async def map_of_log(
     return _show(of_log.session, made)
 
 
-@router.put("/sessions/{session_id}/localization/map-files")
+@router.put("/sessions/{session_id}/localization/map-files", openapi_extra=FILE_BODY)
 async def map_of_files(
     request: Request,
     library: Logs,

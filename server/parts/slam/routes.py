@@ -77,7 +77,7 @@ class PoseCorrection(BaseModel):
     )
 
 
-class Change(BaseModel):
+class ChangeOfGraph(BaseModel):
     """A change of a pose graph by hand; what is left out stays."""
 
     model_config = ConfigDict(extra="forbid")
@@ -213,7 +213,7 @@ async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGr
 
 @router.post("/sessions/{session_id}/graph")
 @guests_may(GuestRight.LINKED_SESSION)
-async def change(library: Logs, sessions: Sessions, session_id: str, wanted: Change) -> PresentGraph:
+async def change(library: Logs, sessions: Sessions, session_id: str, wanted: ChangeOfGraph) -> PresentGraph:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
     _, found, source = _graph(library, sessions, session_id)
     return PresentGraph(await found.change(GraphChange(**wanted.model_dump()), source))

@@ -14,6 +14,7 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { LAYOUT } from "../ui/stage/useLayout";
 import { Toasts } from "../ui/Toast";
 import { mayPass, whyAgain } from "../wire/ask";
+import type { NewVolume } from "../wire/http";
 import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Library } from "./logs/library/Library";
@@ -25,6 +26,8 @@ import { linkOf } from "./logs/share/links";
 import { Viewer } from "./logs/Viewer";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
+
+type Up = Required<NewVolume>["up"];
 
 /**
  * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`; the topic is one of the log's sensors, null
@@ -38,7 +41,7 @@ interface Place {
   /** Whether the log is opened in 3D; the log to compare it with, or "". */
   readonly volume?: string | null;
   /** The axis of the file that points up in 3D; null: as the server guesses it. */
-  readonly up?: string | null;
+  readonly up?: Up;
 }
 
 function placeOf(search: string): Place {
@@ -49,7 +52,7 @@ function placeOf(search: string): Place {
     session: query.get("session"),
     kind: query.get("kind"),
     volume: query.get("volume"),
-    up: query.get("up"),
+    up: query.get("up") as Up, // the server refuses another one
   };
 }
 
@@ -94,7 +97,7 @@ async function open(
   topic: string | null,
   replace: boolean,
   volume: string | null = null,
-  up: string | null = null,
+  up: Up = null,
 ): Promise<void> {
   go({ log, topic, session: null, volume, up }, replace);
   ending?.abort();

@@ -3,9 +3,13 @@ import { FIRST_SEED } from "../store/firstPicture";
 import { reducedMotion } from "../ui/browser/reducedMotion";
 import type { Work } from "../ui/Working";
 import { ask, mayPass, RequestError } from "../wire/ask";
+import type { History, NewSimulation } from "../wire/http";
 import { followMaking, newName } from "./making";
 
 const KEY = "gridbloom.world";
+
+/** The history of a live world, which only the server interprets. */
+export type Story = History & { readonly world: string; readonly seed: number };
 
 /** The progress of a world that the server replays from its story, and how to cancel it. */
 interface Replay {
@@ -42,11 +46,8 @@ export class RefusedError extends Error {}
  * motion, or if `isPaused`, the world is paused. Throws {@link CancelledError} if the visitor cancels the replay, and
  * {@link RefusedError} if the server will never make the world.
  */
-export async function createWorld(
-  story?: { readonly world: string; readonly seed: number },
-  isPaused = false,
-): Promise<string> {
-  const begin = { kind: "simulation", playing: !(isPaused || reducedMotion.peek()) };
+export async function createWorld(story?: Story, isPaused = false): Promise<string> {
+  const begin = { kind: "simulation", playing: !(isPaused || reducedMotion.peek()) } as const;
   if (!story) return await timed(() => post({ ...begin, seed: FIRST_SEED }));
   const name = newName();
   const ending = new AbortController();
@@ -91,7 +92,7 @@ async function timed<T>(request: () => Promise<T>): Promise<T> {
   }
 }
 
-async function post(body: object, ending?: AbortSignal): Promise<string> {
+async function post(body: NewSimulation, ending?: AbortSignal): Promise<string> {
   try {
     return (await ask("POST /api/sessions", {}, { body, ending })).id;
   } catch (error) {

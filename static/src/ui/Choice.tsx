@@ -2,19 +2,27 @@ import { useId } from "preact/hooks";
 import { type Option, Select } from "./Select";
 import { Tooltip } from "./Tooltip";
 
-interface ChoiceProps {
+interface ChoiceProps<V extends string> {
   readonly label: string;
-  readonly options: readonly Option[];
-  readonly value: string;
+  readonly options: readonly Option<V>[];
+  readonly value: V;
   readonly sentence?: string;
   readonly disabled?: boolean;
   /** Hide the label visually, where the context already states it. */
   readonly bare?: boolean;
-  readonly onChange: (value: string) => void;
+  readonly onChange: (value: V) => void;
 }
 
 /** A choice of one option: radio buttons in a row if the options are few and short, otherwise a select. */
-export function Choice({ label, options, value, sentence, disabled = false, bare = false, onChange }: ChoiceProps) {
+export function Choice<V extends string>({
+  label,
+  options,
+  value,
+  sentence,
+  disabled = false,
+  bare = false,
+  onChange,
+}: ChoiceProps<V>) {
   const id = useId();
   const described = sentence ? { "aria-describedby": `${id}-description` } : {};
   const segmented = options.length <= 4 && options.reduce((n, option) => n + option.label.length, 0) <= 44;

@@ -1,12 +1,12 @@
-export interface Option {
-  readonly value: string;
+export interface Option<V extends string = string> {
+  readonly value: V;
   readonly label: string;
 }
 
-interface SelectProps {
+interface SelectProps<V extends string> {
   /** The options, or names that are their own labels. */
-  readonly options: readonly (Option | string)[];
-  readonly value: string;
+  readonly options: readonly (Option<V> | V)[];
+  readonly value: V;
   readonly id?: string;
   /** The id of what describes it. */
   readonly describedBy?: string | undefined;
@@ -14,11 +14,20 @@ interface SelectProps {
   readonly label?: string | undefined;
   readonly disabled?: boolean | undefined;
   readonly class?: string;
-  readonly onChange: (value: string) => void;
+  readonly onChange: (value: V) => void;
 }
 
 /** A menu of which one option is chosen. */
-export function Select({ id, options, value, label, describedBy, disabled, class: more = "", onChange }: SelectProps) {
+export function Select<V extends string>({
+  id,
+  options,
+  value,
+  label,
+  describedBy,
+  disabled,
+  class: more = "",
+  onChange,
+}: SelectProps<V>) {
   return (
     <select
       id={id}
@@ -27,7 +36,7 @@ export function Select({ id, options, value, label, describedBy, disabled, class
       aria-describedby={describedBy}
       value={value}
       disabled={disabled}
-      onChange={(event) => onChange(event.currentTarget.value)}
+      onChange={(event) => onChange(event.currentTarget.value as V)}
     >
       {options.map((one) => {
         const option = typeof one === "string" ? { value: one, label: one } : one;
@@ -42,7 +51,10 @@ export function Select({ id, options, value, label, describedBy, disabled, class
 }
 
 /** A menu below its label. */
-export function SelectField({ title, ...props }: Omit<SelectProps, "label"> & { readonly title: string }) {
+export function SelectField<V extends string>({
+  title,
+  ...props
+}: Omit<SelectProps<V>, "label"> & { readonly title: string }) {
   return (
     <label class="field">
       <span class="field-label">{title}</span>

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
-import { ask, mayPass, whyAgain } from "./ask";
+import { answerIn, ask, fileOf, mayPass, whyAgain } from "./ask";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -21,6 +21,37 @@ test("the address has what is named, and the query", async () => {
   expect(first).toEqual(["/api/logs/a%2Fb%20%3F", { method: "GET" }]);
   expect(second?.[0]).toBe("/api/fleet?since=3");
   expect([third?.[0], third?.[1].method, third?.[1].body]).toEqual(["/api/sessions/s/merge", "POST", '{"log":"x"}']);
+});
+
+test("a file is sent as it is, and an answer may be a file or nothing", async () => {
+  const sent = answering({ values: {} });
+  const file = new File(["a: 1"], "amcl.yaml");
+  await ask("PUT /api/localization/parameters", {}, { body: file });
+  const options = { query: { layout: "ros1" }, body: { laser_max_range: 8 } } as const;
+  expect(await (await fileOf("POST /api/localization/amcl.yaml", {}, options)).text()).toBe('{"values":{}}');
+  expect(sent.mock.calls).toEqual([
+    ["/api/localization/parameters", { method: "PUT", body: file }],
+    [
+      "/api/localization/amcl.yaml?layout=ros1",
+      { method: "POST", headers: { "Content-Type": "application/json" }, body: '{"laser_max_range":8}' },
+    ],
+  ]);
+  expect(await answerIn<"DELETE /api/fleet">(new Response(null, { status: 204 }))).toBeUndefined();
+});
+
+test("what a request needs, and what it does not take, is checked where it is compiled", async () => {
+  const sent = answering({});
+  // @ts-expect-error: without its body
+  await ask("POST /api/fleet", {});
+  // @ts-expect-error: another field
+  await ask("POST /api/fleet", {}, { body: { once: true } });
+  // @ts-expect-error: another query
+  await ask("GET /api/fleet", {}, { query: { until: 3 } });
+  // @ts-expect-error: a body where there is none
+  await ask("DELETE /api/fleet", {}, { body: {} });
+  // @ts-expect-error: without what the address names
+  await ask("GET /api/logs/{log_id}", {});
+  expect(sent).toHaveBeenCalledTimes(5);
 });
 
 test("a refusal is the server's sentence", async () => {

@@ -1,21 +1,28 @@
-/** Requests to the service, whose answers have the types that are generated from its routes. */
+/** Requests to the service: queries, bodies and answers have the types that are generated from its routes. */
 
-import type { Answers } from "./http";
+import type { Answers, Bodies, Queries } from "./http";
 
 /** The names in the braces of an address. */
 type Names<A extends string> = A extends `${string}{${infer Name}}${infer Rest}` ? Name | Names<Rest> : never;
 
-type Query = Readonly<Record<string, string | number | boolean | readonly string[]>>;
+type Named<K extends string> = Readonly<Record<Names<K>, string | number>>;
 
-interface Options {
-  readonly query?: Query;
-  /** Sent as JSON. */
+interface Sent {
+  /** Sent as it is where it is a file, else as JSON. */
   readonly body?: unknown;
-  /** Sent as it is. */
-  readonly file?: BodyInit | undefined;
   /** Ends the request. */
   readonly ending?: AbortSignal | undefined;
 }
+
+type WithQuery<Q> = object extends Q ? { readonly query?: Q } : { readonly query: Q };
+
+/** What a request takes beside the names in its address. */
+type Options<K extends string> = Pick<Sent, "ending"> &
+  (K extends keyof Queries ? WithQuery<Queries[K]> : unknown) &
+  (K extends keyof Bodies ? { readonly body: Bodies[K] } : unknown);
+
+/** {@link Options} as the last argument, which may be left out where the request needs none. */
+type Last<K extends string> = object extends Options<K> ? [options?: Options<K>] : [options: Options<K>];
 
 export const NO_ANSWER = "The server does not answer.";
 
@@ -44,8 +51,8 @@ export const mayPass = (error: unknown): boolean => error instanceof RequestErro
 /** What a page says that asks again by itself after an error. */
 export const whyAgain = (error: unknown): string => `${(error as Error).message} The page tries again by itself.`;
 
-/** The error message in an answer of the server, or a general one. */
-async function refusalIn(answer: Response): Promise<string> {
+/** The error message in a refusal of the server, or a general one. */
+export async function refusalIn(answer: Response): Promise<string> {
   try {
     const body: unknown = await answer.json();
     if (body && typeof body === "object" && "message" in body && typeof body.message === "string") return body.message;
@@ -67,41 +74,54 @@ export async function fetched(address: string, options: RequestInit = {}): Promi
   return answer;
 }
 
+/** The answer in a response to a request that was not refused. */
+export async function answerIn<K extends keyof Answers>(response: Response): Promise<Answers[K]> {
+  const text = await response.text();
+  const answers = text === "" ? [] : [JSON.parse(text)]; // there is none with status 204
+  return answers[0];
+}
+
 /** The address of a request, "GET /api/logs/{log_id}", with what it names and a query. */
 export function addressOf<K extends string>(
   what: K,
-  names: Readonly<Record<Names<K>, string | number>>,
-  query: Query = {},
+  names: Named<K>,
+  query?: K extends keyof Queries ? Queries[K] : never,
 ): string {
   const given: Readonly<Record<string, string | number>> = names;
   const path = what.slice(what.indexOf(" ") + 1);
   const address = path.replace(/\{(\w+)\}/g, (_, name: string) => encodeURIComponent(given[name] ?? ""));
   const search = new URLSearchParams();
-  for (const [name, value] of Object.entries(query))
+  for (const [name, value] of Object.entries(query ?? {}))
     for (const item of Array.isArray(value) ? value : [value]) search.append(name, String(item));
   return search.size > 0 ? `${address}?${search}` : address;
 }
 
-/** Send a request to an address that {@link addressOf} has made, and return the answer. Rejects as {@link fetched}. */
-export async function answerAt<K extends keyof Answers>(
-  what: K,
-  address: string,
-  { body, file, ending }: Omit<Options, "query"> = {},
-): Promise<Answers[K]> {
-  const answer = await fetched(address, {
+/** Send a request to an address that {@link addressOf} has made. Rejects as {@link fetched}. */
+function send(what: string, address: string, { body, ending }: Sent): Promise<Response> {
+  const isFile = body instanceof Blob;
+  return fetched(address, {
     method: what.slice(0, what.indexOf(" ")),
     ...(ending ? { signal: ending } : {}),
-    ...(file === undefined ? {} : { body: file }),
-    ...(body === undefined ? {} : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }),
+    ...(isFile ? { body } : {}),
+    ...(body === undefined || isFile
+      ? {}
+      : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }),
   });
-  return (answer.status === 204 ? undefined : await answer.json()) as Answers[K];
+}
+
+/** Send a request to an address that {@link addressOf} has made, and return the answer. Rejects as {@link fetched}. */
+export const answerAt = async <K extends keyof Answers>(
+  what: K,
+  address: string,
+  ending?: AbortSignal,
+): Promise<Answers[K]> => answerIn<K>(await send(what, address, { ending }));
+
+/** Send a request with what its address names, and return the response: a file. Rejects as {@link fetched}. */
+export function fileOf<K extends string>(what: K, names: Named<K>, ...[options]: Last<K>): Promise<Response> {
+  const { query, ...sent }: Sent & { readonly query?: never } = options ?? {};
+  return send(what, addressOf(what, names, query), sent);
 }
 
 /** Send a request with what its address names, and return the answer. Rejects as {@link fetched}. */
-export function ask<K extends keyof Answers>(
-  what: K,
-  names: Readonly<Record<Names<K>, string | number>>,
-  { query, ...options }: Options = {},
-): Promise<Answers[K]> {
-  return answerAt(what, addressOf(what, names, query), options);
-}
+export const ask = async <K extends keyof Answers>(what: K, names: Named<K>, ...last: Last<K>): Promise<Answers[K]> =>
+  answerIn<K>(await fileOf(what, names, ...last));

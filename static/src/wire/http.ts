@@ -1,4 +1,4 @@
-// Written by `python -m server.http_types` from the answers of the routes in server/http/routes: change those.
+// Written by `python -m server.http_types` from the routes of the server: change those.
 
 /** A trajectory that was added, with notes on how it was joined to the scans. */
 export interface AddedTrajectory {
@@ -60,6 +60,12 @@ export interface Attempt {
   readonly answer: SolutionAnswer | null;
 }
 
+/** An answer to a puzzle. */
+export interface AttemptAnswer {
+  /** Name of the cause. */
+  readonly cause: string;
+}
+
 /**
  * Where a camera's image has a place on the map's floor. `u` and `v` are shares of the image's width and height from
  * its upper left corner, 0 for a place that is not inside. `where` is null where the recording lacks something for it,
@@ -70,6 +76,24 @@ export interface CameraAnswer {
   readonly u: number;
   readonly v: number;
   readonly why: string;
+}
+
+/** A change of a pose graph by hand; what is left out stays. */
+export interface ChangeOfGraph {
+  /** Number of a loop to remove. */
+  readonly remove?: number | null;
+  /** Number of a loop that the robust kernel may not weaken. */
+  readonly lock?: number | null;
+  /** Number of a loop that it may. */
+  readonly unlock?: number | null;
+  /** Two scans that are to be joined by a loop. */
+  readonly add?: readonly [number, number] | null;
+  /** Robust kernel of the loops. */
+  readonly robust?: string | null;
+  /** Scale of the kernel, standard deviations. */
+  readonly robust_scale?: number | null;
+  /** Whether the graph is to be as SLAM left it. */
+  readonly reset?: boolean;
 }
 
 /** The map that was chosen; null for none. */
@@ -89,6 +113,18 @@ export interface ClusterState {
   readonly workers: number;
   readonly threads: number;
   readonly error: string;
+}
+
+/** The other side, A: a map of the session's log or of another one. */
+export interface ComparedMap {
+  /** Parameters set for A; all others are the session's. */
+  readonly values?: Readonly<Record<string, boolean | number | string>>;
+  /** Trajectory of A; by default the log's first. */
+  readonly trajectory?: string | null;
+  /** Id of another log, as in /api/logs. */
+  readonly log?: string | null;
+  /** Sensor of that log, if it has several. */
+  readonly topic?: string | null;
 }
 
 /** Places of both trajectories in the frame of the reference, metres, and the errors there. */
@@ -279,6 +315,12 @@ export interface FleetLog {
   readonly facts: FleetFacts | null;
 }
 
+/** Logs to be mapped. */
+export interface FleetRequest {
+  /** Map the logs again that failed. */
+  readonly again?: boolean;
+}
+
 /**
  * How many logs are in which state, and those that have changed since a revision. `whole` says that all are returned:
  * of revision 0, and where a log was forgotten since. `cluster` is null where processes of this machine do it; its
@@ -298,6 +340,12 @@ export interface FootprintAnswer {
   readonly footprint: readonly (readonly [number, number])[];
   readonly inscribed_radius: number;
   readonly circumscribed_radius: number;
+}
+
+/** The outline of the robot. */
+export interface FootprintOfCostmap {
+  /** Corners [x, y] in the robot's frame, metres, without padding: 3 to 24, around (0, 0). */
+  readonly footprint: readonly (readonly [number, number])[];
 }
 
 /**
@@ -340,6 +388,32 @@ export interface FramesAnswer {
 /** State of the service. */
 export interface Health {
   readonly status: "alive" | "ready";
+}
+
+/** The history of a simulation: with its world and seed enough to reproduce its recording and its map. */
+export interface History {
+  /** Initial values of the simulated sensor. */
+  readonly sensor?: Readonly<Record<string, boolean | number | string>>;
+  /** Initial edits of the world. */
+  readonly edits?: WorldEdits;
+  /** Physics steps of 0.02 s since the beginning. */
+  readonly steps?: number;
+  /** Each action with the step before which it was carried out; null if only the pose is known. */
+  readonly journal?: readonly (readonly [number, Readonly<Record<string, unknown>>])[] | null;
+  /** Final pose of the robot, if journal is null. */
+  readonly pose?: readonly [number, number, number] | null;
+  /** Whether the robot explores by itself then. */
+  readonly auto?: boolean;
+  /** Mapping parameters that differ from the initial ones. */
+  readonly parameters?: Readonly<Record<string, boolean | number | string>>;
+  /** The robot's faults. */
+  readonly faults?: Readonly<Record<string, boolean | number | string>>;
+  /** Simulated seconds per second. */
+  readonly speed?: number | null;
+  /** Whether the session plays. */
+  readonly playing?: boolean;
+  /** The commands that begin the costmap and set the goal of its path. */
+  readonly navigation?: readonly (Readonly<Record<string, unknown>>)[];
 }
 
 /** A line that a node logged, `seconds` from the log's first scan; `level` as ROS 2 has them, 10 to 50. */
@@ -549,6 +623,16 @@ export interface MapAnswer {
   readonly classes: TerrainCounts | null;
 }
 
+/** The map of a log: of the session's own or of another one. */
+export interface MapOfLog {
+  /** Id of the log, as in /api/logs. */
+  readonly log: string;
+  /** Sensor of that log, if it has several. */
+  readonly topic?: string | null;
+  /** Trajectory to map it with; else its first. */
+  readonly trajectory?: string | null;
+}
+
 /** The size of a map in cells, and the side of a cell in metres. */
 export interface MapSummary {
   readonly rows: number;
@@ -620,6 +704,126 @@ export interface NamedCause {
   readonly label: string;
 }
 
+/** A link to what a session shows now. */
+export interface NewLink {
+  /** What part of the map is seen; all of it where this is left out. */
+  readonly look?: Look | null;
+  /** What else of the page is seen. */
+  readonly shown?: Shown | null;
+}
+
+/** A localization of a session's log in the map that was chosen. */
+export interface NewLocalization {
+  /** Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere. */
+  readonly initial_pose?: readonly [number, number, number] | null;
+  /** Trajectory that is the odometry; else the log's. */
+  readonly odometry?: string | null;
+  /** Parameters, as GET /api/localization/parameters names them. */
+  readonly parameters?: Readonly<Record<string, boolean | number | string>>;
+}
+
+/** A session of a log. */
+export interface NewLog {
+  readonly kind: "log";
+  /** Whether the log plays from the start. */
+  readonly playing?: boolean;
+  /** A name under which /api/sessions/making/{name} returns the progress until the session is there. */
+  readonly name?: string | null;
+  /** Whether the log is paused at its end, with the map of all scans. */
+  readonly whole?: boolean;
+  /** Id of the log, as in /api/logs. */
+  readonly log: string;
+  /** Sensor of the log, if it has several; ' + ' between several makes one map of them. */
+  readonly topic?: string | null;
+  /** Trajectory of the log to map with. */
+  readonly trajectory?: string | null;
+  /** How scans are cut out of clouds and depth images, see /api/parameters; else as by default. */
+  readonly cut?: Readonly<Record<string, number>> | null;
+}
+
+/** A map to keep. */
+export interface NewMap {
+  /** Name of the new map. */
+  readonly name: string;
+}
+
+/** A note as its author writes it. */
+export interface NewNote {
+  readonly text: string;
+  /** Seconds after the log's first scan. */
+  readonly at_s?: number | null;
+  /** Number of scans in the map at that time. */
+  readonly scan?: number | null;
+  /** Place on the map, metres. */
+  readonly x?: number | null;
+  /** Place on the map, metres. */
+  readonly y?: number | null;
+  /** Corners of an area on the map, metres; its centroid is the place. */
+  readonly outline?: readonly (readonly [number, number])[] | null;
+}
+
+/** A puzzle of what a session shows now. */
+export interface NewPuzzle {
+  /** Fault to add, as in GET; as-it-is: that of the session. */
+  readonly fault?: string;
+  /** Title; by default that of the world or log. */
+  readonly title?: string;
+}
+
+/** Sensor of the log that is mapped. */
+export interface NewSensor {
+  /** Topic of the sensor; ' + ' between several makes one map of them; null: the log's default. */
+  readonly topic?: string | null;
+  /** How scans are cut out of clouds and depth images, see /api/parameters; else as by default. */
+  readonly cut?: Readonly<Record<string, number>> | null;
+}
+
+/** A session of a simulation. */
+export interface NewSimulation {
+  readonly kind: "simulation";
+  /** Whether the session plays from the start; false pauses it, also with a story. */
+  readonly playing?: boolean;
+  /** A name under which /api/sessions/making/{name} returns the progress until the session is there. */
+  readonly name?: string | null;
+  /** Name of the world; by default the first one. */
+  readonly world?: string | null;
+  /** The same seed and commands give the same scans. */
+  readonly seed?: number | null;
+  /** Recorded history of a simulation, from /api/sessions/{id}/story. */
+  readonly story?: History | null;
+}
+
+/** SLAM of a log. */
+export interface NewSlam {
+  /** Sensor of the log, if it has several. */
+  readonly topic?: string | null;
+  /** Trajectory to begin with; where it is left out, the log's odometry. */
+  readonly trajectory?: string | null;
+  /** Parameters of SLAM, as GET /api/slam/parameters names them. */
+  readonly parameters?: Readonly<Record<string, boolean | number | string>>;
+  /** How scans are cut out of clouds and depth images, see /api/parameters; else as by default. */
+  readonly cut?: Readonly<Record<string, number>> | null;
+  /** Parameters of the map that the poses are for, see /api/parameters: SLAM uses its mount and its time offset. */
+  readonly mapping?: Readonly<Record<string, boolean | number | string>> | null;
+}
+
+/** A session that shows a map in 3D: of a cloud, a depth folder, an octree, or the clouds of a recording. */
+export interface NewVolume {
+  readonly kind: "volume";
+  /** Whether the session plays from the start. */
+  readonly playing?: boolean;
+  /** A name under which /api/sessions/making/{name} returns the progress until the session is there. */
+  readonly name?: string | null;
+  /** Id of the log, as in /api/logs. */
+  readonly log: string;
+  /** Clouds of a recording that has several. */
+  readonly topic?: string | null;
+  /** The axis of the file that points up; by default what the poses of depth images say, else z. */
+  readonly up?: "z" | "-z" | "y" | "-y" | "x" | "-x" | null;
+  /** Id of a log to compare the map with. */
+  readonly other?: string | null;
+}
+
 /** A note as the HTTP interface shows it, with the fields of its :class:`Pin`; `mine` is the asking visitor's. */
 export interface NoteAnswer {
   readonly id: string;
@@ -655,6 +859,18 @@ export interface OpenClassAnswer {
   readonly address: string;
   readonly results: string;
   readonly qr: string;
+}
+
+/** The log to merge with. */
+export interface OtherLog {
+  /** Id of the other log. */
+  readonly log: string;
+  /** Sensor of it, if it has several. */
+  readonly topic?: string | null;
+  /** How its scans are cut out of clouds and depth images, see /api/parameters; else as here. */
+  readonly cut?: Readonly<Record<string, number>> | null;
+  /** Parameters of its map, see /api/parameters: its mount and its time offset are used; else as here. */
+  readonly mapping?: Readonly<Record<string, boolean | number | string>> | null;
 }
 
 /**
@@ -696,6 +912,12 @@ export interface PlottedTopic {
   readonly type: string;
   readonly samples: number;
   readonly plots: readonly string[];
+}
+
+/** SLAM of a session's log. */
+export interface PoseCorrection {
+  /** Parameters of SLAM, as GET /api/slam/parameters names them. */
+  readonly parameters?: Readonly<Record<string, boolean | number | string>>;
 }
 
 /**
@@ -758,6 +980,12 @@ export interface PuzzleList {
   readonly mine: readonly MadePuzzleAnswer[];
 }
 
+/** A puzzle for a class. */
+export interface PuzzleOfClass {
+  /** Name of a puzzle of the program, or token of one that was made. */
+  readonly puzzle: string;
+}
+
 /** How many logs were queued. */
 export interface QueuedLogs {
   readonly queued: number;
@@ -814,10 +1042,17 @@ export interface ScanSeries {
 
 /** A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid. */
 export interface SceneAnswer {
-  readonly cameras: readonly string[];
+  readonly cameras: readonly ("overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person")[];
   readonly layers: Readonly<Record<string, boolean>>;
   readonly height: number;
   readonly grid: number;
+}
+
+/** Changes of a 3D view: camera, height of the columns, visible layers. */
+export interface SceneSettings {
+  readonly camera?: "overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person" | null;
+  readonly height?: number | null;
+  readonly layers?: Readonly<Record<string, boolean>>;
 }
 
 /**
@@ -1050,11 +1285,22 @@ export interface SolutionAnswer {
   readonly trajectory: string | null;
 }
 
+/** The tags of a log. */
+export interface TagsOfLog {
+  readonly tags: readonly string[];
+}
+
 /** Numbers of patches of each class. */
 export interface TerrainCounts {
   readonly safe: number;
   readonly unsafe: number;
   readonly unknown: number;
+}
+
+/** The terrain among the visitor's uploads. */
+export interface TerrainOfUpload {
+  /** Id of the cloud or map, as in /api/logs; null: none. */
+  readonly log: string | null;
 }
 
 /**
@@ -1201,6 +1447,158 @@ export interface WorldEdits {
 /** The simulated worlds. */
 export interface WorldList {
   readonly worlds: readonly WorldAnswer[];
+}
+
+/** The query of each request that has one, by method and address. */
+export interface Queries {
+  "GET /api/fleet": {
+    readonly since?: number;
+  };
+  "GET /api/links": {
+    readonly log: string;
+  };
+  "GET /api/logs": {
+    readonly q?: string;
+    readonly tag?: readonly string[];
+    readonly order?: "newest" | "name" | "duration" | "scans" | "size";
+    readonly offset?: number;
+    readonly limit?: number;
+  };
+  "GET /api/logs/{log_id}/map.png": {
+    readonly dark?: boolean;
+  };
+  "GET /api/puzzles/{puzzle}/map.png": {
+    readonly dark?: boolean;
+  };
+  "GET /api/sessions/{session_id}/contents/camera": {
+    readonly topic: string;
+    readonly x: number;
+    readonly y: number;
+    readonly at?: number;
+  };
+  "GET /api/sessions/{session_id}/contents/field": {
+    readonly topic: string;
+    readonly field: string;
+    readonly made?: "value" | "derivative" | "average";
+    readonly window?: number;
+    readonly start?: number;
+    readonly end?: number;
+    readonly buckets?: number;
+    readonly evenly?: boolean;
+  };
+  "GET /api/sessions/{session_id}/contents/frame_age": {
+    readonly tf: string;
+    readonly parent: string;
+    readonly child: string;
+    readonly buckets?: number;
+  };
+  "GET /api/sessions/{session_id}/contents/frames": {
+    readonly at?: number;
+    readonly fixed?: string;
+    readonly tf?: string;
+  };
+  "GET /api/sessions/{session_id}/contents/message": {
+    readonly topic: string;
+    readonly at?: number;
+  };
+  "GET /api/sessions/{session_id}/contents/picture": {
+    readonly topic: string;
+    readonly at?: number;
+  };
+  "GET /api/sessions/{session_id}/contents/series": {
+    readonly topic: string;
+    readonly start?: number;
+    readonly end?: number;
+    readonly buckets?: number;
+  };
+  "GET /api/sessions/{session_id}/doctor": {
+    readonly name?: string;
+  };
+  "GET /api/sessions/{session_id}/graph/candidates": {
+    readonly x: number;
+    readonly y: number;
+  };
+  "GET /api/sessions/{session_id}/map.pgm": {
+    readonly at?: string;
+  };
+  "GET /api/sessions/{session_id}/map.yaml": {
+    readonly at?: string;
+  };
+  "GET /api/sessions/{session_id}/scan-series": {
+    readonly start?: number;
+    readonly end?: number;
+    readonly buckets?: number;
+  };
+  "GET /api/sessions/{session_id}/trajectory-errors": {
+    readonly reference: string;
+    readonly estimate: string;
+    readonly align?: "rigid" | "scaled" | "origin" | "none";
+    readonly delta?: number;
+    readonly unit?: "m" | "s" | "frames";
+  };
+  "POST /api/classes/{code}/puzzle/sessions": {
+    readonly name?: string;
+  };
+  "POST /api/localization/amcl.yaml": {
+    readonly layout?: "nav2" | "ros1";
+  };
+  "POST /api/puzzles/{puzzle}/sessions": {
+    readonly name?: string;
+  };
+  "POST /api/shared-puzzles/{token}/sessions": {
+    readonly name?: string;
+  };
+  "POST /api/shared/{token}/sessions": {
+    readonly name?: string;
+    readonly whole?: boolean;
+  };
+  "PUT /api/logs": {
+    readonly name?: string;
+    readonly upload?: string;
+    readonly sha256?: string;
+  };
+  "PUT /api/sessions/{session_id}/localization/map-files": {
+    readonly name?: string;
+  };
+  "PUT /api/sessions/{session_id}/relations": {
+    readonly name?: string;
+  };
+  "PUT /api/sessions/{session_id}/sensor": {
+    readonly name?: string;
+  };
+}
+
+/** The body of each request that has one, by method and address. */
+export interface Bodies {
+  "POST /api/fleet": FleetRequest;
+  "POST /api/localization/amcl.yaml": Readonly<Record<string, unknown>>;
+  "POST /api/logs/{log_id}/slam": NewSlam;
+  "POST /api/sessions": NewSimulation | NewLog | NewVolume;
+  "POST /api/sessions/{session_id}/edited-map": NewMap;
+  "POST /api/sessions/{session_id}/graph": ChangeOfGraph;
+  "POST /api/sessions/{session_id}/heal": PoseCorrection | null;
+  "POST /api/sessions/{session_id}/kept-map": NewMap;
+  "POST /api/sessions/{session_id}/links": NewLink;
+  "POST /api/sessions/{session_id}/localization": NewLocalization;
+  "POST /api/sessions/{session_id}/merge": OtherLog;
+  "POST /api/sessions/{session_id}/notes": NewNote;
+  "POST /api/sessions/{session_id}/puzzle/answer": AttemptAnswer;
+  "POST /api/sessions/{session_id}/puzzles": NewPuzzle;
+  "POST /scenes/{session_id}/settings": SceneSettings;
+  "PUT /api/classes/{code}/puzzle": PuzzleOfClass;
+  "PUT /api/localization/parameters": Blob;
+  "PUT /api/logs": Blob;
+  "PUT /api/logs/{log_id}/tags": TagsOfLog;
+  "PUT /api/logs/{log_id}/trajectories/{name}": Blob;
+  "PUT /api/sessions/{session_id}/compare": ComparedMap;
+  "PUT /api/sessions/{session_id}/costmap/footprint": FootprintOfCostmap;
+  "PUT /api/sessions/{session_id}/costmap/terrain": TerrainOfUpload;
+  "PUT /api/sessions/{session_id}/localization/map": MapOfLog;
+  "PUT /api/sessions/{session_id}/localization/map-files": Blob;
+  "PUT /api/sessions/{session_id}/notes/{note_id}": NewNote;
+  "PUT /api/sessions/{session_id}/relations": Blob;
+  "PUT /api/sessions/{session_id}/sensor": NewSensor;
+  "PUT /api/sessions/{session_id}/trajectories/{name}": Blob;
 }
 
 /** The answer to each request, by method and address. */

@@ -800,7 +800,7 @@ export interface PickedMessage {
 export interface SceneMessage {
   readonly type: "scene";
   /** places of the camera */
-  readonly cameras: readonly string[];
+  readonly cameras: readonly ("above" | "east" | "north" | "overview" | "south" | "west" | "first person" | "follow")[];
   /** whether each layer is shown, by its label */
   readonly layers: Readonly<Record<string, boolean>>;
   /** height of the map's columns, of the default */
@@ -2060,7 +2060,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     edge: oneOf(isInteger, isNull),
   },
   scene: {
-    cameras: isListOf(isText),
+    cameras: isListOf(oneOf(isLiteral("above", "east", "north", "overview", "south", "west"), isLiteral("first person", "follow"))),
     layers: isRecordOf(isFlag),
     height: isNumber,
     grid: isNumber,

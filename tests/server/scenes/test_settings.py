@@ -10,7 +10,8 @@ import httpx
 import numpy as np
 import pytest
 
-from server.scenes.cameras import ASPECT, CAMERAS, FOV, ROBOT_CAMERAS, CameraName, camera_at
+from server.scenes.cameras import ASPECT, CAMERAS, FOV, ROBOT_CAMERAS, camera_at
+from server.stream.message_parts import CameraName
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import CAMERA, Client, viser_client

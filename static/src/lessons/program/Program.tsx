@@ -109,7 +109,7 @@ export function Program() {
           options={STEP_SIZES}
           value={by.value}
           onChange={(value) => {
-            by.value = value as StepSize;
+            by.value = value;
           }}
         />
         <div class="actions">

@@ -29,7 +29,6 @@ import {
   type Order,
   placeOf,
   SHOWN,
-  type Shown,
   stopMapping,
   totalOf,
   troubleOf,
@@ -239,7 +238,7 @@ export function Fleet() {
               bare
               options={SHOWN}
               value={wanted.shown}
-              onChange={(value) => want({ shown: value as Shown })}
+              onChange={(value) => want({ shown: value })}
             />
             <Choice
               label="Drift"
@@ -257,7 +256,7 @@ export function Fleet() {
                 onChange={(value) => want({ finding: value })}
               />
             )}
-            <Choice label="Order" bare options={ORDERS} value={order} onChange={(value) => setOrder(value as Order)} />
+            <Choice label="Order" bare options={ORDERS} value={order} onChange={(value) => setOrder(value)} />
             <span class="quiet number" role="status">
               {matching.length < totalOf(all) ? `${plural(matching.length, "log")} found` : ""}
             </span>

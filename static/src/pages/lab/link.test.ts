@@ -40,7 +40,7 @@ test("an address may name the group that is open at first", async () => {
 });
 
 test("a long story stays short", async () => {
-  const journal = Array.from({ length: 300 }, (_, i) => [i * 4, { type: "teleport", x: 3 + 0.01 * i, y: 4 }]);
+  const journal = Array.from({ length: 300 }, (_, i) => [i * 4, { type: "teleport", x: 3 + 0.01 * i, y: 4 }] as const);
   expect((await packLink({ ...SHOWN, story: { ...SHOWN.story, journal } })).length).toBeLessThan(6000);
 });
 

@@ -11,9 +11,7 @@ import { filterOf } from "../../tools/localization/state";
 import { ask } from "../../wire/ask";
 import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
-
-/** The history of a live world, from `/api/sessions/{id}/story`. Only the server interprets it. */
-type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
+import type { Story } from "../worldSession";
 
 /** What the page shows of a world. */
 export interface VisibleState {
@@ -103,7 +101,7 @@ export function visibleState(store: Store): VisibleState {
 /** The current state: the world's story and what the page shows of it. Throws if the server does not answer. */
 export async function currentLinkState(id: string, store: Store): Promise<LinkState> {
   const story = await ask("GET /api/sessions/{session_id}/story", { session_id: id });
-  return { story: { ...story }, ...visibleState(store) };
+  return { story, ...visibleState(store) };
 }
 
 /** The fragment of an address. */

@@ -62,7 +62,7 @@ export function SecondMapChoice({ store, comparison }: { readonly store: Store; 
         options={MODES}
         value={mode}
         onChange={(chosen) => {
-          comparison.mode.value = chosen as ViewMode;
+          comparison.mode.value = chosen;
         }}
       />
       {mode === "difference" && <Legend comparison={comparison} />}

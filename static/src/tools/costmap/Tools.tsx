@@ -114,7 +114,7 @@ export function OverChoice({ store }: { readonly store: Store }) {
       options={OVERS}
       value={over.value ?? "none"}
       onChange={(value) => {
-        over.value = value === "none" ? null : (value as Over);
+        over.value = value === "none" ? null : value;
       }}
     />
   );

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { saveAs } from "../../ui/files/saveAs";
-import { ask, fetched } from "../../wire/ask";
+import { ask, fileOf } from "../../wire/ask";
 import type { AmclParameters } from "../../wire/http";
 import type { Values } from "../../wire/protocol";
 import "./localization.css";
@@ -70,11 +70,11 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
 
 export type { AmclParameters };
 
-const readAmclYaml = (file: File): Promise<AmclParameters> => ask("PUT /api/localization/parameters", {}, { file });
+const readAmclYaml = (file: File): Promise<AmclParameters> =>
+  ask("PUT /api/localization/parameters", {}, { body: file });
 
 /** Parameters as the yaml of an AMCL. */
 async function amclYaml({ values, layout, others }: Omit<AmclParameters, "notes">): Promise<Blob> {
-  const headers = { "Content-Type": "application/json" };
-  const wanted = { method: "POST", headers, body: JSON.stringify({ ...others, ...values }) };
-  return (await fetched(`/api/localization/amcl.yaml?layout=${layout}`, wanted)).blob();
+  const options = { query: { layout }, body: { ...others, ...values } };
+  return (await fileOf("POST /api/localization/amcl.yaml", {}, options)).blob();
 }

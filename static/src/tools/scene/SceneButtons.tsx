@@ -2,6 +2,7 @@
 
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import type { SceneSettings } from "../../wire/http";
 import { scaleText } from "../measure/model";
 import { changeScene } from "./settings";
 
@@ -13,7 +14,7 @@ interface SceneButtonsProps {
 export function SceneButtons({ store, session }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
   if (!now) return null; // all of them come at once, so that none moves when others come
-  const change = (wanted: object): void => void changeScene(session, wanted);
+  const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
   return (
     <>
       <fieldset class="actions" aria-label="Camera">

@@ -57,7 +57,7 @@ export function Steps({ store }: { readonly store: Store }) {
         options={UNIT_OPTIONS}
         value={unit.value}
         onChange={(chosen) => {
-          unit.value = chosen as Unit;
+          unit.value = chosen;
         }}
       />
       {store.stepping.value ? (

@@ -10,10 +10,11 @@ import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { ToggleOf } from "../../../ui/Toggle";
+import type { ComparedMap } from "../../../wire/http";
 import type { Compared, LogInfo } from "../../../wire/protocol";
 import { LogChoice } from "../LogChoice";
 import { trajectoryLabel } from "../library/describeLog";
-import { compareWith, differing, endComparison, type Kind, kindOf, type Other } from "./sides";
+import { compareWith, differing, endComparison, type Kind, kindOf } from "./sides";
 
 interface CompareProps {
   readonly store: Store;
@@ -42,7 +43,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
     failure.value = await what();
     busy.value = false;
   };
-  const begin = (other: Other): void => void ask(() => compareWith(session, other));
+  const begin = (other: ComparedMap): void => void ask(() => compareWith(session, other));
   const kind = wish.value;
   const trajectory = store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
   const others = (hello.log?.trajectories ?? []).filter((one) => one.name !== trajectory);
@@ -61,7 +62,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
               options={options}
               value={kind}
               onChange={(value) => {
-                wish.value = value as Kind;
+                wish.value = value;
                 failure.value = null;
               }}
             />
@@ -98,7 +99,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                   options={VIEW_MODES.map((mode) => ({ value: mode, label: TITLES[mode] }))}
                   value={comparison.mode.value}
                   onChange={(mode) => {
-                    comparison.mode.value = mode as ViewMode;
+                    comparison.mode.value = mode;
                   }}
                 />
                 {comparison.mode.value === "swipe" && (
@@ -137,7 +138,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
 interface ChooseProps {
   readonly compared: Compared | null;
   readonly disabled: boolean;
-  readonly onChoose: (other: Other) => void;
+  readonly onChoose: (other: ComparedMap) => void;
 }
 
 function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonly others: LogInfo["trajectories"] }) {

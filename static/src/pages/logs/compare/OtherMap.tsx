@@ -5,8 +5,9 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { SeparateMap } from "../../../tools/compare/SeparateMap";
 import { Button } from "../../../ui/Button";
+import type { ComparedMap } from "../../../wire/http";
 import { trajectoryLabel } from "../library/describeLog";
-import { compareWith, names, type Other } from "./sides";
+import { compareWith, names } from "./sides";
 
 interface OtherMapProps {
   readonly store: Store;
@@ -29,7 +30,7 @@ export function OtherMap({ store, session, comparison }: OtherMapProps) {
     );
   }
   const others = (store.hello.value?.log?.trajectories ?? []).filter(({ name }) => name !== trajectory);
-  const begin = (other: Other): void =>
+  const begin = (other: ComparedMap): void =>
     void compareWith(session, other).then((why) => {
       failure.value = why;
     });

@@ -4,8 +4,9 @@ import { computed, effect } from "@preact/signals";
 import type { Marked } from "../../../render/map/difference";
 import type { Store } from "../../../store/store";
 import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
+import type { ComparedMap } from "../../../wire/http";
 import type { Parameter, Value, Values } from "../../../wire/protocol";
-import { compareWith, type Other } from "./sides";
+import { compareWith } from "./sides";
 
 /** The JSON value after `#compare=` in the address. */
 export interface Linked {
@@ -15,7 +16,7 @@ export interface Linked {
   readonly every?: number;
   readonly mark?: Marked;
   /** The other map; of its parameters only those that differ from the defaults. */
-  readonly a: Other;
+  readonly a: ComparedMap;
   /** The map that the sliders change, likewise. */
   readonly b: { readonly values: Values; readonly trajectory: string; readonly index?: number };
 }

@@ -3,19 +3,12 @@
 import { readable } from "../../../tools/parameters/parameters";
 import { written } from "../../../ui/numbers";
 import { ask } from "../../../wire/ask";
+import type { ComparedMap } from "../../../wire/http";
 import type { Compared, Parameter, Value, Values } from "../../../wire/protocol";
 import { trajectoryLabel } from "../library/describeLog";
 
 /** How the other map differs: saved parameters, other poses, or another log. */
 export type Kind = "settings" | "poses" | "log";
-
-/** The other map, as in the body of `PUT /api/sessions/{id}/compare`. */
-export interface Other {
-  readonly values?: Values;
-  readonly trajectory?: string | null;
-  readonly log?: string | null;
-  readonly topic?: string | null;
-}
 
 export function kindOf(compared: Compared): Kind {
   if (compared.log) return "log";
@@ -65,7 +58,7 @@ const refusalOf = (request: Promise<unknown>): Promise<string | null> =>
   );
 
 /** Start or change the comparison; resolves to an error message, or null. */
-export const compareWith = (session: string, body: Other): Promise<string | null> =>
+export const compareWith = (session: string, body: ComparedMap): Promise<string | null> =>
   refusalOf(ask("PUT /api/sessions/{session_id}/compare", { session_id: session }, { body }));
 
 /** End the comparison; resolves to an error message, or null. */

@@ -132,7 +132,7 @@ function Tree({ store, session }: FrameTreeProps) {
   const answer = useAtMoment<FramesAnswer>(
     store,
     (at) => addressOf(FRAMES, { session_id: session }, { at, ...query }),
-    (address, ending) => answerAt(FRAMES, address, { ending }),
+    (address, ending) => answerAt(FRAMES, address, ending),
   );
   if (answer.kind === "failed") return <p role="alert">{answer.why}</p>;
   if (answer.kind === "none") return <p class="quiet">…</p>;

@@ -65,7 +65,7 @@ function Finder() {
         label="Order"
         value={now.order}
         options={ORDERS}
-        onChange={(order) => choose({ order: order as Wanted["order"] })}
+        onChange={(order) => choose({ order })}
       />
       {tags.map(([tag, count]) => {
         const isOn = now.tags.includes(tag);

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../../ui/browser/reducedMotion";
 import { ask as send, whyAgain } from "../../../wire/ask";
-import type { LogAnswer, SessionAnswer, Topic } from "../../../wire/http";
+import type { LogAnswer, NewVolume, SessionAnswer, Topic } from "../../../wire/http";
 import { followMaking, type Making, newName } from "../../making";
 
 export type { LogAnswer as LogRecord, Topic };
@@ -149,23 +149,18 @@ export async function openSession(
   log: string,
   topic: string | null,
   ending: AbortSignal,
-  volume: { readonly other: string | null; readonly up: string | null } | null = null,
+  volume: Pick<NewVolume, "other" | "up"> | null = null,
 ): Promise<SessionAnswer> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    const body = {
-      kind: volume ? "volume" : "log",
-      log,
-      topic,
-      name,
-      playing: !reducedMotion.peek(),
-      ...(volume ? {} : { whole: reducedMotion.peek() }),
-      ...(volume?.other ? { other: volume.other } : {}),
-      ...(volume?.up ? { up: volume.up } : {}),
-    };
+    const isStill = reducedMotion.peek();
+    const common = { log, topic, name, playing: !isStill };
+    const body = volume
+      ? ({ kind: "volume", ...common, ...volume } as const)
+      : ({ kind: "log", ...common, whole: isStill } as const);
     return await send("POST /api/sessions", {}, { body, ending });
   } finally {
     stop();

@@ -1,8 +1,8 @@
 /** The upload of files: some at a time, each in as many connections as it takes. */
 
 import { signal } from "@preact/signals";
-import { ask, isPassing } from "../../../wire/ask";
-import { arrived, EVERYTHING, type LogRecord, refresh, wanted } from "./library";
+import { addressOf, answerIn, ask, isPassing, refusalIn } from "../../../wire/ask";
+import { arrived, EVERYTHING, refresh, wanted } from "./library";
 
 /** A file that is being uploaded. */
 export interface Upload {
@@ -37,20 +37,9 @@ export function cancel(key: number): void {
 
 const isCancelled = (key: number): boolean => !uploads.peek().some((one) => one.key === key);
 
-function messageOf(request: XMLHttpRequest): string {
-  try {
-    const body = JSON.parse(request.responseText) as { message?: unknown };
-    if (typeof body.message === "string") return body.message;
-  } catch {
-    // as in `sentence`
-  }
-  return request.status === 0
-    ? "The upload was interrupted: the server does not answer."
-    : `The server answered ${request.status}.`;
-}
-
 const TRIES = 6; // in a row without progress
 const PAUSE_MS = 1000;
+const INTERRUPTED = "The upload was interrupted: the server does not answer.";
 
 /** A random, unique name for an upload. */
 function newKey(): string {
@@ -103,20 +92,20 @@ function sendNext(): void {
 async function sendAll(key: number, name: string, file: File, opens: boolean): Promise<void> {
   let most = 0;
   for (let tries = 0, offset = 0; ; ) {
-    const request = isCancelled(key) ? null : await send(key, name, file, offset);
-    if (!request || isCancelled(key)) {
-      if (request) await ask("DELETE /api/logs/uploads/{key}", { key: name }).catch(() => undefined);
+    const answer = isCancelled(key) ? null : await send(key, name, file, offset);
+    if (!answer || isCancelled(key)) {
+      if (answer) await ask("DELETE /api/logs/uploads/{key}", { key: name }).catch(() => undefined);
       return;
     }
-    if (request.status >= 200 && request.status < 300) {
-      if (opens) arrived.value = (JSON.parse(request.responseText) as LogRecord).id;
+    if (answer.ok) {
+      if (opens) arrived.value = (await answerIn<"PUT /api/logs">(answer)).id;
       dismiss(key);
       break;
     }
     tries += 1;
     // 409: another connection still sends it, or the next part begins elsewhere
-    if (!(request.status === 409 || isPassing(request.status || null)) || tries >= TRIES) {
-      patch(key, { error: messageOf(request) });
+    if (!(answer.status === 409 || isPassing(answer.status || null)) || tries >= TRIES) {
+      patch(key, { error: answer.status === 0 ? INTERRUPTED : await refusalIn(answer) });
       break;
     }
     await new Promise((resolve) => setTimeout(resolve, PAUSE_MS * 2 ** (tries - 1)));
@@ -129,17 +118,21 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
   void refresh();
 }
 
-/** Send the rest of a file. With XMLHttpRequest, since fetch does not report the progress of an upload. */
-function send(key: number, name: string, file: File, offset: number): Promise<XMLHttpRequest> {
+/**
+ * Send the rest of a file; {@link Response.error} where there was no answer. With XMLHttpRequest, since fetch does not
+ * report the progress of an upload.
+ */
+function send(key: number, name: string, file: File, offset: number): Promise<Response> {
   return new Promise((resolve) => {
     const request = new XMLHttpRequest();
-    request.open("PUT", `/api/logs?name=${encodeURIComponent(file.name)}&upload=${name}`);
+    request.open("PUT", addressOf("PUT /api/logs", {}, { name: file.name, upload: name }));
     request.setRequestHeader("Content-Type", "application/octet-stream");
     request.setRequestHeader("Content-Range", `bytes ${offset}-${file.size - 1}/${file.size}`);
     request.upload.onprogress = (event) => patch(key, { sent: offset + event.loaded });
     request.onloadend = () => {
       requests.delete(key);
-      resolve(request);
+      const { status, responseText } = request;
+      resolve(status === 0 ? Response.error() : new Response(responseText, { status }));
     };
     requests.set(key, request);
     patch(key, { sent: offset, since: { at: performance.now(), sent: offset } });

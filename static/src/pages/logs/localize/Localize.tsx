@@ -228,7 +228,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         value={source}
         disabled={isBusy}
         onChange={(value) => {
-          localizing.source.value = value as MapSource;
+          localizing.source.value = value;
         }}
       />
       {source === "own" && log && (

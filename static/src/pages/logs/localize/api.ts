@@ -1,8 +1,7 @@
 /** Requests about the localization of a log in a map. Each rejects with the server's sentence. */
 
 import { ask } from "../../../wire/ask";
-import type { FilterHistory, LocalizationStatus, MapAnswer } from "../../../wire/http";
-import type { Pose, Values } from "../../../wire/protocol";
+import type { FilterHistory, LocalizationStatus, MapAnswer, MapOfLog, NewLocalization } from "../../../wire/http";
 import { tarred } from "../library/tar";
 
 export type { FilterHistory, LocalizationStatus, MapAnswer };
@@ -10,11 +9,8 @@ export type { FilterHistory, LocalizationStatus, MapAnswer };
 export const localizationState = (session: string): Promise<LocalizationStatus> =>
   ask("GET /api/sessions/{session_id}/localization", { session_id: session });
 
-export const localize = (
-  session: string,
-  wanted: { readonly initial_pose: Pose | null; readonly odometry: string | null; readonly parameters: Values },
-): Promise<LocalizationStatus> =>
-  ask("POST /api/sessions/{session_id}/localization", { session_id: session }, { body: wanted });
+export const localize = (session: string, body: NewLocalization): Promise<LocalizationStatus> =>
+  ask("POST /api/sessions/{session_id}/localization", { session_id: session }, { body });
 
 export const cancelLocalization = (session: string): Promise<LocalizationStatus> =>
   ask("DELETE /api/sessions/{session_id}/localization", { session_id: session });
@@ -28,17 +24,15 @@ export const referenceMap = async (session: string): Promise<MapAnswer | null> =
   (await ask("GET /api/sessions/{session_id}/localization/map", { session_id: session })).map;
 
 /** Choose the map of a log along one of its trajectories. */
-export const chooseLog = async (
-  session: string,
-  wanted: { readonly log: string; readonly topic: string | null; readonly trajectory: string | null },
-): Promise<MapAnswer | null> =>
-  (await ask("PUT /api/sessions/{session_id}/localization/map", { session_id: session }, { body: wanted })).map;
+export const chooseLog = async (session: string, body: MapOfLog): Promise<MapAnswer | null> =>
+  (await ask("PUT /api/sessions/{session_id}/localization/map", { session_id: session }, { body })).map;
 
 /** Choose map files: a yaml with its image, or a map of CMU's course. */
 export async function chooseFiles(session: string, files: readonly File[]): Promise<MapAnswer | null> {
-  const named = files.find(({ name }) => /\.ya?ml$/i.test(name)) ?? files[0];
-  const title = named?.name ?? "map";
-  const file = files.length === 1 && !/\.ya?ml$/i.test(title) ? files[0] : tarred(files, title);
+  const isYaml = ({ name }: File): boolean => /\.ya?ml$/i.test(name);
+  const named = files.find(isYaml) ?? files[0];
+  if (!named) return null;
+  const body = files.length === 1 && !isYaml(named) ? named : tarred(files, named.name);
   const what = "PUT /api/sessions/{session_id}/localization/map-files";
-  return (await ask(what, { session_id: session }, { query: { name: title }, file })).map;
+  return (await ask(what, { session_id: session }, { query: { name: named.name }, body })).map;
 }

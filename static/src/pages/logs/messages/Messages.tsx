@@ -97,7 +97,7 @@ function OfTopic({ store, session, topic }: Omit<MessagesProps, "topic"> & { rea
   const answer = useAtMoment<MessageAnswer>(
     store,
     (at) => addressOf(MESSAGE, { session_id: session }, { topic, at }),
-    (address, ending) => answerAt(MESSAGE, address, { ending }),
+    (address, ending) => answerAt(MESSAGE, address, ending),
   );
   const open = useSignal<ReadonlySet<string>>(new Set(["header", "header.stamp"]));
   if (answer.kind === "failed") return <p role="alert">{answer.why}</p>;

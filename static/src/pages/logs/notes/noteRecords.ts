@@ -21,7 +21,7 @@ export async function fetchNotes(session: string): Promise<readonly NoteAnswer[]
 
 /** Keep a note; `id` of one that is changed. */
 export function keepNote(session: string, text: string, pin: Pin, id?: string): Promise<NoteAnswer> {
-  const body = { text, ...pin, outline: pin.outline?.map(([x, y]) => [x, y] as [number, number]) ?? null };
+  const body = { text, ...pin };
   if (id === undefined) return ask("POST /api/sessions/{session_id}/notes", { session_id: session }, { body });
   return ask("PUT /api/sessions/{session_id}/notes/{note_id}", { session_id: session, note_id: id }, { body });
 }

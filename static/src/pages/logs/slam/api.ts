@@ -2,6 +2,7 @@
 
 import { ask } from "../../../wire/ask";
 import type {
+  ChangeOfGraph,
   EdgeAnswer,
   MergeStatus,
   PoseGraphAnswer,
@@ -43,21 +44,10 @@ export const cancelMerge = (id: string): Promise<MergeStatus> =>
 
 /** Score the poses in use against the relations in a file. */
 export const scorePoses = (id: string, file: File): Promise<PoseScore> =>
-  ask("PUT /api/sessions/{session_id}/relations", { session_id: id }, { query: { name: file.name }, file });
+  ask("PUT /api/sessions/{session_id}/relations", { session_id: id }, { query: { name: file.name }, body: file });
 
-export interface Change {
-  readonly remove?: number;
-  readonly lock?: number;
-  readonly unlock?: number;
-  /** Two scans to be joined by a loop. */
-  readonly add?: readonly [number, number];
-  readonly robust?: string;
-  readonly robust_scale?: number;
-  readonly reset?: boolean;
-}
-
-export const changeGraph = async (id: string, change: Change): Promise<PoseGraphAnswer | null> =>
-  (await ask("POST /api/sessions/{session_id}/graph", { session_id: id }, { body: change })).graph;
+export const changeGraph = async (id: string, body: ChangeOfGraph): Promise<PoseGraphAnswer | null> =>
+  (await ask("POST /api/sessions/{session_id}/graph", { session_id: id }, { body })).graph;
 
 export const edgeOf = (id: string, edge: number): Promise<EdgeAnswer> =>
   ask("GET /api/sessions/{session_id}/graph/edges/{edge}", { session_id: id, edge });

@@ -6,6 +6,7 @@ import type { Store } from "../../../store/store";
 import { edgeAt, loopAt } from "../../../tools/slam/poseGraph";
 import { type LandscapePlace, pairAt } from "../../../tools/slam/scoreLandscape";
 import type {
+  ChangeOfGraph,
   EdgeAnswer,
   PoseGraphAnswer,
   ScanConstraints,
@@ -156,7 +157,7 @@ export class PoseCorrection extends LogJob<api.SlamStatus> {
   }
 
   /** Change the graph; the map follows. */
-  readonly change = (change: api.Change): Promise<void> =>
+  readonly change = (change: ChangeOfGraph): Promise<void> =>
     this.request("Asking", async () => {
       const edge = this.edge.peek()?.edge;
       this.graph.value = await api.changeGraph(this.session, change);

@@ -77,7 +77,7 @@ const ALIGNMENTS = [
   { value: "scaled", label: "With scale" },
   { value: "origin", label: "First pose" },
   { value: "none", label: "Not aligned" },
-];
+] as const;
 
 interface TrajectoriesProps {
   readonly store: Store;
@@ -118,7 +118,7 @@ function Errors({
   const reference = useSignal(first[0]);
   const estimate = useSignal(first[1]);
   const pathOf = (name: string): string => trajectories.find((trajectory) => trajectory.name === name)?.same_as ?? name;
-  const align = useSignal("rigid");
+  const align = useSignal<(typeof ALIGNMENTS)[number]["value"]>("rigid");
   const failure = useSignal<string | null>(null);
   const delta = useSignal(1);
   useEffect(() => {

@@ -61,5 +61,5 @@ export function errorSeries(errors: TrajectoryErrors, which: "absolute" | "relat
 export async function addTrajectory(session: string, file: File): Promise<string> {
   const name = file.name.replace(/\.(tum|txt|csv)$/i, "").slice(0, 80) || "trajectory";
   const names = { session_id: session, name };
-  return (await ask("PUT /api/sessions/{session_id}/trajectories/{name}", names, { file })).name;
+  return (await ask("PUT /api/sessions/{session_id}/trajectories/{name}", names, { body: file })).name;
 }

@@ -11,7 +11,7 @@ import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { Transport } from "../Transport";
 import { ViewerFrame } from "../ViewerFrame";
-import { volumeGroups } from "./volumeGroups";
+import { type Axis, volumeGroups } from "./volumeGroups";
 
 const many = (n: number): string => n.toLocaleString("en");
 
@@ -54,7 +54,7 @@ interface VolumeViewerProps {
   /** Open the session again, compared with another log; null for none. */
   readonly onCompare: (other: string | null) => void;
   /** Open the file again with another axis up; null where it cannot be. */
-  readonly onUp: ((axis: string) => void) | null;
+  readonly onUp: ((axis: Axis) => void) | null;
 }
 
 /** A map in 3D: of point clouds, depth images or an octree. */

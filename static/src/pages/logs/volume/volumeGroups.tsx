@@ -150,11 +150,13 @@ function VolumeAbove({ store, session }: { readonly store: Store; readonly sessi
   );
 }
 
-const AXES = ["z", "-z", "y", "-y", "x", "-x"];
+const AXES = ["z", "-z", "y", "-y", "x", "-x"] as const;
+
+export type Axis = (typeof AXES)[number];
 
 interface UpChoiceProps {
   readonly store: Store;
-  readonly onUp: (axis: string) => void;
+  readonly onUp: (axis: Axis) => void;
 }
 
 /** The axis of the file that points up: depth cameras and scanners often have another one than z. */
@@ -165,7 +167,7 @@ function UpChoice({ store, onUp }: UpChoiceProps) {
     <Panel title="Up">
       <SelectField
         title="Axis of the file that points up"
-        value={now.up}
+        value={AXES.find((axis) => axis === now.up) ?? "z"}
         options={AXES.map((axis) => ({ value: axis, label: axis.replace("-", "−") }))}
         onChange={onUp}
       />
@@ -182,7 +184,7 @@ interface VolumeView {
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
   /** Open the file again with another axis up; null where it cannot be. */
-  readonly onUp: ((axis: string) => void) | null;
+  readonly onUp: ((axis: Axis) => void) | null;
 }
 
 interface Group {
