@@ -40,6 +40,7 @@ from tests.bench.matching import matching
 from tests.bench.opening import opening
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms, versions
 from tests.bench.reading import reading
+from tests.bench.reports import reports
 from tests.bench.sensors import sensors
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
@@ -231,6 +232,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "why": cost_of_asking_why,
     "start": starting,
     "reading": reading,
+    "reports": reports,
     "opening": opening,
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
