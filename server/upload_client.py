@@ -29,6 +29,9 @@ from mapper.io.maps.description import image_path, parse_description
 
 PIECE = 1 << 18
 TRIES = 6  #: consecutive attempts in which the service received nothing new
+#: The service's clock had run out, it has other bytes than were thought, it had too many requests, or it is not there.
+FOR_NOW = (408, 409, 429, 503)
+MOST_WAIT_S = 120.0  #: that a Retry-After is followed
 
 Progress = Callable[[float], None]
 
@@ -88,12 +91,17 @@ def measured(file: Path) -> tuple[int, str]:
 def sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
 ) -> dict[str, Any]:
-    """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log."""
+    """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log.
+
+    Between two attempts it waits as long as a refusal states in Retry-After, or longer.
+    """
     key = digest[:40]
     before, tries = -1, 0
     while True:
+        wait_s = 0.0
         try:
-            offset = int(accepted(client.get(f"/api/logs/uploads/{key}")).json()["offset"])
+            known = _unless_refused(client.get(f"/api/logs/uploads/{key}"))
+            offset = int(known.json()["offset"])
             tries = 0 if offset > before else tries
             before = max(before, offset)
             answer = client.put(
@@ -102,17 +110,38 @@ def sent(
                 content=_pieces(file, offset, size, progress),
                 headers={"Content-Range": f"bytes {offset}-{size - 1}/{size}", "Content-Length": str(size - offset)},
             )
-            if answer.status_code == 202:
+            if _unless_refused(answer).status_code == 202:
                 return dict(answer.json())
-            if answer.status_code not in (200, 409, 503):  # the upload can be resumed after these
-                accepted(answer)
             failure: Exception = ClientError(*_refusal(answer))
         except httpx.TransportError as error:
             failure = error
+        except _RefusedForNowError as refused:
+            failure, wait_s = ClientError(*_refusal(refused.answer)), _retry_after_s(refused.answer)
         tries += 1
         if tries >= TRIES:
             raise failure
-        time.sleep(pause_s * 2 ** (tries - 1))
+        time.sleep(max(wait_s, pause_s * 2 ** (tries - 1)))
+
+
+class _RefusedForNowError(Exception):
+    """The service refused a request after which the upload can be resumed."""
+
+    def __init__(self, answer: httpx.Response) -> None:
+        super().__init__(answer.status_code)
+        self.answer = answer
+
+
+def _unless_refused(answer: httpx.Response) -> httpx.Response:
+    """Return an answer; raise :class:`_RefusedForNowError`, or :class:`ClientError` where it is refused for good."""
+    if answer.status_code in FOR_NOW:
+        raise _RefusedForNowError(answer)
+    return accepted(answer)
+
+
+def _retry_after_s(answer: httpx.Response) -> float:
+    """Return how many seconds a refusal asks to wait, at most :data:`MOST_WAIT_S`; 0 where it does not say it."""
+    stated = answer.headers.get("Retry-After", "")
+    return min(float(stated), MOST_WAIT_S) if stated.isdecimal() else 0.0
 
 
 def _pieces(file: Path, offset: int, size: int, progress: Progress | None) -> Iterator[bytes]:

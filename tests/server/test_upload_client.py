@@ -10,13 +10,18 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import httpx
+import numpy as np
 import pytest
 
 from mapper.core.errors import ReadError
+from mapper.io.clouds import read_cloud
 from mapper.io.logs import open_log
+from mapper.volume import OccupancyVolume, Octree, octree_file, write_octree
+from mapper.volume.occupancy.parameters import VolumeConfig
 from server.cli import main
 from server.client import Client, ClientError
-from server.upload_client import TRIES
+from server.upload_client import TRIES, sent
 from tests.mapper.io.logs.containers.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
@@ -92,6 +97,66 @@ def test_it_resumes_after_a_broken_connection(
     assert line.connections >= 10 // tenth
 
 
+@pytest.mark.parametrize(
+    ("status", "after", "waits"),
+    [(408, None, 0.5), (429, "7", 7.0), (503, "7", 7.0), (429, "9999", 120.0), (429, "soon", 0.5)],
+)
+def test_it_resumes_after_a_refusal_when_the_service_says_so(
+    log: Path, monkeypatch: pytest.MonkeyPatch, status: int, after: str | None, waits: float
+) -> None:
+    """The second request is refused after half of the bytes were stored, the third, which asks for them, again."""
+    got, asked, slept = bytearray(), list[str](), list[float]()
+    headers = {} if after is None else {"Retry-After": after}
+
+    def refusal() -> httpx.Response:
+        return httpx.Response(status, headers=headers, json={"code": "a", "message": "Later."})
+
+    def answer(asking: httpx.Request) -> httpx.Response:
+        asked.append(asking.method)
+        if len(asked) == 3:
+            return refusal()
+        if asking.method == "GET":
+            return httpx.Response(200, json={"offset": len(got)})
+        assert asking.headers["Content-Range"].startswith(f"bytes {len(got)}-")
+        body = asking.read()
+        got.extend(body[: len(body) // 2] if len(asked) == 2 else body)
+        return refusal() if len(asked) == 2 else httpx.Response(202, json={"id": "1"})
+
+    monkeypatch.setattr("server.upload_client.time.sleep", slept.append)
+    with httpx.Client(transport=httpx.MockTransport(answer), base_url="http://service") as client:
+        assert sent(client, log, "run.log", len(DATA), "0" * 64, None, 0.5) == {"id": "1"}
+    assert got == DATA
+    assert asked == ["GET", "PUT", "GET", "GET", "PUT"]
+    # The second pause without progress is twice as long where the service states none.
+    assert slept == [waits, max(waits, 1.0)]
+
+
+def test_a_service_that_refuses_again_and_again_is_given_up(log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.upload_client.time.sleep", lambda _: None)
+    refusal = httpx.Response(429, json={"code": "request.too_many", "message": "Too many requests at once."})
+    transport = httpx.MockTransport(lambda _: refusal)
+    with (
+        httpx.Client(transport=transport, base_url="http://service") as client,
+        pytest.raises(ClientError, match="Too many requests at once"),
+    ):
+        sent(client, log, "run.log", len(DATA), "0" * 64, None, 0.5)
+
+
+@pytest.mark.parametrize("kind", ["cloud", "octree"])
+def test_the_link_of_a_cloud_or_an_octree_opens_it_in_3d(service: Service, tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "cloud.xyz"
+    path.write_text("".join(f"{x} {y} 1\n" for x in range(10) for y in range(10)))
+    if kind == "octree":
+        volume = OccupancyVolume(VolumeConfig())
+        volume.insert_scan(read_cloud(path).points.astype(np.float64), np.zeros(3))
+        path = tmp_path / "tree.bt"
+        write_octree(octree_file(Octree.of(volume), ".bt", VolumeConfig(), None), path, VolumeConfig())
+    _, link = upload(path, f"127.0.0.1:{service.port}", tmp_path / "visitors.json")
+    query = parse_qs(urlsplit(link).query)
+    assert query["kind"] == ["volume"]
+    assert service.http.get(f"/api/sessions/{query['session'][0]}").json()["kind"] == "volume"
+
+
 @pytest.mark.parametrize("further", range(600, 1400, 200))
 def test_a_cut_after_the_last_byte_is_no_failure(
     service: Service, line: FrayedLine, log: Path, tmp_path: Path, further: int
@@ -106,20 +171,20 @@ def test_a_cut_after_the_last_byte_is_no_failure(
 def test_the_command_resumes_an_earlier_upload(service: Service, line: FrayedLine, log: Path, tmp_path: Path) -> None:
     line.most = 300_000
     visitors = tmp_path / "visitors.json"
-    sent: list[float] = []
+    shares: list[float] = []
 
     def noted(share: float) -> None:
         """From its second connection on the line carries nothing to speak of."""
-        sent.append(share)
+        shares.append(share)
         line.most = 100
 
     with pytest.raises(ClientError):
         upload(log, line.url, visitors, progress=noted, pause_s=0.001)
     assert line.connections >= TRIES
     line.most = 1 << 40
-    sent.clear()
-    record, _ = upload(log, line.url, visitors, progress=sent.append, pause_s=0.001)
-    assert sent[0] > 0.2, "what the server had was not sent again"
+    shares.clear()
+    record, _ = upload(log, line.url, visitors, progress=shares.append, pause_s=0.001)
+    assert shares[0] > 0.2, "what the server had was not sent again"
     assert stored(service, record["id"]) == DATA
 
 
