@@ -13,12 +13,12 @@ from typing import Any
 import structlog
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
+from server.parts.why.messages import InspectCommand
 from server.parts.wire import Command, decode_command
 from server.sessions import SessionBudgetError, SessionHost
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.commands import (
     AckCommand,
-    InspectCommand,
     PingCommand,
     ResumeCommand,
     SelectCommand,

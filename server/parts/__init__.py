@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 #: each behind those whose results it uses
 PARTS = (
+    "why",
     "comparison",
     "slam",
     "localization",

@@ -9,12 +9,10 @@ import numpy as np
 from msgspec import UNSET
 
 from mapper.core.kernels.decimals import MOST_BYTES, TOO_LARGE, write_thousandths
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
 from server.sessions.view import Pose, RobotState
-from server.stream.message_parts import CellState
-from server.stream.messages import CellMessage, FrameMessage, ScanFields, WorkingMessage
+from server.stream.messages import FrameMessage, ScanFields, WorkingMessage
 
 #: No reading: pages wait for a first scan.
 NO_READINGS = ScanFields(scan_pose=(0.0, 0.0, 0.0), ranges=[], angle_min=0.0, angle_increment=0.0, range_max=0.0)
@@ -66,30 +64,6 @@ class ScanReport:
         if not self._key or self._key[0] is not robot.scan or self._key[1:] != key[1:]:
             self._key, self._scan = key, scan_of(robot, config)
         return self._scan
-
-
-def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str) -> CellMessage:
-    """Return a ``cell`` message about the map of ``layer``."""
-    x, y = grid.geometry.cell_to_world((row, col))
-    value, observed = float(grid.log_odds[row, col]), bool(grid.observed[row, col])
-    p_occ = float(probability(value))
-    state: CellState = "unknown"
-    if observed and p_occ > OCCUPIED_THRESHOLD:
-        state = "occupied"
-    elif observed and p_occ < FREE_THRESHOLD:
-        state = "free"
-    return CellMessage(
-        row=row,
-        col=col,
-        epoch=epoch,
-        x=float(x),
-        y=float(y),
-        observed=observed,
-        log_odds=value,
-        p_occ=p_occ,
-        state=state,
-        layer=layer,
-    )
 
 
 def _rounded(pose: Pose) -> Pose:

@@ -10,13 +10,14 @@ from msgspec import Struct
 
 from mapper.core.array_types import BoolArray, Float64Array, Int8Array
 from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, ScanLog
 from server.sessions.drawings import Drawing
 from server.sessions.hosting import ModelHost
 from server.sessions.parts import Costing, LayerCosts, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback, Pose
-from server.stream.layers import Layer
+from server.stream.layers import GridLayer, Layer
 from server.stream.message_parts import Parameter
 
 if TYPE_CHECKING:
@@ -55,6 +56,27 @@ class Robot:
     scan: RangeScan | None
     scan_pose: Pose | Float64Array
     number: int
+
+
+@dataclass(frozen=True, slots=True)
+class MappedScans:
+    """Scans in a map: the first ``stop`` of a log, with one of its trajectories."""
+
+    log: ScanLog
+    trajectory: str
+    stop: int
+    stamps_s: Float64Array  #: (n_scans,), as in the ``frame`` message
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedMap:
+    """A map whose cells can be asked about: its layer, and the logs of the ``index`` scans in it."""
+
+    layer: GridLayer
+    grid: OccupancyGrid
+    config: MappingConfig
+    scans: Callable[[], Sequence[MappedScans]]
+    index: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +126,7 @@ class Offers:
     name. ``costs`` are costs of a layer of a costmap by the layer's name: another object when they have changed, None
     while there are none. ``costing`` has the costs that a path is planned on.
 
+    ``explained`` returns the maps whose cells can be asked about, the one that is meant by default first.
     ``recording`` is the log that is played, ``update_log`` replaces it by one with other trajectories. ``simulation``
     is the simulated world with its robot.
     """
@@ -118,6 +141,7 @@ class Offers:
     maps: dict[str, OtherMap] = field(default_factory=dict)
     costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)
     costing: Costing | None = None
+    explained: Callable[[], Sequence[ExplainedMap]] | None = None
     recording: Recording | None = None
     update_log: Callable[[ScanLog, TickResult], None] | None = None
     simulation: LiveMap | None = None

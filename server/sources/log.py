@@ -22,12 +22,11 @@ from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
 from server.parts.mapping.part import MappingParameters
-from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path, Point
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.part import Offers, Robot
+from server.sessions.part import ExplainedMap, Offers, Robot
 from server.sessions.parts import Graphed
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
@@ -142,10 +141,11 @@ class LogModel(SessionModel):
             grid=lambda: self.grid,
             map_title="the log’s own",
             robot=self._robot,
+            explained=self._explained,
             recording=self.recording,
             update_log=self._update_log,
         )
-        own = (self.parameters, CellQuestions(self._explained), self.comparison, self._updates)
+        own = (self.parameters, self.comparison, self._updates)
         self.parts = (*own, *parts_of(offers))
         self._report = ScanReport()
         self._map = GridLayer("map", "Map")

@@ -24,9 +24,9 @@ from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from mapper.sensors.planar.options import PlanarCut, applies
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions.hosting import ModelHost
+from server.sessions.part import MappedScans
 from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState, as_pose
-from server.sessions.why import Source
 from server.sources.diagnosing import examination, in_turn
 from server.stream.message_parts import Table, rows_of
 
@@ -253,9 +253,9 @@ class LogRecording(Recording, Viewed):
         sensor = as_pose(placed.sensor_pose)
         return RobotState(as_pose(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
 
-    def sources(self) -> list[Source]:
+    def sources(self) -> list[MappedScans]:
         """Return the scans that are in the map."""
-        return [Source(self.log, self.trajectory, self.replay.index, self.recorded)]
+        return [MappedScans(self.log, self.trajectory, self.replay.index, self.recorded)]
 
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""

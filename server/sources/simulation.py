@@ -24,16 +24,14 @@ from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing
 from server.parts import parts_of
 from server.parts.mapping.part import MappingParameters
-from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Walls
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.part import Offers, Plan, Robot, StaticMap
+from server.sessions.part import ExplainedMap, MappedScans, Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
-from server.sessions.why import Source
 from server.sources.history import Action, History
 from server.sources.map_drawings import map_drawings, sight_of
 from server.sources.simulation_replay import SimulationReplay, act
@@ -87,11 +85,12 @@ class SimulationModel(SessionModel):
             robot=self._robot,
             drive=lambda linear, angular, result: act(mapper, DriveCommand(linear, angular), result),
             plans={"plan": Plan("the plan of the world as it was when chosen", self._plan)},
+            explained=self._explained,
             simulation=mapper,
             playback=self.playback,
         )
         replay = SimulationReplay(host, mapper, self.playback, max_story_s, self.history)
-        self.parts = (self.parameters, CellQuestions(self._explained), replay, *parts_of(offers))
+        self.parts = (self.parameters, replay, *parts_of(offers))
         self._report = ScanReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
@@ -183,12 +182,12 @@ class SimulationModel(SessionModel):
     def _plan(self) -> StaticMap:
         return StaticMap(plan_map(self.world))
 
-    def sources(self) -> list[Source]:
+    def sources(self) -> list[MappedScans]:
         """Return the recordings, one for each kind of sensor."""
         trajectory = self._mapper.faults.trajectory
         logs, hidden = self._mapper.logs(), self._mapper.hidden
         return [
-            Source(
+            MappedScans(
                 log,
                 trajectory,
                 log.n_scans - (hidden if log is logs[-1] else 0),

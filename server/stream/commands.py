@@ -167,25 +167,6 @@ class TrajectoryCommand(Struct, tag_field="type", tag="trajectory"):
     name: Annotated[str, Meta(description="one of the `trajectories` of `hello`")]
 
 
-class InspectCommand(Struct, tag_field="type", tag="inspect"):
-    """Request the state of one cell; answered with `cell`."""
-
-    row: Annotated[Whole, Meta(description="row of the cell")]
-    col: Annotated[Whole, Meta(description="column of the cell")]
-    epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
-    layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
-
-
-class WhyCommand(Struct, tag_field="type", tag="why"):
-    """Request the contributions to a cell; answered with `why`. Of several in a tick only the newest is answered."""
-
-    row: Annotated[Whole, Meta(description="row of the cell")]
-    col: Annotated[Whole, Meta(description="column of the cell")]
-    epoch: Annotated[Whole, Meta(description="epoch of that map's geometry")]
-    until: Annotated[Whole | None, Meta(description="last contribution to describe, from 1; null: the newest")] = None
-    layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
-
-
 class PingCommand(Struct, tag_field="type", tag="ping"):
     """Request a `pong`."""
 
@@ -216,7 +197,5 @@ COMMANDS = (
     EditCommand,
     WorldCommand,
     TrajectoryCommand,
-    InspectCommand,
-    WhyCommand,
     PingCommand,
 )

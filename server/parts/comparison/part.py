@@ -13,9 +13,8 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.parts.comparison.numbers import comparison_message
 from server.parts.comparison.second_map import SecondMapView
-from server.sessions.cell_questions import ExplainedMap
 from server.sessions.hosting import ModelHost
-from server.sessions.part import Part
+from server.sessions.part import ExplainedMap, Part
 from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted

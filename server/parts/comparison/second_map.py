@@ -14,8 +14,8 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog
 from mapper.simulation.second_map import SecondMap
+from server.sessions.part import MappedScans
 from server.sessions.view import Wanted
-from server.sessions.why import Source
 from server.stream.message_parts import Compared
 
 
@@ -85,9 +85,9 @@ class SecondMapView:
         self.replay = replay
         self.second.begin(replay.config, replay.grid)
 
-    def sources(self) -> list[Source]:
+    def sources(self) -> list[MappedScans]:
         """The scans that are in the map."""
-        return [Source(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
+        return [MappedScans(self.replay.log, self.replay.trajectory, self.replay.index, self._recorded)]
 
     def compared(self, grid: OccupancyGrid) -> Comparison:
         """Compare with the session's map. Raises :class:`MapperError` if the two have no common lattice."""

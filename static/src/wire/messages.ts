@@ -1277,6 +1277,13 @@ export interface TrajectoryCommand {
   readonly name: string;
 }
 
+/** Request a `pong`. */
+export interface PingCommand {
+  readonly type: "ping";
+  /** returned in the answer */
+  readonly id: number;
+}
+
 /** Request the state of one cell; answered with `cell`. */
 export interface InspectCommand {
   readonly type: "inspect";
@@ -1303,13 +1310,6 @@ export interface WhyCommand {
   readonly until?: number | null;
   /** name of the layer of that map */
   readonly layer?: string;
-}
-
-/** Request a `pong`. */
-export interface PingCommand {
-  readonly type: "ping";
-  /** returned in the answer */
-  readonly id: number;
 }
 
 /** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
@@ -1633,9 +1633,9 @@ export type Command =
   | EditCommand
   | WorldCommand
   | TrajectoryCommand
+  | PingCommand
   | InspectCommand
   | WhyCommand
-  | PingCommand
   | LocalizeCommand
   | Map3dCommand
   | VolumeLookCommand

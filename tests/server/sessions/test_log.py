@@ -27,11 +27,11 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
+from server.parts.why.explanation import CellAsked, why_message
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.computation import hello_message
 from server.sessions.tick import TickResult
-from server.sessions.why import CellAsked, why_message
 from server.sources.log import MAX_GAP_S, PATH_MARGIN, play_times
 from server.sources.log_recording import first_replay
 from server.stream.messages import ErrorMessage

@@ -1,4 +1,4 @@
-"""The answer to ``why``: the contributions to a cell; message format in :mod:`server.stream.messages`."""
+"""The answers about a cell, its state and the contributions to it; formats in :mod:`server.stream.messages`."""
 
 from __future__ import annotations
 
@@ -9,30 +9,20 @@ import numpy as np
 from msgspec import UNSET
 from numpy.typing import NDArray
 
-from mapper.grid import OccupancyGrid
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
 from mapper.mapping.joint_scans import sensor_poses_of
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.joint_log import JointLog
-from mapper.sensors.scan import ScanLog
-from server.stream.message_parts import Contribution
-from server.stream.messages import WhyMessage
+from server.sessions.part import MappedScans
+from server.stream.message_parts import CellState, Contribution
+from server.stream.messages import CellMessage, WhyMessage
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import checkpoint
 
 MAX_CONTRIBUTIONS = 300  #: described in detail, in one message
 STRETCHES = 300  #: of the curve, each with its minimum and maximum
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """Scans in a map: the first ``stop`` of a log, with one of its trajectories."""
-
-    log: ScanLog
-    trajectory: str
-    stop: int
-    stamps_s: NDArray[np.float64]  #: (n_scans,), as in the ``frame`` message
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +36,33 @@ class CellAsked:
     layer: str
 
 
+def cell_message(grid: OccupancyGrid, row: int, col: int, epoch: int, layer: str) -> CellMessage:
+    """Return a ``cell`` message about the map of ``layer``."""
+    x, y = grid.geometry.cell_to_world((row, col))
+    value, observed = float(grid.log_odds[row, col]), bool(grid.observed[row, col])
+    p_occ = float(probability(value))
+    state: CellState = "unknown"
+    if observed and p_occ > OCCUPIED_THRESHOLD:
+        state = "occupied"
+    elif observed and p_occ < FREE_THRESHOLD:
+        state = "free"
+    return CellMessage(
+        row=row,
+        col=col,
+        epoch=epoch,
+        x=float(x),
+        y=float(y),
+        observed=observed,
+        log_odds=value,
+        p_occ=p_occ,
+        state=state,
+        layer=layer,
+    )
+
+
 def why_message(
     grid: OccupancyGrid,
-    sources: Sequence[Source],
+    sources: Sequence[MappedScans],
     config: MappingConfig,
     about: CellAsked,
     until: int | None = None,
@@ -103,7 +117,7 @@ def why_message(
 
 
 def _contributions(
-    source: Source, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
+    source: MappedScans, part: Provenance, config: MappingConfig, inside: slice, n: int, first_scan: int
 ) -> list[Contribution]:
     """Return the contributions ``inside`` one log; earlier logs have ``n`` contributions and ``first_scan`` scans."""
     plan = plan_update(config, source.log.range_min, source.log.range_max)

@@ -3,35 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import structlog
 
 from mapper.core.errors import MapperError
-from mapper.grid import OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
-from server.sessions.messages import cell_message
-from server.sessions.part import Part
+from server.parts.why.explanation import CellAsked, cell_message, why_message
+from server.parts.why.messages import InspectCommand, WhyCommand
+from server.sessions.part import ExplainedMap, Offers, Part
 from server.sessions.tick import TickResult
-from server.sessions.why import CellAsked, Source, why_message
-from server.stream.commands import InspectCommand, WhyCommand
 from server.stream.hub import Client
-from server.stream.layers import GridLayer
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
 
 _log = structlog.get_logger(__name__)
 
 
-@dataclass(frozen=True, slots=True)
-class ExplainedMap:
-    """A map whose cells can be inspected: its layer, its sources, and the number of scans in it."""
-
-    layer: GridLayer
-    grid: OccupancyGrid
-    config: MappingConfig
-    sources: Callable[[], Sequence[Source]]
-    index: int
+def part_of(offers: Offers) -> CellQuestions | None:
+    """Return the part, None where no cell can be asked about."""
+    return None if offers.explained is None else CellQuestions(offers.explained)
 
 
 class CellQuestions(Part):
@@ -69,7 +58,7 @@ class CellQuestions(Part):
             asked = self._map_of(command)
             row, col, epoch = _cell_of(command, asked)
             about = CellAsked(row, col, epoch, asked.index, asked.layer.name)
-            answer = why_message(asked.grid, asked.sources(), asked.config, about, command.until)
+            answer = why_message(asked.grid, asked.scans(), asked.config, about, command.until)
             result.answers.append((client, answer))
         except (ProtocolError, MapperError) as error:
             result.refuse(client, error)
