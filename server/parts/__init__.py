@@ -28,6 +28,7 @@ PARTS = (
     "terrain",
     "costmap",
     "path",
+    "editing",
 )
 
 

@@ -22,6 +22,7 @@ from server.stream.message_parts import Parameter
 
 if TYPE_CHECKING:
     from mapper.simulation.live_map import LiveMap
+    from server.library.packs.reference_map import ReferenceMap
 
 
 class Cloud(Protocol):
@@ -126,6 +127,7 @@ class Offers:
     name. ``costs`` are costs of a layer of a costmap by the layer's name: another object when they have changed, None
     while there are none. ``costing`` has the costs that a path is planned on.
 
+    ``map`` is a map of the library, which is shown by itself.
     ``explained`` returns the maps whose cells can be asked about, the one that is meant by default first.
     ``recording`` is the log that is played, ``update_log`` replaces it by one with other trajectories. ``simulation``
     is the simulated world with its robot.
@@ -141,6 +143,7 @@ class Offers:
     maps: dict[str, OtherMap] = field(default_factory=dict)
     costs: dict[str, Callable[[], LayerCosts | None]] = field(default_factory=dict)
     costing: Costing | None = None
+    map: ReferenceMap | None = None
     explained: Callable[[], Sequence[ExplainedMap]] | None = None
     recording: Recording | None = None
     update_log: Callable[[ScanLog, TickResult], None] | None = None

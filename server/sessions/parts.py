@@ -252,6 +252,11 @@ class Volumetric(ABC):
 class EditedFiles(ABC):
     """A map that is edited."""
 
+    @property
+    @abstractmethod
+    def geometry(self) -> GridGeometry:
+        """The geometry of the present map."""
+
     @abstractmethod
     async def files(self, stem: str) -> list[tuple[str, bytes]]:
         """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""

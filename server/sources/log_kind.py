@@ -78,7 +78,7 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
             return costmaps_plan(costmaps, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
         given = await library.reference_map(resources.visitor, wanted.log)
         if given is not None:
-            return _map_plan(given, wanted)
+            return _map_plan(given)
         summary = library.get(resources.visitor, wanted.log).summary
         if summary is not None and summary.clouds:
             return await volume_plan(resources, wanted.log, wanted.topic, name=wanted.name, playing=wanted.playing)
@@ -104,13 +104,13 @@ def costmaps_plan(
     return Plan(make, name=name, playing=playing)
 
 
-def _map_plan(given: ReferenceMap, wanted: NewLog) -> Plan:
+def _map_plan(given: ReferenceMap) -> Plan:
     """Return the plan of a session that shows and edits a map."""
 
     def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
-        from server.sources.map_editing import MapModel  # noqa: PLC0415 - few uploads are maps
+        from server.sources.map import MapModel  # noqa: PLC0415 - few uploads are maps
 
-        return MapModel(host, given, log_id=wanted.log)
+        return MapModel(host, given)
 
     return Plan(make, playing=False)
 

@@ -109,29 +109,6 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
     yaw: Annotated[Number | None, Meta(description="heading, rad; null: unchanged")] = None
 
 
-class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
-    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
-
-    op: Annotated[str, Meta(description="paint, fill, keepout, speed, despeckle, rotate, crop or origin")]
-    points: Annotated[
-        list[Point] | None,
-        Meta(description="paint: the line; fill, keepout, speed: the corners; crop: two corners; origin: the place"),
-    ] = None
-    state: Annotated[str | None, Meta(description="paint and fill: free, occupied or unknown")] = None
-    width: Annotated[Number | None, Meta(description="paint: width of the brush, m")] = None
-    value: Annotated[
-        Number | None,
-        Meta(description="keepout and speed: value of the filter's mask, 1 to 100, 0 for none; despeckle: most cells"),
-    ] = None
-    angle: Annotated[Number | None, Meta(description="rotate: by this; origin: its heading, rad")] = None
-
-
-class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
-    """Maps: undo edits, or make them again."""
-
-    steps: Annotated[Whole, Meta(description="negative: number of steps to undo; positive: to redo")]
-
-
 class DriveCommand(Struct, tag_field="type", tag="drive"):
     """Simulations: drive by hand. The speed is held for 0.5 s."""
 
@@ -190,8 +167,6 @@ COMMANDS = (
     FaultsCommand,
     CompareCommand,
     TeleportCommand,
-    MapEditCommand,
-    MapHistoryCommand,
     DriveCommand,
     AutoCommand,
     EditCommand,

@@ -299,17 +299,6 @@ class SceneMessage(Struct, tag_field="type", tag="scene"):
     grid: Annotated[float, Meta(description="distance between two lines of the layer `Grid`, m")]
 
 
-class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
-    """Maps: the edits so far."""
-
-    n: Annotated[int, Meta(description="number of edits that are not undone")]
-    undone: Annotated[int, Meta(description="number of edits that are undone")]
-    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
-    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
-    speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
-    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
-
-
 class Pong(Struct, tag_field="type", tag="pong"):
     """Answer to `ping`."""
 
@@ -329,7 +318,6 @@ MESSAGES = (
     ComparisonMessage,
     WorldMessage,
     Forgetting,
-    MapEditsMessage,
     WorkingMessage,
     NoticeMessage,
     ErrorMessage,

@@ -669,23 +669,6 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
-/** Maps: the edits so far. */
-export interface MapEditsMessage {
-  readonly type: "map_edits";
-  /** number of edits that are not undone */
-  readonly n: number;
-  /** number of edits that are undone */
-  readonly undone: number;
-  /** the last of the edits, oldest first, a phrase each */
-  readonly last: readonly string[];
-  /** cells of keepout zones */
-  readonly keepout_cells: number;
-  /** cells with a speed limit */
-  readonly speed_cells: number;
-  /** what the reader of the map noted */
-  readonly notes: readonly string[];
-}
-
 /** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
 export interface WorkingMessage {
   readonly type: "working";
@@ -1094,6 +1077,23 @@ export interface PathMessage {
   readonly speed_limit: string | null;
 }
 
+/** Maps: the edits so far. */
+export interface MapEditsMessage {
+  readonly type: "map_edits";
+  /** number of edits that are not undone */
+  readonly n: number;
+  /** number of edits that are undone */
+  readonly undone: number;
+  /** the last of the edits, oldest first, a phrase each */
+  readonly last: readonly string[];
+  /** cells of keepout zones */
+  readonly keepout_cells: number;
+  /** cells with a speed limit */
+  readonly speed_cells: number;
+  /** what the reader of the map noted */
+  readonly notes: readonly string[];
+}
+
 /** Acknowledge that the binary frames up to `seq` were painted. */
 export interface AckCommand {
   readonly type: "ack";
@@ -1206,30 +1206,6 @@ export interface TeleportCommand {
   readonly y: number;
   /** heading, rad; null: unchanged */
   readonly yaw?: number | null;
-}
-
-/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
-export interface MapEditCommand {
-  readonly type: "map_edit";
-  /** paint, fill, keepout, speed, despeckle, rotate, crop or origin */
-  readonly op: string;
-  /** paint: the line; fill, keepout, speed: the corners; crop: two corners; origin: the place */
-  readonly points?: readonly Point[] | null;
-  /** paint and fill: free, occupied or unknown */
-  readonly state?: string | null;
-  /** paint: width of the brush, m */
-  readonly width?: number | null;
-  /** keepout and speed: value of the filter's mask, 1 to 100, 0 for none; despeckle: most cells */
-  readonly value?: number | null;
-  /** rotate: by this; origin: its heading, rad */
-  readonly angle?: number | null;
-}
-
-/** Maps: undo edits, or make them again. */
-export interface MapHistoryCommand {
-  readonly type: "map_history";
-  /** negative: number of steps to undo; positive: to redo */
-  readonly steps: number;
 }
 
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
@@ -1428,6 +1404,30 @@ export interface GoalCommand {
   readonly drives?: boolean | null;
 }
 
+/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
+export interface MapEditCommand {
+  readonly type: "map_edit";
+  /** paint, fill, keepout, speed, despeckle, rotate, crop or origin */
+  readonly op: string;
+  /** paint: the line; fill, keepout, speed: the corners; crop: two corners; origin: the place */
+  readonly points?: readonly Point[] | null;
+  /** paint and fill: free, occupied or unknown */
+  readonly state?: string | null;
+  /** paint: width of the brush, m */
+  readonly width?: number | null;
+  /** keepout and speed: value of the filter's mask, 1 to 100, 0 for none; despeckle: most cells */
+  readonly value?: number | null;
+  /** rotate: by this; origin: its heading, rad */
+  readonly angle?: number | null;
+}
+
+/** Maps: undo edits, or make them again. */
+export interface MapHistoryCommand {
+  readonly type: "map_history";
+  /** negative: number of steps to undo; positive: to redo */
+  readonly steps: number;
+}
+
 /** The state of the class, to all who are in it; at most five times a second. */
 export interface ClassState {
   readonly type: "class";
@@ -1588,7 +1588,6 @@ export type ServerMessage =
   | ComparisonMessage
   | WorldMessage
   | Forgetting
-  | MapEditsMessage
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
@@ -1607,7 +1606,8 @@ export type ServerMessage =
   | CostmapMessage
   | CostMessage
   | Nav2Message
-  | PathMessage;
+  | PathMessage
+  | MapEditsMessage;
 
 export type Command =
   | AckCommand
@@ -1626,8 +1626,6 @@ export type Command =
   | FaultsCommand
   | CompareCommand
   | TeleportCommand
-  | MapEditCommand
-  | MapHistoryCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -1647,7 +1645,9 @@ export type Command =
   | CostmapCommand
   | CostCommand
   | Nav2Command
-  | GoalCommand;
+  | GoalCommand
+  | MapEditCommand
+  | MapHistoryCommand;
 
 export type ClassMessage =
   | ClassState
@@ -1999,14 +1999,6 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     free_with_clamp: isNumber,
     free_without_clamp: isNumber,
   },
-  map_edits: {
-    n: isInteger,
-    undone: isInteger,
-    last: isListOf(isText),
-    keepout_cells: isInteger,
-    speed_cells: isInteger,
-    notes: isListOf(isText),
-  },
   working: {
     elapsed_s: oneOf(isNumber, isNull),
     fraction: oneOf(isNumber, isNull),
@@ -2199,6 +2191,14 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     carrot: oneOf(isPoint, isNull),
     plan_ms: isNumber,
     speed_limit: oneOf(isText, isNull),
+  },
+  map_edits: {
+    n: isInteger,
+    undone: isInteger,
+    last: isListOf(isText),
+    keepout_cells: isInteger,
+    speed_cells: isInteger,
+    notes: isListOf(isText),
   },
 };
 

@@ -21,11 +21,12 @@ from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
 from server.library.packs.reference_map import ReferenceMap
 from server.parts.costmap.zones import painted_filters
+from server.parts.editing.messages import MapEditCommand
+from server.parts.editing.part import operation_of
 from server.parts.wire import command_of
 from server.sessions.parts import Costed
 from server.sessions.tick import TickResult
-from server.sources.map_editing import MapModel, operation_of
-from server.stream.commands import MapEditCommand
+from server.sources.map import MapModel
 from server.stream.protocol import ProtocolError
 from tests.server.sent import sent, sent_one
 from tests.server.service import Service, once_read, running, settings_for, until
@@ -47,7 +48,7 @@ class Host:
 
 def model(rows: int = 20, most: int = 1 << 24) -> MapModel:
     given = ReferenceMap("room", GridGeometry(0.1, rows, 30), np.zeros((rows, 30), np.int8), ("A note.",))
-    return MapModel(Host(most), given, log_id="room")  # type: ignore[arg-type]
+    return MapModel(Host(most), given)  # type: ignore[arg-type]
 
 
 COMMANDS: tuple[dict[str, Any], ...] = (
@@ -122,7 +123,7 @@ def test_a_large_map_is_edited_and_drawn_in_slices(command: dict[str, Any], pass
     n = 1024
     given = ReferenceMap("hall", GridGeometry(SIDE_M / n, n, n), np.zeros((n, n), np.int8), ())
     host = Host(1 << 27)
-    shown = MapModel(host, given, log_id="hall")  # type: ignore[arg-type]
+    shown = MapModel(host, given)  # type: ignore[arg-type]
     for _ in range(3):
         shown.handle(command_of({"type": "map_edit", "op": "fill", "state": "unknown", "points": ALL}), TickResult())
     shown.handle(command_of({"type": "map_history", "steps": -2 if command.get("steps") == 2 else 0}), TickResult())

@@ -7,6 +7,7 @@ from typing import Any
 from msgspec import UNSET, Struct, structs
 
 from server.parts.costmap import messages as costmap_messages
+from server.parts.editing.messages import MapEditsMessage
 from server.parts.localization.messages import LocalizationMessage
 from server.parts.path.messages import PathMessage
 from server.parts.terrain import messages as terrain
@@ -299,7 +300,7 @@ MESSAGES: tuple[Struct, ...] = (
     ),
     volume_messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
     volume_messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
-    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
+    MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
     messages.WorkingMessage(0.55, 0.2, "voxel"),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

@@ -1,14 +1,12 @@
-"""The model of a session that shows a map and edits it."""
+"""The edits of a map: shown, carried out and taken back."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
-from typing import ClassVar
 
 import numpy as np
-from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import LimitError
@@ -21,15 +19,12 @@ from mapper.grid.kernels.quantise import NEVER_OBSERVED
 from mapper.io.maps.reading import grid_of_values
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.reference_map import ReferenceMap
+from server.parts.editing.messages import MapEditCommand, MapEditsMessage, MapHistoryCommand
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import NO_READINGS
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.part import Offers, Part
 from server.sessions.parts import EditedFiles
 from server.sessions.tick import TickResult
-from server.sessions.view import Playback
-from server.stream.commands import MapEditCommand, MapHistoryCommand
-from server.stream.layers import GridLayer, Layer
-from server.stream.messages import FrameMessage, MapEditsMessage, ScanFields
+from server.stream.layers import GridLayer
 from server.stream.protocol import fields_of
 from server.stream.tiles import TilePicture, picture_range
 
@@ -62,15 +57,14 @@ def operation_of(command: MapEditCommand) -> Operation:
     return parse_operation({"op": command.op, **given})
 
 
-class MapModel(SessionModel, EditedFiles):
-    """A map of the library with its edits."""
+class Editing(Part, EditedFiles):
+    """A map with its edits, its keepout zones and its speed limits."""
 
-    kind: ClassVar[str] = "map"
+    commands = (MapEditCommand, MapHistoryCommand)
 
-    def __init__(self, host: ModelHost, given: ReferenceMap, *, log_id: str) -> None:
+    def __init__(self, host: ModelHost, given: ReferenceMap) -> None:
         """Show a map. Raises :class:`LimitError` for one of more than :data:`MOST_CELLS` cells."""
-        super().__init__(Playback(playing=False))
-        self._host, self._given, self._log_id = host, given, log_id
+        self._host, self._given = host, given
         geometry = _limited(given.geometry, host.limits())
         self._edited = EditedMap(geometry, given.values, given.keepout, host.may_continue, speed=given.speed)
         self._map = GridLayer("map", "Map")
@@ -80,29 +74,22 @@ class MapModel(SessionModel, EditedFiles):
         self._has_limits = False  #: whether the layer of speed limits was ever drawn
         self._draw()
 
-    # -- what is shown --------------------------------------------------------------------------------------------
+    @property
+    def geometry(self) -> GridGeometry:
+        """The geometry of the present map."""
+        return self._edited.geometry
 
     @property
-    def layers(self) -> Sequence[Layer]:
+    def layers(self) -> tuple[GridLayer, ...]:
         """The map, its keepout zones and its speed limits."""
         return (self._map, self._keepout, self._speed)
 
     @property
-    def title(self) -> str:
-        """The name of the map."""
-        return self._given.title
-
-    @property
-    def footprint(self) -> Footprint:
+    def cells(self) -> int:
         """The cells of the states that are kept, and of the layers."""
-        return Footprint(self._edited.cells + 6 * self._edited.values.size)
+        return self._edited.cells + 6 * self._edited.values.size
 
-    @property
-    def progress(self) -> tuple[int, int]:
-        """The map is complete."""
-        return (1, 1)
-
-    def messages(self) -> list[Struct]:
+    def messages(self) -> list[MapEditsMessage]:
         """Return the message ``map_edits``."""
         edited = self._edited
         return [
@@ -116,23 +103,8 @@ class MapModel(SessionModel, EditedFiles):
             )
         ]
 
-    def complete_frame(self, frame: FrameMessage) -> None:
-        """Set the middle of the map as the pose: the cursor of the keyboard starts there."""
-        geometry = self._edited.geometry
-        x, y = geometry.cell_to_world(((geometry.rows - 1) // 2, (geometry.cols - 1) // 2)).round(4).tolist()
-        frame.pose = (x, y, 0.0)
-
-    def scan(self) -> ScanFields:
-        """Return a scan without readings."""
-        return NO_READINGS
-
-    # -- editing --------------------------------------------------------------------------------------------------
-
-    def advance(self, dt: float, result: TickResult) -> None:
-        """Do nothing: a map stays as it is."""
-
-    def handle(self, command: Struct, result: TickResult) -> None:
-        """Carry out a command: an edit, or a step through the edits."""
+    def handle(self, command: MapEditCommand | MapHistoryCommand, result: TickResult) -> None:
+        """Carry out an edit, or a step through the edits."""
         edited = self._edited
         match command:
             case MapEditCommand():
@@ -140,13 +112,10 @@ class MapModel(SessionModel, EditedFiles):
                 is_other = True
             case MapHistoryCommand(steps=steps):
                 is_other = edited.undo(-steps) if steps < 0 else steps > 0 and edited.redo(steps)
-            case _:
-                super().handle(command, result)
-                return
         self._is_stale |= is_other
         result.changed |= is_other
 
-    def draw(self, result: TickResult) -> None:
+    def changed(self, result: TickResult) -> None:
         """Show the map after the edits of this tick."""
         if self._is_stale:
             self._draw()
@@ -173,7 +142,12 @@ class MapModel(SessionModel, EditedFiles):
     async def files(self, stem: str) -> list[tuple[str, bytes]]:
         """Return the files of the present map, by name."""
         async with self._host.settled():
-            return await self._host.on_thread(partial(_files, self._edited, stem, self.title))
+            return await self._host.on_thread(partial(_files, self._edited, stem, self._given.title))
+
+
+def part_of(offers: Offers) -> Editing | None:
+    """Return the part of a map."""
+    return None if offers.map is None else Editing(offers.host, offers.map)
 
 
 def _files(edited: EditedMap, stem: str, source: str) -> list[tuple[str, bytes]]:

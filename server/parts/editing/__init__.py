@@ -1,0 +1,1 @@
+"""Editing of a map, see :mod:`mapper.editing`."""
