@@ -7,6 +7,8 @@ log is read, so that the map is right by itself; the doctor asks more thoroughly
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,16 +28,26 @@ LEAST_MOVED_M = 0.05  #: by which the robot moves a beam's end within a sweep, w
 STILL = 0.5  #: of that, at most, where it hardly moves
 FARTHEST_M = 0.3  #: from the nearest end of another beam: what is farther was not seen by others
 BETTER, BY_M = 0.75, 0.01  #: the share, and by how much, that beams taken at once end nearer to others
-DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: with which the stated times may fit as well
+DELAYS_S = tuple(0.05 * k for k in range(-6, 7))  #: of the scans, with which an order of beams may fit best
+FINER_S = (0.025, 0.0125, 0.00625)  #: steps by which it is looked for around the best of them
 
 
-def contradicted_sweep(log: ScanLog) -> str:
-    """Return why the beams of a scan were not measured at the times that are stated; nothing where that is not clear.
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """When the beams of a scan were measured, as the readings say: at once, or ``reversed``; ``why`` is a sentence."""
 
-    Poses are those of the log's first trajectory. Its own times must fit clearly worse with each delay.
+    why: str
+    reversed: bool
+
+
+def contradicted_sweep(log: ScanLog) -> Sweep | None:
+    """Return how the beams of a scan were measured in place of the stated times; None where that is not clear.
+
+    Poses are those of the log's first trajectory. Each order is taken with the delay with which it fits best, so that
+    late poses do not decide, and the stated one must fit clearly worse.
     """
     if not log.can_deskew():
-        return ""
+        return None
     motion, first = Motion.of(log), seconds(log)
     sweep = log.time_increment * (log.n_beams - 1)
     begin, end = motion.at(first), motion.at(first + sweep)
@@ -43,10 +55,10 @@ def contradicted_sweep(log: ScanLog) -> str:
     moved = np.hypot(*(end - begin)[:, :2].T) + REACH_M * turned
     stretches = _stretches(moved, motion.is_dense(first, first + sweep))
     if len(stretches) < LEAST_STRETCHES:
-        return ""
+        return None
     from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few logs need
 
-    def apart(increment: float, delay: float = 0.0) -> float:
+    def apart(increment: float, delay: float) -> float:
         """Return how far ends in the scans with motion are from the nearest in the others, on average, metres."""
         found = [np.zeros(0)]
         for scans in stretches:
@@ -56,18 +68,35 @@ def contradicted_sweep(log: ScanLog) -> str:
         distances = np.minimum(np.concatenate(found), FARTHEST_M)
         return float(distances.mean()) if len(distances) else 0.0
 
-    at_once = apart(0.0)
+    def best(increment: float, first_beam: float) -> float:
+        """Return the least distance with any delay, where the first beam is measured so long after the stamp."""
+        least, delay = min((apart(increment, first_beam + delay), delay) for delay in DELAYS_S)
+        for step in FINER_S:
+            least, delay = min(
+                (least, delay), *((apart(increment, first_beam + d), d) for d in (delay - step, delay + step))
+            )
+        return least
 
-    def fits_worse(delay: float) -> bool:
-        stated = apart(log.time_increment, delay)
-        return at_once <= BETTER * stated and at_once <= stated - BY_M
+    def fits(one: float, other: float) -> bool:
+        return one <= BETTER * other and one <= other - BY_M
 
-    if not all(fits_worse(delay) for delay in (0.0, -0.5 * sweep, -sweep, *DELAYS_S)):
-        return ""
-    return (
-        f"A sweep of {log.n_beams} beams takes {abs(sweep):.3g} s by the stated time_increment, and their readings fit "
-        "together as measured at once: so alone they end, where the robot turns, on walls that others saw. The "
-        "time_increment is not used (deskew off)."
+    if apart(log.time_increment, 0.0) <= BY_M:  # nothing fits clearly better
+        return None
+    stated, at_once = best(log.time_increment, 0.0), best(0.0, 0.0)
+    backwards = best(-log.time_increment, sweep)
+    if not fits(min(at_once, backwards), stated):
+        return None
+    lasts = f"A sweep of {log.n_beams} beams takes {abs(sweep):.3g} s by the stated time_increment, and their readings"
+    where = "so alone they end, where the robot turns, on walls that others saw."
+    if fits(backwards, at_once):
+        begins = "last" if sweep > 0.0 else "first"
+        why = (
+            f"{lasts} fit together as measured in the other order, the {begins} beam first: {where} They are taken so."
+        )
+        return Sweep(why, reversed=True)
+    return Sweep(
+        f"{lasts} fit together as measured at once: {where} The time_increment is not used (deskew off).",
+        reversed=False,
     )
 
 

@@ -24,7 +24,7 @@ PAUSE = 5.0  #: times between scans that are longer than so many usual ones are 
 
 
 def understood(robot: RobotLog) -> RobotLog:
-    """Return a log without sweeps that cannot be or that its readings contradict, with notes on what these lack."""
+    """Return a log whose sweeps can be and do not contradict its readings, with notes on what these lack."""
     sensors = {name: _understood(log) for name, log in robot.sensors.items()}
     return replace(robot, sensors=sensors)
 
@@ -35,8 +35,8 @@ def _understood(log: ScanLog) -> ScanLog:
     if any(why):
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
     contradicted = contradicted_sweep(max(sensors_of(log), key=lambda part: part.n_scans))
-    if contradicted:
-        log, why = each_part(log, _at_once), [*why, contradicted]
+    if contradicted is not None:
+        log, why = each_part(log, _reversed if contradicted.reversed else _at_once), [*why, contradicted.why]
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
 
 
@@ -52,6 +52,22 @@ def _usual_reading(log: ScanLog) -> float:
 
 def _at_once(log: ScanLog) -> ScanLog:
     return replace(log, time_increment=0.0)
+
+
+def _reversed(log: ScanLog) -> ScanLog:
+    """Return the log with the last beam of each scan measured first, or the first where they were in that order.
+
+    The beams are in the order in which they were measured then; the stamp is when the first of them was.
+    """
+    if log.time_increment <= 0.0:
+        return replace(log, time_increment=-log.time_increment)
+    return replace(
+        log,
+        ranges=np.ascontiguousarray(log.ranges[:, ::-1]),
+        angle_min=log.angle_min + log.angle_increment * (log.n_beams - 1),
+        angle_increment=-log.angle_increment,
+        bearings=None if log.bearings is None else log.bearings[::-1],
+    )
 
 
 def time_between_scans(stamps_ns: NDArray[np.int64]) -> float:

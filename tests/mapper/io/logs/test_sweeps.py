@@ -35,6 +35,15 @@ def at_once(increment: float) -> ScanLog:
     return replace(log, ranges=to_the_walls(poses).astype(np.float32), time_increment=increment)
 
 
+def reversed_order(delay: float = 0.0) -> ScanLog:
+    """A log of a lidar that turns clockwise, whose driver lists the beams counter-clockwise, in time too."""
+    first = 100.0 + np.arange(N) / RATE
+    log = swept(N, delay=delay)
+    poses = true_poses(first[:, np.newaxis] + STEP * np.arange(BEAMS)[::-1])
+    poses[..., 2] += log.angles
+    return replace(log, ranges=to_the_walls(poses).astype(np.float32))
+
+
 def read(log: ScanLog) -> ScanLog:
     return understood(RobotLog.of_one(log)).first
 
@@ -45,6 +54,28 @@ def test_a_true_sweep_is_used_whatever_the_clocks_and_the_poses_are(delay: float
     """Of a scan that is stamped late beams at the stamp fit better than at the stated times, and neither does well."""
     log = read(with_poses(swept(N, delay=delay), **wrong))
     assert (log.time_increment, log.notes) == (STEP, ())
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.15, -0.2])
+@pytest.mark.parametrize("wrong", [{}, {"drift": 0.02}, {"noise": 0.01}])
+def test_poses_that_are_late_hide_no_scans_that_were_taken_at_once(delay: float, wrong: dict[str, float]) -> None:
+    log = at_once(STEP)
+    stamps_ns = log.stamps_ns - round(delay * 1e9)
+    assert read(with_poses(replace(log, stamps_ns=stamps_ns), **wrong)).time_increment == 0.0
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.1, -0.2])
+@pytest.mark.parametrize("stated", [STEP, -STEP])
+def test_beams_that_were_measured_in_the_other_order_are_taken_so(delay: float, stated: float) -> None:
+    """Slamtec's drivers reverse the beams of lidars that turn clockwise, and state a positive increment."""
+    made = reversed_order(delay) if stated > 0.0 else replace(swept(N, delay=delay), time_increment=stated)
+    log = read(with_poses(made))
+    assert log.time_increment == STEP
+    assert f"the {'last' if stated > 0.0 else 'first'} beam first" in log.notes[0]
+    # Each reading ends on a wall where the robot was when it was measured.
+    poses = true_poses(log.stamps_ns[:, np.newaxis] * 1e-9 + delay + STEP * np.arange(BEAMS))
+    poses[..., 2] += log.angles
+    np.testing.assert_allclose(log.ranges, to_the_walls(poses), atol=1e-4)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.5, 2.0])
