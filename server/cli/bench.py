@@ -6,6 +6,9 @@ from typing import Annotated, Any
 
 import typer
 
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.tools.bench import bench_map
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -14,14 +17,16 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
-    bench_app,
     configured,
     given_parameters,
     print_json,
-    read_log,
     refusing,
     with_parameter_options,
 )
+from server.cli.reading import read_log
+
+bench_app = typer.Typer(no_args_is_help=True)
+app.add_typer(bench_app, name="bench")
 
 
 @bench_app.callback()
@@ -43,9 +48,6 @@ def bench_map_command(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Measure the time to compute a log's map, for each kind of update; the shortest of several runs counts."""
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from mapper.tools.bench import bench_map  # noqa: PLC0415 - start-up
-
     given = given_parameters(parameters, mount)
     scans = read_log(log, topic, tum_trajectory, tf)
     config = configured(recorded_defaults(scans.beam_width, given))

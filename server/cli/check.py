@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
+from mapper.diagnosis import Limits, judge, named_findings
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -15,16 +17,15 @@ from server.cli.common import (
     TfTopic,
     TopicNames,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
     print_json,
     progress_bar,
-    read_joint,
     refusing,
     with_parameter_options,
 )
+from server.cli.reading import read_joint
 
 FAILED = 1  #: exit status
 
@@ -60,8 +61,6 @@ def check(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Judge a log by limits: exit status 0 where it keeps them, 1 where not, with the reasons."""
-    from mapper.diagnosis import Limits, judge, named_findings  # noqa: PLC0415 - start-up
-
     if max_drift is None and min_sharpness is None and no_findings is None:
         fail("Nothing to check: give --max-drift, --min-sharpness or --no-findings.")
     _check_number("--max-drift", max_drift, math.inf, "a number of metres from 0")

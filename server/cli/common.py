@@ -1,4 +1,4 @@
-"""The ``gridbloom`` application object, and what commands share: options, errors, reading a log."""
+"""What commands share: options, errors, progress."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -19,37 +19,6 @@ from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
 from mapper.sensors.planar.options import PlanarCut
-from server.version import package_version
-
-if TYPE_CHECKING:
-    from mapper.sensors.scan import ScanLog
-
-
-app = typer.Typer(
-    help="Occupancy grid maps of simulated worlds and robot logs.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-bench_app = typer.Typer(no_args_is_help=True)
-app.add_typer(bench_app, name="bench")
-
-
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"gridbloom {package_version()}")
-        raise typer.Exit
-
-
-@app.callback()
-def options(
-    show_version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
-    ] = False,
-) -> None:
-    """Options of the command itself."""
-
 
 BAD_INPUT = 2  #: exit status
 MOUNT = ("mount_x", "mount_y", "mount_yaw")  #: one option for the three
@@ -274,68 +243,3 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=1.0)
         yield lambda share: bar.update(task, completed=share)
-
-
-def read_log(path: Path, topic: str | None = None, tum: Path | None = None, tf: str | None = None) -> ScanLog:
-    """Return the log at ``path``, with the trajectory of ``tum``, or end the command with an error.
-
-    ``tf`` says which topic's transforms are taken.
-    """
-    from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
-
-    with refusing(path), progress_bar("Reading") as progress:
-        log = open_log(path, topic=topic, tf=tf, progress=progress)
-    return with_tum(log, tum)
-
-
-def read_sensors(
-    path: Path, topics: Sequence[str], tum: Path | None, cut: PlanarCut, tf: str | None = None
-) -> tuple[ScanLog, ...]:
-    """Return the named sensors of a log, or those that make one map where none is named; otherwise as :func:`read_log`.
-
-    ``cut`` says how scans are cut out of clouds and depth images, and ``tf`` which topic's transforms are taken.
-    """
-    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
-    from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
-
-    with refusing(path), progress_bar("Reading") as progress:
-        robot = open_robot_log(path, selection=Selection(tuple(topics), cut, tf), progress=progress)
-    return tuple(with_tum(log, tum) for log in robot.sensors.values())
-
-
-def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None, tf: str | None = None) -> ScanLog:
-    """Return the sensors that :func:`read_sensors` returns as one log."""
-    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415 - start-up
-
-    logs = read_sensors(path, list(dict.fromkeys(topics)), tum, PlanarCut(), tf)
-    with refusing(path):
-        return logs[0] if len(logs) == 1 else JointLog.of(logs)
-
-
-def with_corrections(path: Path, log: ScanLog, mapping: MappingConfig) -> ScanLog:
-    """Return the log with the correction of its mount and of its clock, as its map with these parameters has it.
-
-    The command ends where the mounts of several sensors would be corrected.
-    """
-    from mapper.mapping.corrections import as_mapped  # noqa: PLC0415 - start-up
-    from mapper.sensors.joint_log import by_sensor  # noqa: PLC0415 - start-up
-
-    check_mount(len(by_sensor(log)), mapping)
-    with refusing(path):
-        return as_mapped(log, mapping)
-
-
-def check_mount(n_sensors: int, mapping: MappingConfig) -> None:
-    """End the command where a correction of the mount was given, and several sensors are taken."""
-    if n_sensors > 1 and (any(mapping.mount) or mapping.mount_upside_down):
-        fail("A correction of the mount is for one sensor; give one --topic with it.")
-
-
-def with_tum(log: ScanLog, tum: Path | None) -> ScanLog:
-    """Return the log with the trajectory of a TUM file, if one is given, or end the command with an error."""
-    if tum is None:
-        return log
-    from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up
-
-    with refusing(tum):
-        return with_trajectory(log, read_tum(tum))

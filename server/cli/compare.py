@@ -7,7 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
+from mapper.grid.compare import STATES, difference
+from mapper.grid.compare import compare as compare_maps
+from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import BY_NAME, PARAMETERS
+from mapper.mapping.sensor_defaults import recorded_defaults
+from server.cli.commands import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -17,15 +22,14 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     given_parameters,
     print_json,
-    read_log,
     refusing,
     set_values,
     with_parameter_options,
 )
+from server.cli.reading import read_log
 
 
 @app.command()
@@ -49,11 +53,6 @@ def compare(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make two maps that differ in parameters, poses or log, and compare them cell by cell."""
-    from mapper.grid.compare import STATES, difference  # noqa: PLC0415 - start-up
-    from mapper.grid.compare import compare as compare_maps  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-
     given = given_parameters(parameters, mount)
     changed = set_values(BY_NAME, other or [], "--other")
     configured(given | changed)

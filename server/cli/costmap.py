@@ -5,16 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, NamedTuple
 
+import numpy as np
 import typer
 
-from server.cli.common import AsJson, app, print_json, print_notes, refusing
+from mapper.core.array_types import Int8Array, UInt8Array
+from mapper.costmap import Mask
+from mapper.costmap.build import DEFAULT, build_costmap, load_masks
+from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION
+from mapper.costmap.files import save_costmap, save_costmap_mcap
+from mapper.costmap.nav2.costmap import Nav2Costmap
+from mapper.costmap.nav2.filters import NamedFilter
+from mapper.costmap.nav2.reading import parse_nav2_costmap
+from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE
+from mapper.io.maps import load_map
+from mapper.io.ros_parameters import read_parameter_file
+from server.cli.commands import app
+from server.cli.common import AsJson, print_json, print_notes, refusing
 
-if TYPE_CHECKING:
-    from mapper.core.array_types import Int8Array, UInt8Array
-    from mapper.costmap import Mask
-    from mapper.costmap.nav2.costmap import Nav2Costmap
 KeepoutMask = Annotated[
     Path | None,
     typer.Option("--keepout", metavar="MASK.yaml", help="Mask of a keepout filter, besides those of the parameters."),
@@ -55,15 +64,6 @@ def costmap(
     as_json: AsJson = False,
 ) -> None:
     """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
-    import numpy as np  # noqa: PLC0415 - start-up
-
-    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
-    from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
-    from mapper.costmap.files import save_costmap, save_costmap_mcap  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2.reading import parse_nav2_costmap  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
-
     parameters = DEFAULT
     if params is not None:
         with refusing(params):
@@ -153,10 +153,6 @@ def with_masks(
 
     ``params`` is the parameter file, None without one. A file that is no mask ends the command with a sentence.
     """
-    from mapper.costmap.build import load_masks  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2.filters import NamedFilter  # noqa: PLC0415 - start-up
-    from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE  # noqa: PLC0415 - start-up
-
     masks: dict[str, Mask] = {}
     if params is not None:
         with refusing(params):
@@ -180,6 +176,4 @@ def notes_on_masks(masks: Mapping[str, Mask]) -> list[str]:
 
 def count_unknown_as_free(parameters: Nav2Costmap, values: Int8Array, costs: UInt8Array) -> int:
     """Return how many cells that a map does not know a costmap's costs (rows, cols) have as free, or as near a wall."""
-    from mapper.costmap.costs import LETHAL  # noqa: PLC0415 - start-up
-
     return 0 if parameters.general.track_unknown_space else int(((values < 0) & (costs < LETHAL)).sum())

@@ -7,7 +7,11 @@ from typing import Annotated
 
 import typer
 
-from server.cli.common import AsJson, app, print_json, print_notes, refusing
+from mapper.editing import EditedMap
+from mapper.editing.files import apply_edits, read_edits, save_edited
+from mapper.io.maps import load_map
+from server.cli.commands import app
+from server.cli.common import AsJson, print_json, print_notes, refusing
 
 
 @app.command()
@@ -18,10 +22,6 @@ def edit(
     as_json: AsJson = False,
 ) -> None:
     """Edit a map: paint, remove specks, zones, speed limits, turn, crop, move the origin, as a file of edits says."""
-    from mapper.editing import EditedMap  # noqa: PLC0415 - start-up
-    from mapper.editing.files import apply_edits, read_edits, save_edited  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
         edited = EditedMap(loaded.grid.geometry, loaded.values)

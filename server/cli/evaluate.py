@@ -6,18 +6,29 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from server.cli.common import AsJson, TfTopic, TopicName, app, fail, print_json, print_notes, read_log, refusing
+from mapper.evaluation import (
+    PUBLISHED,
+    ComparisonOptions,
+    ErrorSeries,
+    PublishedResult,
+    RelationErrors,
+    benchmark_named,
+    compare_trajectories,
+    evaluate_relations,
+)
+from mapper.io.logs import is_log, odometry_records
+from mapper.io.trajectories import read_relations, read_tum
+from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import TimedPoses
+from server.cli.commands import app
+from server.cli.common import AsJson, TfTopic, TopicName, fail, print_json, print_notes, refusing
+from server.cli.reading import read_log
 
-if TYPE_CHECKING:
-    from mapper.evaluation import ErrorSeries, PublishedResult, RelationErrors
-    from mapper.sensors.scan import ScanLog
-    from mapper.sensors.timed_poses import TimedPoses
-
-    Read = Callable[[Path], ScanLog]  #: a log, as the options say
+Read = Callable[[Path], ScanLog]  #: a log, as the options say
 
 FIGURES = ("rmse", "mean", "median", "std", "min", "max", "sse")
 NAMES = {"rigid": "rotation and translation", "scaled": "rotation, translation and scale", "origin": "first pose"}
@@ -65,7 +76,6 @@ def evaluate(
     as_json: AsJson = False,
 ) -> None:
     """Print the errors of a trajectory against a reference, as evo does, or over known relations."""
-    from mapper.evaluation import ComparisonOptions, compare_trajectories  # noqa: PLC0415 - start-up
 
     def read(path: Path) -> ScanLog:
         return read_log(path, topic, tf=tf)
@@ -127,10 +137,6 @@ def evaluate(
 
 def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: Read, *, as_json: bool) -> None:
     """Print the errors of a log's poses, or of others of its scans, over known relations."""
-    from mapper.evaluation import PUBLISHED, benchmark_named, evaluate_relations  # noqa: PLC0415 - start-up
-    from mapper.io.logs import is_log, odometry_records  # noqa: PLC0415 - start-up
-    from mapper.io.trajectories import read_relations  # noqa: PLC0415 - start-up
-
     path, name = _path_and_name(log)
     if not is_log(path):
         fail(f"{path}: The relations need the log that they belong to, and this is none.")
@@ -216,9 +222,6 @@ def _path_and_name(text: str) -> tuple[Path, str | None]:
 
 def _poses(text: str, read: Read) -> TimedPoses:
     """Return the poses of a TUM file, or of a log's trajectory, or end the command with an error."""
-    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
-    from mapper.io.trajectories import read_tum  # noqa: PLC0415 - start-up
-
     path, name = _path_and_name(text)
     if is_log(path):
         return _of_log(path, read(path), name)
@@ -229,8 +232,6 @@ def _poses(text: str, read: Read) -> TimedPoses:
 
 
 def _of_log(path: Path, log: ScanLog, name: str | None) -> TimedPoses:
-    from mapper.sensors.timed_poses import TimedPoses  # noqa: PLC0415 - start-up
-
     with refusing(path):
         return TimedPoses(log.stamps_ns, log.trajectory(name).poses)
 

@@ -9,7 +9,11 @@ from typing import Annotated, Literal
 
 import typer
 
-from server.cli.common import AsJson, app, print_json, progress_bar, refusing
+from server.cli.commands import app
+from server.cli.common import AsJson, print_json, progress_bar, refusing
+from server.fleet import Fleet, Result, workers_at
+from server.fleet.page import PAGE, line_of, ordered, write_page
+from server.library.processing.fleet.fleet_job import LIMITS
 
 PAGE_EVERY_S = 1.0
 
@@ -33,10 +37,6 @@ def fleet(
     as_json: AsJson = False,
 ) -> None:
     """Read, examine and map many logs; OUT/index.html shows the maps as they are made."""
-    from server.fleet import Fleet, Result, workers_at  # noqa: PLC0415 - start-up
-    from server.fleet.page import PAGE, line_of, ordered, write_page  # noqa: PLC0415 - start-up
-    from server.library.processing.fleet.fleet_job import LIMITS  # noqa: PLC0415
-
     began = time.monotonic()
     limits = LIMITS
     whole = Fleet(logs, out, limits)

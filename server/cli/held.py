@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import typer
 from msgspec import Struct, to_builtins
+from numpy.typing import NDArray
 
+from mapper.io.clouds import read_cloud, read_depth_folder, read_scan_graph
+from mapper.io.clouds.describe import CloudDescription, description
+from mapper.io.contents.inspection import Held
+from mapper.io.contents.model import TopicContents
+from mapper.sensors.streams import CloudStream, ImuStream
+from mapper.volume.scans.map_offset import offset_of
 from server.cli.common import print_json, print_notes, progress_bar, refusing
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from mapper.io.clouds.describe import CloudDescription
-    from mapper.io.contents.inspection import Held
-    from mapper.io.contents.model import TopicContents
-    from mapper.sensors.streams import CloudStream, ImuStream
 
 
 class CloudFacts(Struct):
@@ -146,10 +145,6 @@ def size_line(topic: TopicContents, *, with_rate: bool = True) -> str:
 
 def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
     """Print what the cloud, or the scan graph, at ``path`` is."""
-    from mapper.io.clouds import read_cloud, read_scan_graph  # noqa: PLC0415 - start-up
-    from mapper.io.clouds.describe import description  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.map_offset import offset_of  # noqa: PLC0415 - start-up
-
     with refusing(path), progress_bar("Reading") as bar:
         scans = sum(1 for _ in read_scan_graph(path)) if kind == "scan graph" else None
         cloud = read_cloud(path, progress=bar)
@@ -193,8 +188,6 @@ def _point(values: list[float]) -> str:
 
 def print_depth_folder(path: Path, *, as_json: bool) -> None:
     """Print what the folder of depth images at ``path`` is."""
-    from mapper.io.clouds import read_depth_folder  # noqa: PLC0415 - start-up
-
     with refusing(path):
         folder = read_depth_folder(path)
         first = folder.frames[0].read()

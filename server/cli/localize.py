@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
+from mapper.io.export import tum_text
+from mapper.io.maps import load_map
+from mapper.localization import PARAMETERS, LocalizationConfig, Localized, localize_log, read_amcl_yaml
+from mapper.localization.localize import LOCALIZED, covariance_lines
+from mapper.localization.map_model import check_pose
+from mapper.sensors.scan import ScanLog, Trajectory
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -16,7 +25,6 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
@@ -24,16 +32,11 @@ from server.cli.common import (
     print_json,
     print_notes,
     progress_bar,
-    read_joint,
     refusing,
     set_values,
-    with_corrections,
     with_parameter_options,
 )
-
-if TYPE_CHECKING:
-    from mapper.localization import LocalizationConfig, Localized
-    from mapper.sensors.scan import ScanLog
+from server.cli.reading import read_joint, with_corrections
 
 #: How the command is given odometry that the log lacks.
 NO_ODOMETRY = " `gridbloom slam {log} --out out/slam` writes it: then add --tum-trajectory out/slam.tum here."
@@ -75,9 +78,6 @@ def localize(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Find the robot of a log in a map, by its odometry and its scans (Monte Carlo localization)."""
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.localization import localize_log  # noqa: PLC0415 - start-up
-
     mapping = configured(given_parameters(parameters, mount))
     begin = None
     if initial_pose is not None:
@@ -86,8 +86,6 @@ def localize(
     with refusing(map_file):
         loaded = load_map(map_file)
         if begin is not None:
-            from mapper.localization.map_model import check_pose  # noqa: PLC0415 - start-up
-
             check_pose(loaded.grid.geometry, begin)
     if out is not None:
         try:
@@ -170,8 +168,6 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
 
     An error ends the command.
     """
-    from mapper.localization import PARAMETERS, LocalizationConfig, read_amcl_yaml  # noqa: PLC0415 - start-up
-
     config = LocalizationConfig()
     notes: list[str] = []
     if params is not None:
@@ -188,13 +184,6 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
 
 
 def _write(path: Path, log: ScanLog, localized: Localized, frame: str) -> list[Path]:
-    from dataclasses import replace  # noqa: PLC0415 - start-up
-
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
-    from mapper.localization.localize import LOCALIZED, covariance_lines  # noqa: PLC0415 - start-up
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
-
     placed = replace(
         log, trajectories={LOCALIZED: Trajectory(localized.poses, "localized in a map", frame, from_scans=True)}
     )

@@ -6,12 +6,26 @@ import json
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from msgspec import to_builtins
 
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ReadError
+from mapper.diagnosis import diagnose
+from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.reading import TEXT, format_of
+from mapper.io.contents.inspection import Held, open_held, open_inspected
+from mapper.io.contents.model import TopicContents
+from mapper.io.contents.report import excerpt
+from mapper.io.logs import is_log, open_robot_log
+from mapper.io.logs.selection import Selection
+from mapper.io.logs.summary import TimeSummary, summarise
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import ScanLog, Topic
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -21,18 +35,14 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
     print_json,
     print_notes,
     progress_bar,
-    read_joint,
     refusing,
-    with_corrections,
     with_parameter_options,
-    with_tum,
 )
 from server.cli.held import (
     clouds_facts,
@@ -45,16 +55,12 @@ from server.cli.held import (
     stream_line,
     topic_line,
 )
+from server.cli.map3d import describe_octree
 from server.cli.map_files import describe_map
+from server.cli.maps import cause_and_drift
+from server.cli.reading import read_joint, with_corrections, with_tum
+from server.cli.surface import describe_mesh
 from server.version import package_version
-
-if TYPE_CHECKING:
-    from mapper.io.contents.inspection import Held
-    from mapper.io.contents.model import TopicContents
-    from mapper.io.logs.summary import TimeSummary
-    from mapper.sensors.robot_log import RobotLog
-    from mapper.sensors.scan import ScanLog, Topic
-
 
 REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
 TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
@@ -87,13 +93,9 @@ def info(
     if report:
         _write_report(log)
         return
-    from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
-    from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
-    from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up
 
     if any(describe(log, as_json=as_json) for describe in (describe_octree, describe_mesh, describe_map)):
         return
-    from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     if _print_cloud(log, as_json=as_json):
         return
@@ -138,9 +140,6 @@ def info(
 
 def _write_report(path: Path) -> None:
     """Write the excerpt of a log, whether it can be read or not."""
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.io.contents.report import excerpt  # noqa: PLC0415 - start-up
-
     if not path.exists():
         fail(f"{path}: There is no such file.")
     text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
@@ -154,9 +153,6 @@ def _write_report(path: Path) -> None:
 
 def _causes(log: ScanLog, trajectory: str | None, given: dict[str, object]) -> list[str]:
     """Return the note of ``map`` on what makes the log's map bad, if it is known."""
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from server.cli.maps import cause_and_drift  # noqa: PLC0415 - start-up
-
     config = configured(recorded_defaults(log.beam_width, given))
 
     return [said for said in cause_and_drift(log, trajectory, config) if said]
@@ -164,10 +160,6 @@ def _causes(log: ScanLog, trajectory: str | None, given: dict[str, object]) -> l
 
 def _print_cloud(path: Path, *, as_json: bool) -> bool:
     """Print a cloud, a scan graph or a folder of depth images; return whether it is one."""
-    from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - start-up
-    from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415 - start-up
-    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
-
     if is_depth_folder(path):
         print_depth_folder(path, as_json=as_json)
         return True
@@ -188,10 +180,6 @@ def _read(
 
     Of a recording without scans, what else it holds.
     """
-    from mapper.io.contents.inspection import open_held, open_inspected  # noqa: PLC0415 - start-up
-    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
-    from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
-
     with refusing(log), progress_bar("Reading") as bar:
         if not with_contents:
             return open_robot_log(log, selection=Selection.of(topic, tf=tf), progress=bar), ()
@@ -249,8 +237,6 @@ def doctor(
 
     Events are pushes, slips and lifts of the robot, which its wheels did not measure, and steps of its clock.
     """
-    from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
-
     config = configured(given_parameters(parameters, mount))
     of_mount = replace(config, time_offset=0.0)  # the doctor takes the offset into account itself
     scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), of_mount)

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 from msgspec import Struct, to_builtins
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.clouds.given_poses import GivenPoses
+from mapper.io.clouds.reading import cloud_format
+from mapper.volume import OccupancyVolume, Octree, OctreeFile, octree_file, project, write_octree
+from mapper.volume.mesh.faces import voxel_mesh
 from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
+from mapper.volume.octree.files import is_octree, read_octree
+from mapper.volume.scans.map_offset import MapOffset, georeferenced, offset_notes
+from mapper.volume.scans.sources import Insertion, file_head, insert_all, open_source, refuse_poses
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     TfTopic,
-    app,
     fail,
     given_values,
     numbers,
@@ -25,12 +35,8 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
+from server.cli.map_files import save
 from server.cli.surface import MESHES, map_surface, write_mesh_file
-
-if TYPE_CHECKING:
-    from mapper.core.array_types import Float64Array
-    from mapper.io.clouds.given_poses import GivenPoses
-    from mapper.volume import OccupancyVolume, Octree, OctreeFile
 
 _ROWS = {row.name: row for row in VOLUME_PARAMETERS}
 KINDS = (".bt", ".ot")
@@ -91,13 +97,6 @@ def map3d(
     **parameters: Any,  # noqa: ANN401 - the table's
 ) -> None:
     """Map point clouds in three dimensions: occupied voxels as OctoMap does, or with --tsdf a surface as a mesh."""
-    import numpy as np  # noqa: PLC0415 - start-up
-
-    from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
-    from mapper.volume.mesh.faces import voxel_mesh  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
-
     heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
     place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
     poses = None if poses_file is None else _poses(poses_file, inputs, place)
@@ -184,12 +183,6 @@ def map3d(
 
 def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenPoses:
     """Return the poses of a file, or end the command where they are not one for each cloud."""
-    from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415 - start-up
-    from mapper.io.clouds.given_poses import GivenPoses  # noqa: PLC0415 - start-up
-    from mapper.io.clouds.reading import cloud_format  # noqa: PLC0415 - start-up
-    from mapper.volume.octree.files import is_octree  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.sources import file_head, refuse_poses  # noqa: PLC0415 - start-up
-
     if place is not None:
         fail("--sensor is the place of one cloud's sensor, and has no meaning with --poses.")
     with refusing(path):
@@ -212,8 +205,6 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
 
 def _first_octree(path: Path) -> OctreeFile | None:
     """Return the octree in a file, None for a file that holds something else."""
-    from mapper.volume.octree.files import is_octree, read_octree  # noqa: PLC0415 - start-up
-
     if not path.is_file():
         return None
     with refusing(path), path.open("rb") as file:
@@ -224,8 +215,6 @@ def _write(
     path: Path, tree: Octree, config: VolumeConfig, read: OctreeFile | None, offset: Float64Array | None
 ) -> Path:
     """Write a tree; one that was read and is written as the same kind is written byte for byte."""
-    from mapper.volume import octree_file, write_octree  # noqa: PLC0415 - start-up
-
     with refusing(path):
         same = read is not None and read.kind == path.suffix
         write_octree(
@@ -238,10 +227,6 @@ def _write_projection(
     volume: OccupancyVolume, prefix: Path, heights: list[float] | None, of: Path, offset: Float64Array | None
 ) -> list[Path]:
     """Write the map from above in the coordinates of the files, in which ``heights`` are too."""
-    from mapper.volume import project  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.map_offset import georeferenced  # noqa: PLC0415 - start-up
-    from server.cli.map_files import save  # noqa: PLC0415 - start-up
-
     with refusing(of):
         base = 0.0 if offset is None else float(offset[2])
         grid = project(volume) if heights is None else project(volume, *(height - base for height in heights))
@@ -262,8 +247,6 @@ class TreeFacts(Struct):
     @classmethod
     def of(cls, tree: Octree, config: VolumeConfig) -> TreeFacts:
         """Return the numbers of ``tree``, whose leaves are occupied as ``config`` says."""
-        import numpy as np  # noqa: PLC0415 - start-up
-
         keys, depths, values = tree.leaves()
         sides = np.int64(1) << (16 - depths.astype(np.int64))
         occupied = values >= config.log_odds_occupied
@@ -290,8 +273,6 @@ def print_tree(facts: TreeFacts) -> None:
 
 def describe_octree(path: Path, *, as_json: bool) -> bool:
     """Print what an octree file holds; return whether the file is one."""
-    from mapper.volume.scans.map_offset import offset_notes  # noqa: PLC0415 - start-up
-
     read = _first_octree(path)
     if read is None:
         return False

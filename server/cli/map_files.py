@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from mapper.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from mapper.grid.metrics import map_metrics
+from mapper.io.logs.foreign import MAP, not_a_log
+from mapper.io.maps import load_map, save_map
 from mapper.sensors.georeference import NO_OFFSET, Offset
 from server.cli.common import fail, print_json, print_notes, refusing
-
-if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
 
 MODES = ("trinary", "scale", "raw")
 MapMode = Annotated[str, typer.Option("--mode", metavar="|".join(MODES), help="Kind of map file.")]
@@ -36,8 +37,6 @@ def save(
 
     ``offset`` (x, y) is added to its origin.
     """
-    from mapper.io.maps import save_map  # noqa: PLC0415 - start-up
-
     with refusing(prefix):
         yaml_path, image_path = save_map(grid, prefix, mode, frame=frame, offset=offset)
     return [image_path, yaml_path]
@@ -45,8 +44,6 @@ def save(
 
 def states(grid: OccupancyGrid) -> dict[str, float]:
     """Return how many cells are in which state, and what is known of them in bits."""
-    from mapper.grid.metrics import map_metrics  # noqa: PLC0415 - start-up
-
     found = map_metrics(grid)
     return {
         "occupied": found.occupied,
@@ -61,9 +58,6 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
     """Print what the map is that a yaml describes; return whether the file is such a yaml."""
     if path.suffix.lower() not in {".yaml", ".yml"} or not path.is_file():
         return False
-    from mapper.grid import FREE, OCCUPIED, UNKNOWN  # noqa: PLC0415 - start-up
-    from mapper.io.logs.foreign import MAP, not_a_log  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
 
     with refusing(path):
         with path.open("rb") as file:

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-import shutil
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
+from mapper.core.atomic_file import atomic_write
+from mapper.diagnosis import Finding, first_cause
+from mapper.io.export import GrowingMap, tum_text, write_mcap
+from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log, integrate_logs
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.mapping.scan_batch import covered_scans, deskewed_scans
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.update_plan import plan_update
+from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
+from mapper.sensors.scan import ScanLog
+from server.cli.commands import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -22,8 +32,6 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
-    app,
-    check_mount,
     configured,
     fail,
     given_cut,
@@ -31,19 +39,12 @@ from server.cli.common import (
     print_json,
     print_notes,
     progress_bar,
-    read_sensors,
     refusing,
     with_parameter_options,
 )
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mapper.diagnosis import Finding
-    from mapper.io.export import GrowingMap
-    from mapper.sensors.scan import ScanLog
+from server.cli.reading import check_mount, read_sensors
 
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="Print no notes, and do not look for what makes the map bad.")
@@ -78,14 +79,6 @@ def map_log(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Make the map of a log."""
-    from mapper.io.export import GrowingMap  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import (  # noqa: PLC0415 - start-up
-        bounds_of_logs,
-        grid_for,
-        integrate_log,
-        integrate_logs,
-    )
-
     cut = given_cut(parameters)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
@@ -180,8 +173,6 @@ def map_log(
 
 def _joined(logs: Sequence[ScanLog]) -> ScanLog:
     """Return the sensors as one log."""
-    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415 - start-up
-
     return logs[0] if len(logs) == 1 else JointLog.of(logs)
 
 
@@ -198,10 +189,6 @@ def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, lis
 
 def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
-    from mapper.mapping.scan_batch import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
-    from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
-    from mapper.sensors.joint_log import sensors_of  # noqa: PLC0415 - start-up
-
     deskewed = left_out = 0
     for one in (part for log in logs for part in sensors_of(log)):
         plan = plan_update(config, one.range_min, one.range_max)
@@ -214,8 +201,6 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
 
 def _config_for(logs: Sequence[ScanLog], given: dict[str, object]) -> MappingConfig:
     """Return the parameters that suit all sensors; end the command where they need different ones."""
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-
     configs = {configured(recorded_defaults(log.beam_width, given)) for log in logs}
     if len(configs) > 1:
         fail("The sensors need different models, as a sonar and a lidar do: map each by itself, and merge the maps.")
@@ -226,9 +211,6 @@ def _export(
     log: ScanLog, growing_map: GrowingMap, trajectory: str | None, mcap: Path | None, tum: Path | None
 ) -> list[Path]:
     """Write what was asked for; return the paths."""
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - start-up
-
     for path in (mcap, tum):
         if path is None:
             continue
@@ -246,8 +228,6 @@ def _export(
 
 def cause_and_drift(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[str | None, str | None]:
     """Return the line on the first cause of a bad map, and where none is known the line that the poses drift."""
-    from mapper.diagnosis import first_cause  # noqa: PLC0415 - start-up
-
     found = first_cause(log, trajectory, config)
     if found is None:
         return None, None
@@ -287,27 +267,3 @@ def _drift_line(log: ScanLog, trajectory: str | None) -> str:
         else "correct them with gridbloom slam; the log has no different ones"
     )
     return f"The poses of trajectory {name!r} drift, so walls may be double: {remedy}."
-
-
-@app.command()
-def view(
-    map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
-    width: Annotated[int | None, typer.Option(help="Characters across. [the terminal's]")] = None,
-) -> None:
-    """Draw a map file as text: in three states, and in characters that grow denser with the occupancy."""
-    from mapper.grid.text import RAMP, density, three_state  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-
-    across = shutil.get_terminal_size().columns if width is None else width
-    with refusing(map_yaml):
-        loaded = load_map(map_yaml)
-        pictures = three_state(loaded.grid, across), density(loaded.grid, across)
-    geometry = loaded.grid.geometry
-    typer.echo(
-        f"{map_yaml.name}: {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"{loaded.description.mode}, origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
-    )
-    for note in loaded.notes:
-        typer.echo(f"note: {note}")
-    typer.echo("\n# occupied   . free   ? unknown\n" + pictures[0])
-    typer.echo(f"\n{RAMP[0]} free … {RAMP[-1]} occupied, blank: never observed\n" + pictures[1])

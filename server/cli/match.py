@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import Annotated, Any, cast
 
 import numpy as np
 import typer
 
 from mapper.core.errors import MapperError
+from mapper.core.se2 import compose, inverse
+from mapper.grid import OccupancyGrid
+from mapper.io.logs import is_log
+from mapper.io.maps import load_map
+from mapper.mapping.integrate import grid_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.matching import Match, match_maps, match_scan, prepare_scans, scan_target
 from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
+from mapper.sensors.scan import ScanLog
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     Mount,
@@ -20,27 +31,18 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
     numbers,
     print_json,
     print_notes,
-    read_log,
     refusing,
-    with_corrections,
     with_parameter_options,
 )
+from server.cli.reading import read_log, with_corrections
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapper.grid import OccupancyGrid
-    from mapper.matching import Match
-    from mapper.sensors.scan import ScanLog
-
-    Read = Callable[[Path], ScanLog]  #: a log, as the options say
+Read = Callable[[Path], ScanLog]  #: a log, as the options say
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,9 +145,6 @@ def _side(text: str) -> Side:
 def _match_scans(
     one: Side, other: Side, guess: list[float] | None, config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[list[float], Match]:
-    from mapper.core.se2 import compose, inverse  # noqa: PLC0415 - start-up
-    from mapper.matching import match_scan, prepare_scans, scan_target  # noqa: PLC0415 - start-up
-
     log = read(one.path)
     second = log if other.path == one.path else read(other.path)
     indices = [_index(side, side_log) for side, side_log in ((one, log), (other, second))]
@@ -172,8 +171,6 @@ def _match_maps(
     one: Side, other: Side, guess: list[float], config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[Match, list[str]]:
     """Return the match, and the notes on map files."""
-    from mapper.matching import match_maps  # noqa: PLC0415 - start-up
-
     (first, of_first), (second, of_second) = (_grid(side.path, read, trajectory) for side in (one, other))
     notes = [f"{side.path.name}: {note}" for side, of in ((one, of_first), (other, of_second)) for note in of]
     with refusing(other.path):
@@ -182,12 +179,6 @@ def _match_maps(
 
 def _grid(path: Path, read: Read, trajectory: str | None) -> tuple[OccupancyGrid, tuple[str, ...]]:
     """Return the map of a map file with the notes on it, or that of a log by its poses."""
-    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-
     if path.suffix.lower() in {".yaml", ".yml"} or not is_log(path):
         with refusing(path):
             loaded = load_map(path)

@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from mapper.grid.merge import merged
+from mapper.io.export import tum_text
+from mapper.io.graphs import g2o_lines
+from mapper.io.logs import is_log
+from mapper.io.maps import load_map
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.slam import MergeProgress, map_along, merge_logs
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     Mount,
     TfTopic,
     TopicNames,
-    app,
     configured,
     fail,
     given_parameters,
@@ -22,15 +30,12 @@ from server.cli.common import (
     print_json,
     print_notes,
     progress_bar,
-    read_joint,
     refusing,
-    with_corrections,
     with_parameter_options,
 )
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
-
-if TYPE_CHECKING:
-    from mapper.sensors.scan import ScanLog
+from server.cli.reading import read_joint, with_corrections
+from server.cli.slam import SLAM, write_texts
 
 
 @app.command()
@@ -65,9 +70,6 @@ def merge(
     Two logs of one place are corrected by SLAM, their maps laid on one another, and their scans joined in one graph.
     A topic, a mount and a time offset are those of both.
     """
-    from mapper.grid.merge import merged  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-
     check_mode(mode)
     begin = None if guess is None else numbers("--guess", "three numbers, X,Y,YAW in metres and radians", 3, guess)
     given = given_parameters(parameters, mount)
@@ -120,8 +122,6 @@ def merge(
 
 def are_logs(paths: list[Path]) -> bool:
     """Return whether all files are logs; end the command with an error where only some are."""
-    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
-
     logs = [path for path in paths if path.suffix.lower() not in {".yaml", ".yml"} and is_log(path)]
     if logs and len(logs) != len(paths):
         fail(f"{logs[0]} is a log and others are map files: map files can be merged, or two logs.")
@@ -138,14 +138,6 @@ def merge_log_files(
     as_json: bool,
 ) -> None:
     """Merge two logs, which ``read`` returns, and print what came of it."""
-    import numpy as np  # noqa: PLC0415 - start-up
-
-    from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
-    from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
-    from mapper.slam import MergeProgress, map_along, merge_logs  # noqa: PLC0415 - start-up
-    from server.cli.slam import SLAM, write_texts  # noqa: PLC0415 - start-up
-
     if len(paths) != 2:
         fail(f"merge takes two logs at a time, not {len(paths)}.")
     first, second = map(read, paths)

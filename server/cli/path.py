@@ -8,8 +8,17 @@ from typing import Annotated, Any
 
 import typer
 
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
-from server.cli.common import AsJson, app, fail, numbers, print_json, print_notes, refusing
+from mapper.costmap.build import DEFAULT, build_costmap
+from mapper.costmap.nav2.reading import costmap_of
+from mapper.io.maps import load_map
+from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file
+from mapper.planning import plan_path
+from mapper.planning.nav2_parameters import Nav2Path, path_of
+from mapper.planning.travel_time import travel_time
+from server.cli.commands import app
+from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
 from server.cli.costmap import (
     UNKNOWN_AS_FREE,
     KeepoutMask,
@@ -53,15 +62,6 @@ def path(
     as_json: AsJson = False,
 ) -> None:
     """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2.reading import costmap_of  # noqa: PLC0415 - start-up
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file  # noqa: PLC0415 - start-up
-    from mapper.planning import plan_path  # noqa: PLC0415 - start-up
-    from mapper.planning.nav2_parameters import Nav2Path, path_of  # noqa: PLC0415 - start-up
-    from mapper.planning.travel_time import travel_time  # noqa: PLC0415 - start-up
-
     start_xy = numbers("--from", "two numbers, X,Y in metres", 2, start)
     goal_xy = numbers("--to", "two numbers, X,Y in metres", 2, goal)
     parameters, nav2 = DEFAULT, Nav2Path()

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from mapper.grid import OccupancyGrid
+from mapper.io.maps import load_map
+from mapper.mapping.integrate import check_resolution
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.sensors.scan import ScanLog
 from server.cli.common import configured, fail, refusing, value_of
-
-if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
-    from mapper.sensors.scan import ScanLog
 
 Prior = Annotated[
     str | None,
@@ -85,8 +85,6 @@ def given_prior(
             given = given | {"log_odds_prior": number}
             configured(given)
         return given, None
-    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import check_resolution  # noqa: PLC0415 - start-up
 
     path = Path(text)
     with refusing(path):

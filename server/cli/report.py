@@ -5,34 +5,38 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from mapper.core.errors import MapperError
+from mapper.diagnosis import Event, diagnose
+from mapper.io.contents.inspection import inspect
+from mapper.io.contents.pictured import CAMERAS
+from mapper.io.contents.pictures import picture_of
+from mapper.io.contents.seeking import message_at
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.sensors.scan import ScanLog
+from mapper.slam import SlamProgress, slam_log
+from server.cli.commands import app
 from server.cli.common import (
     LogPath,
     Mount,
     TfTopic,
     TopicNames,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
     progress_bar,
-    read_joint,
     refusing,
-    with_corrections,
     with_parameter_options,
 )
+from server.cli.reading import read_joint, with_corrections
 from server.cli.slam import SLAM, with_slam_poses
-
-if TYPE_CHECKING:
-    from mapper.diagnosis import Event
-    from mapper.mapping.parameters import MappingConfig
-    from mapper.sensors.scan import ScanLog
-    from server.report import Picture, PlacedNote
+from server.library.annotations.note_files import MapFrame, notes_from_geojson
+from server.report import Picture, PlacedNote, make_report, report_page, report_pdf
 
 
 @app.command()
@@ -62,10 +66,6 @@ def report(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Write a report on a log: facts, events, findings, maps, drift, a picture, notes, parameters and versions."""
-    from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from server.report import make_report, report_page, report_pdf  # noqa: PLC0415 - start-up
-
     given = given_parameters(parameters, mount)
     config = configured(given)
     scans = read_joint(log, topic or (), tum_trajectory, tf)
@@ -92,7 +92,6 @@ def _corrected(
     path: Path, log: ScanLog, config: MappingConfig, trajectory: str | None, bar: Callable[[float], None] | None
 ) -> ScanLog:
     """Return the log with the poses that SLAM makes of ``trajectory``, None: of its odometry."""
-    from mapper.slam import SlamProgress, slam_log  # noqa: PLC0415 - start-up
 
     def show(done: SlamProgress) -> None:
         if bar is not None:
@@ -102,9 +101,6 @@ def _corrected(
 
 
 def _notes(path: Path, offset: tuple[float, float]) -> list[PlacedNote]:
-    from server.library.annotations.note_files import MapFrame, notes_from_geojson  # noqa: PLC0415 - start-up
-    from server.report import PlacedNote  # noqa: PLC0415 - start-up
-
     with refusing(path):
         try:
             data = path.read_bytes()
@@ -115,12 +111,6 @@ def _notes(path: Path, offset: tuple[float, float]) -> list[PlacedNote]:
 
 def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | None:
     """Return the picture of the recording's first camera at the first event, else at the middle; None without one."""
-    from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - start-up
-    from mapper.io.contents.pictured import CAMERAS  # noqa: PLC0415 - start-up
-    from mapper.io.contents.pictures import picture_of  # noqa: PLC0415 - start-up
-    from mapper.io.contents.seeking import message_at  # noqa: PLC0415 - start-up
-    from server.report import Picture  # noqa: PLC0415 - start-up
-
     if not log.n_scans:
         return None
     scan = events[0].scan if events else log.n_scans // 2

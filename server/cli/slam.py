@@ -5,14 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
+from mapper.diagnosis import events_of
+from mapper.diagnosis.figures import MapFigures, map_figures
+from mapper.diagnosis.verdict import map_of
+from mapper.io.export import tum_text
+from mapper.io.graphs import g2o_lines
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.sensors.georeference import NO_OFFSET
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.slam import SLAM_PARAMETERS, SlamConfig, SlamProgress, SlamResult, estimate, slam_log
+from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -21,25 +30,18 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     fail,
     given_parameters,
     print_json,
     print_notes,
     progress_bar,
-    read_joint,
     refusing,
     set_values,
-    with_corrections,
     with_parameter_options,
 )
 from server.cli.map_files import save
-
-if TYPE_CHECKING:
-    from mapper.diagnosis.figures import MapFigures
-    from mapper.sensors.scan import ScanLog
-    from mapper.slam import SlamConfig, SlamProgress, SlamResult
+from server.cli.reading import read_joint, with_corrections
 
 SLAM = "slam"  #: name of the trajectory
 #: of :class:`mapper.diagnosis.figures.MapFigures`: words, and how a value is printed
@@ -76,11 +78,6 @@ def slam(
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
-    from mapper.diagnosis import events_of  # noqa: PLC0415 - start-up
-    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - start-up
-    from mapper.diagnosis.verdict import map_of  # noqa: PLC0415 - start-up
-    from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
-
     config = _configured(values or [])
     mapping = configured(given_parameters(parameters, mount))
     scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), mapping)
@@ -162,8 +159,6 @@ def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
 
 def _configured(values: list[str]) -> SlamConfig:
     """Return the parameters with those given as NAME=VALUE replaced, or end the command with an error."""
-    from mapper.slam import SLAM_PARAMETERS, SlamConfig  # noqa: PLC0415 - start-up
-
     given = set_values({row.name: row for row in SLAM_PARAMETERS}, values)
     try:
         return SlamConfig().with_values(given)
@@ -173,24 +168,17 @@ def _configured(values: list[str]) -> SlamConfig:
 
 def with_slam_poses(log: ScanLog, result: SlamResult) -> ScanLog:
     """Return the log with the poses that SLAM found as its last trajectory, :data:`SLAM`."""
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
-
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
     return replace(log, trajectories={**{k: v for k, v in log.trajectories.items() if k != SLAM}, SLAM: corrected})
 
 
 def _write(prefix: Path, log: ScanLog, result: SlamResult) -> list[Path]:
-    from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
-    from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
-
     return write_texts(prefix, {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(result.graph))})
 
 
 def write_texts(prefix: Path, texts: dict[str, str]) -> list[Path]:
     """Write files whose names begin with a prefix, by what their names end with; return their paths."""
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-
     paths = []
     for ending, text in texts.items():
         path = prefix.with_name(prefix.name + ending)

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from msgspec import Struct, to_builtins
+from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import MapperError, ReadError
+from mapper.io.clouds.given_poses import GivenPoses
+from mapper.io.clouds.ply_faces import NOT_TRIANGLES, has_faces, read_ply_mesh
+from mapper.volume import Mesh, TsdfVolume, surface_mesh
+from mapper.volume.mesh.files import write_mesh
+from mapper.volume.scans.map_offset import MapOffset, offset_notes
 from mapper.volume.surface.parameters import TSDF_PARAMETERS, TsdfConfig
+from mapper.volume.surface.sources import Fusions, fuse_all
 from server.cli.common import fail, given_values, print_json, print_notes, progress_bar, refusing
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from mapper.core.array_types import Float64Array
-    from mapper.io.clouds.given_poses import GivenPoses
-    from mapper.volume import Mesh
 
 ROWS = {row.name: row for row in TSDF_PARAMETERS}
 MESHES = (".ply", ".glb")  #: endings of the files
@@ -36,10 +37,6 @@ def map_surface(
     as_json: bool,
 ) -> None:
     """Fuse what the inputs hold, write the surface and print what was done."""
-    from mapper.volume import TsdfVolume, surface_mesh  # noqa: PLC0415 - start-up
-    from mapper.volume.scans.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
-    from mapper.volume.surface.sources import Fusions, fuse_all  # noqa: PLC0415 - start-up
-
     others = sorted(values.keys() - ROWS.keys())
     if others:
         fail(f"--{others[0].replace('_', '-')} is of occupied voxels and has no meaning with --tsdf.")
@@ -89,8 +86,6 @@ def map_surface(
 
 def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) -> Path:
     """Write a mesh, or end the command with an error."""
-    from mapper.volume.mesh.files import write_mesh  # noqa: PLC0415 - start-up
-
     with refusing(path):
         write_mesh(mesh, path, offset)
     return path
@@ -123,9 +118,6 @@ def print_mesh(facts: MeshFacts) -> None:
 
 def describe_mesh(path: Path, *, as_json: bool) -> bool:
     """Print what a PLY file with faces holds; return whether the file is one."""
-    from mapper.io.clouds.ply_faces import NOT_TRIANGLES, has_faces, read_ply_mesh  # noqa: PLC0415 - start-up
-    from mapper.volume import Mesh  # noqa: PLC0415 - start-up
-
     if not path.is_file():
         return False
     with refusing(path):

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from mapper.core.array_types import BoolArray
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
+from mapper.io.clouds import read_cloud
+from mapper.sensors.point_cloud import PointCloud
+from mapper.terrain import Patches, Terrain, agreement, assess, find_ground, fitted
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
-from server.cli.common import AsJson, app, fail, given_values, print_json, print_notes, refusing, with_parameter_options
-
-if TYPE_CHECKING:
-    from mapper.core.array_types import BoolArray
-    from mapper.sensors.point_cloud import PointCloud
-    from mapper.terrain import Patches, Terrain
+from mapper.terrain.patches import UNKNOWN
+from server.cli.commands import app
+from server.cli.common import AsJson, fail, given_values, print_json, print_notes, refusing, with_parameter_options
+from server.cli.map_files import save
 
 MANY_UNKNOWN = 0.5  #: of the patches with points: a greater share is said
 _ROWS = {row.name: row for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
@@ -41,9 +45,6 @@ def terrain(
     **parameters: Any,  # noqa: ANN401 - the tables'
 ) -> None:
     """Find the ground in a point cloud by SMRF, fit planes to its patches, and say which are safe to drive on."""
-    from mapper.io.clouds import read_cloud  # noqa: PLC0415 - start-up
-    from mapper.terrain import Patches, agreement, assess, find_ground, fitted  # noqa: PLC0415 - start-up
-
     given = given_values(_ROWS, parameters)
     try:
         ground_config = GroundConfig(**{row.name: given[row.name] for row in GROUND_PARAMETERS if row.name in given})
@@ -98,8 +99,6 @@ def terrain(
 
 def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> list[str]:
     """Return a sentence where many of the patches with points are unknown; ``every`` has the points of all."""
-    from mapper.terrain.patches import UNKNOWN  # noqa: PLC0415 - start-up
-
     unknown = found.classes[every.moments[..., 0] > 0.0] == UNKNOWN
     if unknown.mean() <= MANY_UNKNOWN:
         return []
@@ -112,8 +111,6 @@ def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> lis
 
 def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
     """Return which points (n,) of a cloud are those of ``truth``, by equal coordinates."""
-    import numpy as np  # noqa: PLC0415 - start-up
-
     places = {place.tobytes() for place in truth.points.astype(np.float32)}
     found = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
     if not found.any():
@@ -122,11 +119,6 @@ def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
 
 
 def _write(prefix: Path, is_ground: BoolArray, found: Terrain) -> list[Path]:
-    import numpy as np  # noqa: PLC0415 - start-up
-
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from server.cli.map_files import save  # noqa: PLC0415 - start-up
-
     files = save(found.grid(), prefix, "trinary", "map")
     path = prefix.with_name(prefix.name + ".npy")
     try:

@@ -7,6 +7,9 @@ from typing import Annotated, Any
 import typer
 
 from mapper.mapping.parameters import PARAMETERS
+from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.replay import Replay
+from server.cli.commands import app
 from server.cli.common import (
     MOUNT,
     AsJson,
@@ -17,17 +20,16 @@ from server.cli.common import (
     TopicName,
     TrajectoryName,
     TumTrajectory,
-    app,
     configured,
     given_parameters,
     place,
     print_json,
     print_notes,
-    read_log,
     refusing,
     with_parameter_options,
 )
 from server.cli.prior import Prior, PriorFrame, given_prior
+from server.cli.reading import read_log
 
 
 @app.command()
@@ -47,9 +49,6 @@ def why(
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
 ) -> None:
     """Print the updates of a cell: every beam that changed it, and what each beam added."""
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415 - start-up
-    from mapper.replay import Replay  # noqa: PLC0415 - start-up
-
     point = place(at)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     scans = read_log(log, topic, tum_trajectory, tf)

@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-import typer
 
 from mapper.core.se2 import compose, inverse
 from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.sensors.scan import ScanLog, Trajectory
-from server.cli import app
+from server.cli.commands import load
 from tests.mapper.io.logs.recorded import SECOND, cloud, scan, transform, written
 from tests.mapper.localization.rooms import office
 from tests.server.cli.running import Run
@@ -33,9 +33,10 @@ WHOLE = ("info", "doctor", "check", "report", "map", "why", "compare", "match", 
 
 @pytest.mark.parametrize("name", [*WHOLE, *FEWER])
 def test_every_command_that_reads_a_log_has_the_options_of_a_log(name: str) -> None:
-    command = typer.main.get_command(app)
-    for word in name.split():
-        command = command.commands[word]  # type: ignore[attr-defined]
+    first, *rest = name.split()
+    command: Any = load(first)
+    for word in rest:
+        command = command.commands[word]
     options = {option for one in command.params for option in one.opts}
     assert FEWER.get(name, OF_A_LOG) - options == set()
 

@@ -14,7 +14,7 @@ import yaml
 
 from mapper.io.maps import load_map
 from mapper.mapping.parameters import MODELS, PARAMETERS
-from server.cli import SHORT_NAMES
+from server.cli.common import SHORT_NAMES
 from tests.mapper.io.logs import recorded
 from tests.server.cli.running import state_counts
 

@@ -1,0 +1,110 @@
+"""The ``gridbloom`` application object: a command's module is imported when the command is called.
+
+So the command starts quickly, and ``--help`` needs no module.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_group
+
+from server.version import package_version
+
+#: The module of each command and its function there, in the order of ``--help``.
+COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "serve": ("serve", "serve"),
+        "upload": ("upload", "upload"),
+        "notes": ("upload", "notes"),
+        "backup": ("backup", "backup"),
+        "restore": ("backup", "restore"),
+        "info": ("logs", "info"),
+        "doctor": ("logs", "doctor"),
+        "check": ("check", "check"),
+        "report": ("report", "report"),
+        "map": ("maps", "map_log"),
+        "view": ("view", "view"),
+        "why": ("why", "why"),
+        "merge": ("merge", "merge"),
+        "compare": ("compare", "compare"),
+        "evaluate": ("evaluate", "evaluate"),
+        "match": ("match", "match"),
+        "slam": ("slam", "slam"),
+        "localize": ("localize", "localize"),
+        "edit": ("edit", "edit"),
+        "costmap": ("costmap", "costmap"),
+        "path": ("path", "path"),
+        "map3d": ("map3d", "map3d"),
+        "terrain": ("terrain", "terrain"),
+        "fleet": ("fleet", "fleet"),
+        "bench": ("bench", "bench"),
+    }
+)
+
+
+def load(name: str) -> TyperCommand | TyperGroup:
+    """Import the module of one of :data:`COMMANDS`, which adds it to :data:`app`, and return the command."""
+    import_module(f"server.cli.{COMMANDS[name][0]}")
+    command = get_group(app).commands[name]
+    if not isinstance(command, TyperCommand | TyperGroup):
+        raise TypeError(name)
+    return command
+
+
+class _Command(TyperCommand):
+    """A command whose module is imported when it is called. What ``--help`` lists of it is read from its source."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._name = name
+
+    def get_short_help_str(self, limit: int = 45) -> str:
+        module, function = COMMANDS[self._name]
+        tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+        defined = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == function)
+        self.help = ast.get_docstring(defined)
+        return super().get_short_help_str(limit)
+
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - those of typer
+        return load(self._name).make_context(*args, **kwargs)
+
+
+class _Group(TyperGroup):
+    """All of :data:`COMMANDS`, those registered and those whose modules are imported later."""
+
+    def __init__(self, **attributes: Any) -> None:  # noqa: ANN401 - those of typer
+        super().__init__(**attributes)
+        self.commands = {name: self.commands.get(name) or _Command(name) for name in COMMANDS}
+
+
+app = typer.Typer(
+    cls=_Group,
+    help="Occupancy grid maps of simulated worlds and robot logs.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"gridbloom {package_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    show_version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Options of the command itself."""
