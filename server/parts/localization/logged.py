@@ -39,6 +39,7 @@ class LogLocalization(Part, Localized):
     """View of a running localization job, and of a trajectory from one."""
 
     commands = (ShowReferenceMap, ShowFilterStates)
+    is_on = False  # until there is a map or a job to show
 
     def __init__(self, host: ModelHost, recording: Recording) -> None:
         self._host, self._recording = host, recording
@@ -103,7 +104,7 @@ class LogLocalization(Part, Localized):
         """Write a map into its layer."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
 
-        self._given = given
+        self._given, self.is_on = given, True
         self._map = self._map or GridLayer("given_map", "Map to localize in")
         grid = grid_of_values(given.geometry, given.values)
         self._map.update(grid, MappingConfig(), None, whole=True)
@@ -111,7 +112,7 @@ class LogLocalization(Part, Localized):
     def note(self, command: Struct, result: TickResult) -> None:
         """Show the newest report of a job that runs, until it ends."""
         if isinstance(command, PosesSoFar) and command.report is not None:
-            self._report = command.report
+            self._report, self.is_on = command.report, True
             self._particles.set(self._report.particles.T)
             result.slot(self.message())
         elif isinstance(command, PosesEnded):

@@ -62,6 +62,7 @@ class LogGraph(Part, Graphed):
     """The graph of a log session's present trajectory, if it has one, and its layer."""
 
     commands = (ShowGraph,)
+    is_on = False  # until the graph of a trajectory was asked for
 
     def __init__(
         self, host: ModelHost, recording: Recording, update_log: Callable[[ScanLog, TickResult], None]
@@ -95,6 +96,7 @@ class LogGraph(Part, Graphed):
     def handle(self, command: ShowGraph, result: TickResult) -> None:
         """Write another graph into the layer, and map the log along its poses."""
         solved = self._shown = command.solved
+        self.is_on = True
         self._layer = self._layer or GraphLayer(LAYER, "Pose graph", "pose_graph", ("x", "y", "yaw", "scan"))
         solved.draw(self._layer)
         self._loops, self._drawing = solved.in_3d()
