@@ -33,12 +33,16 @@ def _few(log: ScanLog) -> list[Finding]:
     measured = int(np.count_nonzero(is_measured(log)))
     if measured >= LEAST_MEASURED:
         return []
+    of, advice, known = "", "Choose the sensor that measures most, or record for longer.", log.trajectory().is_known
+    if known is not None:
+        of = f" of the {int(known.sum())} scans whose poses are known"
+        advice = "Examine the log along other poses."
     return [
         Finding(
             FEW,
-            f"Only {measured} readings are measured ranges, and {LEAST_MEASURED} are needed to judge by the map they "
-            "make whether mount, clocks and poses are right.",
-            "Choose the sensor that measures most, or record for longer.",
+            f"Only {measured} readings{of} are measured ranges, and {LEAST_MEASURED} are needed to judge by the map "
+            "they make whether mount, clocks and poses are right.",
+            advice,
             1.0,
         )
     ]

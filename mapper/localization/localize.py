@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.localization.confidence import is_jump
+from mapper.localization.known import known_scans
 from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
 from mapper.localization.parameters import LocalizationConfig
@@ -51,6 +52,11 @@ class Localized:
     odometry: str
     cpu_seconds: float
     is_sure: NDArray[np.bool_]
+
+    @property
+    def is_known(self) -> NDArray[np.bool_]:
+        """At which scans (n,) the pose is known (:func:`mapper.localization.known.known_scans`); maps have those."""
+        return known_scans(self.is_converged)
 
     @property
     def first_converged(self) -> int | None:

@@ -115,10 +115,15 @@ def deskewed_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> ND
 
 
 def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
-    """Return which scans (n_scans,) lie between the first and the last pose by the time offset; others say nothing."""
-    if log.trajectory(trajectory).offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
-        return np.ones(log.n_scans, dtype=np.bool_)
-    return Motion.of(log, trajectory).covers(_shifted(log, plan, trajectory))
+    """Return which scans (n_scans,) have a known pose; others say nothing.
+
+    By the time offset they lie between the first and the last pose.
+    """
+    way = log.trajectory(trajectory)
+    known = np.ones(log.n_scans, dtype=np.bool_) if way.is_known is None else way.is_known
+    if way.offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
+        return known
+    return known & Motion.of(log, trajectory).covers(_shifted(log, plan, trajectory))
 
 
 def _shifted(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
@@ -249,7 +254,7 @@ def bearings(sensor: RangeScan | ScanLog, plan: UpdatePlan) -> NDArray[np.float6
 def _covered_ranges(
     log: ScanLog, plan: UpdatePlan, trajectory: str | None, start: int, stop: int
 ) -> NDArray[np.float32]:
-    """Return the ranges (stop − start, n_beams), NaN in scans whose shifted time the trajectory does not cover."""
+    """Return the ranges (stop − start, n_beams), NaN in scans whose pose is not known (:func:`covered_scans`)."""
     ranges, covered = log.ranges[start:stop], covered_scans(log, plan, trajectory)[start:stop]
     return ranges if covered.all() else np.where(covered[:, np.newaxis], ranges, np.float32(np.nan))
 

@@ -60,9 +60,10 @@ class JointLog(ScanLog):
         for number, part in enumerate(self.parts):
             own = self.part_of_scan == number
             changed = {
-                name: replace(one, poses=one.poses[own])
+                name: one.take(own)
                 for name, one in self.trajectories.items()
-                if name not in part.trajectories or not np.array_equal(part.trajectories[name].poses, one.poses[own])
+                if name not in part.trajectories
+                or not np.array_equal(part.trajectories[name].known_poses, one.known_poses[own], equal_nan=True)
             }
             parts.append(replace(part, trajectories={**part.trajectories, **changed}) if changed else part)
         object.__setattr__(self, "parts", tuple(parts))
@@ -197,7 +198,7 @@ def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> S
         [
             replace(
                 part,
-                trajectories={name: replace(one, poses=one.poses[own]) for name, one in trajectories.items()},
+                trajectories={name: one.take(own) for name, one in trajectories.items()},
                 odometry=None,
             )
             for part, own in zip(log.parts, owners, strict=True)
@@ -257,7 +258,10 @@ def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:
 
 
 def _joined(ways: Sequence[Trajectory], part_of_scan: Int64Array) -> Trajectory:
-    poses = np.empty((len(part_of_scan), 3))
+    poses, known = np.empty((len(part_of_scan), 3)), np.ones(len(part_of_scan), dtype=np.bool_)
     for number, way in enumerate(ways):
-        poses[part_of_scan == number] = way.poses
-    return replace(ways[0], poses=poses)
+        own = part_of_scan == number
+        poses[own] = way.poses
+        if way.is_known is not None:
+            known[own] = way.is_known
+    return replace(ways[0], poses=poses, is_known=None if known.all() else known)

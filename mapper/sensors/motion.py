@@ -31,11 +31,13 @@ class Motion:
         """Return the motion along a trajectory (None: the default).
 
         That is between the poses as their source states them, where the trajectory has them with stamps of their own,
-        else between the poses at the scans' stamps. Where stamps run backwards they are sorted. Raises
+        else between the known poses at the scans' stamps. Where stamps run backwards they are sorted. Raises
         :class:`ConfigError` for a trajectory that the log lacks.
         """
-        found = log.trajectory(trajectory)
-        timed = found.timed if found.timed is not None and len(found.timed) else TimedPoses(log.stamps_ns, found.poses)
+        found, stamps = log.trajectory(trajectory), log.stamps_ns
+        if found.is_known is not None and found.is_known.any():
+            found, stamps = found.take(found.is_known), stamps[found.is_known]
+        timed = found.timed if found.timed is not None and len(found.timed) else TimedPoses(stamps, found.poses)
         timed = timed.in_order()
         return cls(timed.stamps_ns.astype(np.float64) * 1e-9, timed.poses)
 
@@ -78,8 +80,8 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
 
     It is for judging a log by few of its scans: the best single pose of a scan whose beams cannot be deskewed. Scans
     for whose sweep the poses are not dense, as :meth:`Motion.is_dense`, keep the pose at their stamps. ``time_offset``
-    seconds are added to the stamps to find the poses; scans that the trajectory does not cover then are NaN. The log
-    that is returned states no time increment. Of several sensors each is taken so.
+    seconds are added to the stamps to find the poses; scans that the trajectory does not cover then, or whose pose is
+    not known, are NaN. The log that is returned states no time increment. Of several sensors each is taken so.
     """
     name = trajectory or log.default_trajectory
     if isinstance(log, JointLog):
@@ -95,4 +97,6 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
         way = replace(way, poses=motion.at(times + np.where(dense, 0.5 * sweep, 0.0)), timed=None)
         if time_offset:
             ranges = np.where(motion.covers(times)[:, np.newaxis], ranges, np.float32(np.nan))
+    if way.is_known is not None:
+        ranges = np.where(way.is_known[:, np.newaxis], ranges, np.float32(np.nan))
     return replace(log, ranges=ranges, trajectories={name: way}, time_increment=0.0)

@@ -160,7 +160,9 @@ class Trajectory:
     better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
     states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset. ``from_scans`` marks poses
     that were found from the scans, as by SLAM: they are at the times at which the scans were taken, whatever the clocks
-    of scans and odometry are apart, so that a time offset between the two does not concern them.
+    of scans and odometry are apart, so that a time offset between the two does not concern them. ``is_known``
+    (n_scans,) is False where the pose is not known, as before a robot is found in a map: no map has such scans. None:
+    all are known.
     """
 
     poses: NDArray[np.float64]
@@ -172,10 +174,25 @@ class Trajectory:
     offset: Offset = NO_OFFSET
     from_scans: bool = False
     placeholder_note: str = ""
+    is_known: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
         check_poses(self.poses, (len(self.poses), 3))
+        if self.is_known is not None and self.is_known.shape != (len(self.poses),):
+            raise ConfigError(
+                "trajectory.known", f"{len(self.poses)} poses cannot be known as an array of {self.is_known.shape}."
+            )
+
+    @property
+    def known_poses(self) -> NDArray[np.float64]:
+        """The poses (n_scans, 3), NaN where they are not known."""
+        return self.poses if self.is_known is None else np.where(self.is_known[:, np.newaxis], self.poses, np.nan)
+
+    def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> Trajectory:
+        """Return the trajectory at some of the scans: a mask (n_scans,), their indices, or a slice."""
+        known = None if self.is_known is None else self.is_known[scans]
+        return replace(self, poses=self.poses[scans], is_known=known)
 
     def offset_of_stamps(self, time_offset: float) -> float:
         """Return the seconds that are added to the scans' stamps to find their poses: ``time_offset``, or 0.
@@ -394,7 +411,7 @@ class ScanLog:
             self,
             ranges=self.ranges[scans],
             stamps_ns=self.stamps_ns[scans],
-            trajectories={name: replace(one, poses=one.poses[scans]) for name, one in self.trajectories.items()},
+            trajectories={name: one.take(scans) for name, one in self.trajectories.items()},
             odometry=None if self.odometry is None else self.odometry.take(scans),
             mounts=None if self.mounts is None else self.mounts[scans],
             order_ns=None if self.order_ns is None else self.order_ns[scans],

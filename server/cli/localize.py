@@ -53,8 +53,8 @@ def localize(
         Path | None,
         typer.Option(
             metavar="POSES.tum",
-            help="Write a pose in the map for each scan, in the log's order, and POSES.covariance.csv: how certain "
-            "each is, and whether the filter had converged.",
+            help="Write the poses in the map, in the log's order, of the scans at which they are known, and "
+            "POSES.covariance.csv: how certain that of each scan is, and whether the filter had converged.",
         ),
     ] = None,
     initial_pose: Annotated[
@@ -105,6 +105,7 @@ def localize(
     notes = [*scans.notes, *loaded.notes, *of_parameters]
     first = localized.first_converged
     notes += [] if first is None else doubts(localized, first)
+    unknown = localized.is_known.size - int(localized.is_known.sum())
     last_pose = [round(float(v), 6) for v in localized.poses[-1]]
     facts: dict[str, object] = {
         "log": scans.name,
@@ -115,6 +116,7 @@ def localize(
         "converged_at_scan": first,
         "scans_converged": int(localized.is_converged.sum()),
         "scans_sure": int(localized.is_sure.sum()),
+        "scans_left_out": unknown,
         "last_pose": last_pose,
         "last_converged": bool(localized.is_converged[-1]),
         "last_sure": bool(localized.is_sure[-1]),
@@ -132,6 +134,8 @@ def localize(
     else:
         typer.echo(f"  converged at scan {first}; it had converged at {facts['scans_converged']} scans")
         typer.echo(f"  sure of the place at {facts['scans_sure']} scans: other places in the map were ruled out there")
+    if unknown:
+        typer.echo(f"  left out: {unknown} scans, at which the filter had not converged and no pose is known")
     x, y, yaw = last_pose
     not_there = "" if facts["last_sure"] else ", not sure: other places in the map were not ruled out there"
     if not facts["last_converged"]:
@@ -186,8 +190,10 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
 def _write(path: Path, log: ScanLog, localized: Localized, frame: str) -> list[Path]:
     placed = replace(
         log, trajectories={LOCALIZED: Trajectory(localized.poses, "localized in a map", frame, from_scans=True)}
-    )
-    texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, localized))}
+    ).take(localized.is_known)
+    texts = {path.with_suffix(COVARIANCE): "".join(covariance_lines(log, localized))}
+    if placed.n_scans:
+        texts = {path: tum_text(placed, LOCALIZED), **texts}
     for place, text in texts.items():
         try:
             with atomic_write(place) as file:

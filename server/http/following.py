@@ -61,7 +61,8 @@ def _follow(
     def notify(report: R | None) -> None:
         # Of reports that come faster than the map is made, the newest counts: there is another one soon.
         if report is not None and not session.closed and not session.has_queued_commands:
-            session.enqueue(PosesSoFar(report.poses, shown(report)))
+            told = shown(report)
+            session.enqueue(PosesSoFar(report.poses, None if told is None else told.converged, told))
 
     session.on_close.append(jobs.listen(session.owner, log_id, notify))
 

@@ -38,9 +38,13 @@ class FollowPoses(Struct):
 
 
 class PosesSoFar(Struct):
-    """The poses (n, 3) that the job has made so far; ``report`` is what localization says besides."""
+    """The poses (n, 3) that the job has made so far; ``report`` is what localization says besides.
+
+    ``is_known`` (n,) is False where a pose is not known yet, None: all are.
+    """
 
     poses: NDArray[np.float64]
+    is_known: NDArray[np.bool_] | None = None
     report: LocalizeProgress | None = None
 
 

@@ -217,7 +217,7 @@ class LogRecording(Recording, Viewed):
             log = replace(log, trajectories={**log.trajectories, name: self.log.trajectory(name)})
         for one, trajectory in log.trajectories.items():
             known = self.log.trajectories.get(one)
-            if known is None or not np.array_equal(known.poses, trajectory.poses):
+            if known is None or not np.array_equal(known.known_poses, trajectory.known_poses, equal_nan=True):
                 self._examinations.pop(one, None)
         if old.adopt(log):
             return False

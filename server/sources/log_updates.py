@@ -46,9 +46,10 @@ class FollowedPoses:
         """Follow it no longer: the user chose another trajectory or another scan."""
         self.is_following = False
 
-    def show(self, poses: NDArray[np.float64]) -> bool:
+    def show(self, poses: NDArray[np.float64], is_known: NDArray[np.bool_] | None) -> bool:
         """Map along ``poses`` (k, 3), ``T_map_base``, of the first k scans; return whether the map is a new one.
 
+        Those at which ``is_known`` (k,) is False are left out.
         Scans after them continue the trajectory as the log's own poses move there, so that the grid has room for them.
         """
         log, count = self._recording.log, len(poses)
@@ -56,7 +57,8 @@ class FollowedPoses:
         own = log.trajectory(before).poses
         correction = compose(poses[-1], inverse(own[count - 1]))
         whole = np.concatenate([poses, compose(correction, own[count:])])
-        followed = Trajectory(whole, "poses that are being computed", "map", from_scans=True)
+        known = None if is_known is None else np.concatenate([is_known, np.ones(len(whole) - count, dtype=np.bool_)])
+        followed = Trajectory(whole, "poses that are being computed", "map", from_scans=True, is_known=known)
         log = replace(log, trajectories={**log.trajectories, self._name: followed})
         return self._recording.show(log, self._name)
 
@@ -135,7 +137,7 @@ class LogUpdates(Part):
         if model.is_catching_up:
             return  # with the poses from before; there are newer ones soon
         model.playback.playing = False
-        is_new = self._followed.show(poses)
+        is_new = self._followed.show(poses, command.is_known)
         self._tell(command, result)
         model.go_to(len(poses))
         model.updated(result, is_new=is_new)

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.logs.summary import path_length
+from mapper.localization.known import known_scans
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.library.annotations.added import (
     Added,
@@ -34,6 +35,7 @@ from server.library.annotations.added import (
     replace_added,
 )
 from server.library.logs.records import Record
+from server.library.packs.filter_states import read_converged
 from server.library.store.blobs import Blobs
 from server.library.store.common_files import MIN_AGE_S
 from server.library.store.database import Database
@@ -271,6 +273,7 @@ class Trajectories:
                 notes.append(f"The added trajectory {added.name!r} cannot be used with these scans.")
             else:
                 extra[added.name] = trajectory
+                notes += left_out(added.name, trajectory)
         if not extra and not notes:
             return log
         return replace(log, trajectories={**log.trajectories, **extra}, notes=(*log.notes, *notes))
@@ -285,7 +288,8 @@ class Trajectories:
         try:
             async with self._reading.of(added.owner), self._files.file(f"{added.id}.tum") as path:
                 _, read, _ = await asyncio.to_thread(_read, path, log, added.description)
-                trajectory = replace(read, from_scans=added.source != "tum")
+            known = await self._known(added, log.n_scans) if added.source == "localized" else None
+            trajectory = replace(read, from_scans=added.source != "tum", is_known=known)
         except MapperError as error:
             _log.warning("an added trajectory could not be joined", trajectory=added.id, code=error.code)
             if isinstance(error, StorageError):
@@ -294,6 +298,13 @@ class Trajectories:
         if len(self._joined) > KEPT:
             self._joined.popitem(last=False)
         return trajectory
+
+    async def _known(self, added: Added, n_scans: int) -> NDArray[np.bool_] | None:
+        """Return at which scans (n,) the poses of a localization are known; None for all, as of another sensor."""
+        async with self._files.file(f"{added.id}.{FILTER_STATES}") as path:
+            converged = await asyncio.to_thread(read_converged, path)
+        known = known_scans(converged)
+        return None if known.all() or len(known) != n_scans else known
 
 
 async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
@@ -304,6 +315,16 @@ async def text_of(chunks: AsyncIterator[bytes]) -> bytes:
         if len(text) > MAX_BYTES:
             raise LimitError("trajectory.too_large", f"A trajectory’s file has at most {MAX_BYTES >> 20} MiB here.")
     return bytes(text)
+
+
+def left_out(name: str, trajectory: Trajectory) -> list[str]:
+    """Return a note on the scans that no map along a trajectory has, because their poses are not known."""
+    known = trajectory.is_known
+    if known is None:
+        return []
+    n = len(known) - int(np.count_nonzero(known))
+    scans = "All scans" if n == len(known) else f"{n} of {len(known)} scans"
+    return [f"{scans} are left out of maps along {name!r}: the filter had not converged there, so poses are not known."]
 
 
 def _write_packed(path: Path, text: bytes) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from server.library.packs.reference_map import ReferenceMap
 MOST_ROWS = 300_000  #: particles that are kept of all scans together
 
 Float64Array = NDArray[np.float64]
+
+_UNREADABLE = "The file of this localization cannot be read; localize the log again."
 
 _ARRAYS = (
     "covariance", "is_converged", "is_sure", "is_updated", "share", "fit", "entropy", "n_particles", "offsets",
@@ -61,6 +64,16 @@ def filter_states_bytes(states: FilterStates) -> bytes:
     return compressed_arrays({name: getattr(states, name) for name in _ARRAYS} | states.given.arrays())
 
 
+def read_converged(path: Path) -> NDArray[np.bool_]:
+    """Return of a file at which scans (n,) the filter had converged. Raises as :func:`read_filter_states`."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            converged: NDArray[np.bool_] = arrays["is_converged"]
+            return converged
+    except UNREADABLE as error:
+        raise ReadError("localization.file", _UNREADABLE) from error
+
+
 def read_filter_states(data: bytes) -> FilterStates:
     """Return what :func:`filter_states_bytes` was given. Raises :class:`ReadError` for anything else."""
     try:
@@ -70,5 +83,4 @@ def read_filter_states(data: bytes) -> FilterStates:
             found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
             return FilterStates(**found, given=ReferenceMap.of_arrays(arrays))
     except UNREADABLE as error:
-        message = "The file of this localization cannot be read; localize the log again."
-        raise ReadError("localization.file", message) from error
+        raise ReadError("localization.file", _UNREADABLE) from error

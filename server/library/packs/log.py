@@ -64,6 +64,7 @@ class _Trajectory(Struct, frozen=True):
     from_scans: bool
     poses: int
     timed: _Poses | None
+    is_known: int | None = None
 
     @classmethod
     def of(cls, name: str, trajectory: Trajectory, store: Store) -> _Trajectory:
@@ -78,6 +79,7 @@ class _Trajectory(Struct, frozen=True):
             from_scans=trajectory.from_scans,
             poses=store(trajectory.poses),
             timed=None if trajectory.timed is None else _Poses.of(trajectory.timed, store),
+            is_known=None if trajectory.is_known is None else store(trajectory.is_known),
         )
 
     def read(self, load: Load) -> Trajectory:
@@ -91,6 +93,7 @@ class _Trajectory(Struct, frozen=True):
             offset=self.offset,
             from_scans=self.from_scans,
             placeholder_note=self.placeholder_note,
+            is_known=None if self.is_known is None else load(self.is_known),
         )
 
 

@@ -78,7 +78,8 @@ class LocalizeJob(BoundedJob):
 class LocalizeOutcome:
     """Result of localization; ``first_converged`` is None where the filter never converged.
 
-    ``sure`` is the number of scans at which other places in the map were ruled out, ``is_sure`` that of the last scan.
+    ``sure`` is the number of scans at which other places in the map were ruled out, ``is_sure`` that of the last scan,
+    ``left_out`` that of scans whose pose is not known, which no map has.
     """
 
     map_title: str
@@ -91,13 +92,15 @@ class LocalizeOutcome:
     cpu_s: float
     sure: int = 0
     is_sure: bool = False
+    left_out: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizeProgress:
     """The poses (k, 3), ``T_map_base``, of the first k scans while the job runs, and the filter after the last of them.
 
-    ``particles`` (m, 4) are x, y, yaw and weight, the greatest 1; ``covariance`` (3, 3); the rest as
+    ``converged`` (k,) tells after which of them it had. ``particles`` (m, 4) are x, y, yaw and weight, the greatest 1;
+    ``covariance`` (3, 3); the rest as
     :class:`mapper.localization.Estimate` has it.
     """
 
@@ -111,6 +114,7 @@ class LocalizeProgress:
     n_updates: int
     covariance: NDArray[np.float64]
     poses: NDArray[np.float64]
+    converged: NDArray[np.bool_]
     particles: NDArray[np.float32]
 
     @property
@@ -155,7 +159,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
         given.title, localized.odometry, localized.first_converged,
         int(localized.is_converged.sum()), bool(localized.is_converged[-1]),
         len(used), float(np.median(used)) if len(used) else 0.0, localized.cpu_seconds,
-        int(localized.is_sure.sum()), bool(localized.is_sure[-1]),
+        int(localized.is_sure.sum()), bool(localized.is_sure[-1]), int((~localized.is_known).sum()),
     )  # fmt: skip
 
 
@@ -167,11 +171,13 @@ class _Watch:
     n_scans: int
     clouds: list[NDArray[np.float32]] = field(default_factory=list)
     poses: list[NDArray[np.float64]] = field(default_factory=list)
+    converged: list[bool] = field(default_factory=list)
     written: float = 0.0
 
     def __call__(self, scan: int, robot: MonteCarloLocalizer) -> None:
         estimate = robot.estimate
         self.poses.append(estimate.pose)
+        self.converged.append(estimate.is_converged)
         if estimate.is_updated:
             self.clouds.append(_sample(robot.particles, KEPT_OF_SCAN))
         now, fraction = time.monotonic(), (scan + 1) / self.n_scans
@@ -187,7 +193,7 @@ class _Watch:
         with atomic_write(Path(self.out + PROGRESS)) as file:
             np.savez(
                 file, numbers=np.array(numbers, dtype=np.float64), covariance=estimate.covariance,
-                poses=np.stack(self.poses), particles=particles,
+                poses=np.stack(self.poses), converged=np.array(self.converged), particles=particles,
             )  # fmt: skip
 
 
@@ -211,6 +217,7 @@ def read_progress(out: Path) -> LocalizeProgress | None:
                 n_updates=int(numbers["n_updates"]),
                 covariance=arrays["covariance"],
                 poses=arrays["poses"],
+                converged=arrays["converged"],
                 particles=arrays["particles"],
             )
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):

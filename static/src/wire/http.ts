@@ -471,6 +471,7 @@ export interface LocalizationResult {
   readonly cpu_s: number;
   readonly sure: number;
   readonly is_sure: boolean;
+  readonly left_out: number;
   readonly trajectory: string;
 }
 

@@ -13,6 +13,7 @@ from mapper.core.parallel import single_threaded
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
+from mapper.localization.known import known_scans
 from mapper.localization.localize import covariance_lines
 from mapper.localization.scan_beams import ScanBeams, scan_beams
 from mapper.localization.weighing import log_likelihoods, scan_sums
@@ -57,6 +58,27 @@ def test_finds_a_robot_without_a_hint():
     spread = np.sqrt(found.covariance[:, 0, 0] + found.covariance[:, 1, 1])
     assert spread[0] > 2.0
     assert spread[-1] < 0.5
+
+
+def test_where_the_filter_never_converges_no_pose_is_known():
+    grid, log = office()
+    found = localize_log(log.take(slice(0, 2)), grid, FEW, seed=1)
+    assert found.first_converged is None
+    assert not found.is_known.any()
+
+
+@pytest.mark.parametrize(
+    ("converged", "known"),
+    [
+        ("00000", "00000"),
+        ("00111", "11111"),
+        ("11111", "11111"),
+        ("01100", "11100"),
+        ("00110001", "11110001"),
+    ],
+)
+def test_poses_are_known_where_it_converged_and_before_it_first_did(converged: str, known: str):
+    assert known_scans(np.array([*converged]) == "1").tolist() == [one == "1" for one in known]
 
 
 def test_finds_a_kidnapped_robot_again():

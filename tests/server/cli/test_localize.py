@@ -54,6 +54,16 @@ def test_writes_a_pose_for_each_scan_and_how_certain_it_is(run: Run, files, tmp_
     assert facts["files"] == [str(out), str(out.with_name("poses.covariance.csv"))]
 
 
+def test_scans_at_which_the_robot_was_not_found_are_left_out(run: Run, files, tmp_path: Path) -> None:
+    _, grid, drive = files
+    short, out = carmen(tmp_path / "short.log", drive.take(slice(0, 2))), tmp_path / "poses.tum"
+    status, printed, err = run("localize", short, "--map", grid, "--out", out, *FEW)
+    assert status == 0, err
+    assert "never converged: where the robot was is not known" in printed
+    assert "left out: 2 scans, at which the filter had not converged" in printed
+    assert [path.name for path in tmp_path.glob("poses*")] == ["poses.covariance.csv"]
+
+
 def test_a_filter_that_was_mostly_uncertain_is_said() -> None:
     poses = np.zeros((10, 3))
     converged = np.isin(np.arange(10), (2, 3, 9))

@@ -228,6 +228,24 @@ def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: 
     assert len(course["scans"]) == 2 * drive.n_scans
 
 
+def test_scans_of_a_robot_that_was_not_found_are_in_no_map(service: Service, files: Path, drive: ScanLog) -> None:
+    http, short = service.http, written(files / "short.log", drive.take(slice(0, 2)))
+    log_id = str(http.put("/api/logs", params={"name": "short.log"}, content=short.read_bytes()).json()["id"])
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    assert choose(service, session, tarred(files / "office.yaml", files / "office.pgm")).status_code == 200
+    address = f"/api/sessions/{session}/localization"
+    assert http.post(address, json={"parameters": FEW}).status_code == 202
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]) == ("done", None)
+    assert (state["result"]["first_converged"], state["result"]["left_out"]) == (None, 2)
+    recording = recording_of(service, session)
+    until(lambda: recording.trajectory == "localized" and recording.view().index == 2)
+    assert not recording.replay.grid.observed.any()
+    (note,) = [one for one in recording.log.notes if "left out" in one]
+    assert note.startswith("All scans are left out of maps along 'localized'")
+
+
 def be_localized(service: Service, session: str, files: Path) -> None:
     """Localize the log of a session, unless an earlier test did: tests of a module may run in another order."""
     http, address = service.http, f"/api/sessions/{session}/localization"

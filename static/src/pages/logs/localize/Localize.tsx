@@ -334,6 +334,12 @@ function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             ? "at no scan: the scans fit other places of the map nearly as well, or contradict it"
             : `at ${result.sure} scans, where other places were ruled out`}
         </dd>
+        {result.left_out > 0 && (
+          <>
+            <dt>Left out</dt>
+            <dd>{result.left_out} scans, whose poses are not known: no map along these poses has them</dd>
+          </>
+        )}
         <dt>Fit of the scans</dt>
         <dd>{result.median_fit.toFixed(2)} of 1, median</dd>
         <dt>Processor time</dt>
