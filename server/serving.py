@@ -38,8 +38,8 @@ from server.settings import Settings
 from server.sources import KINDS
 from server.storage import StorageError, claimed
 from server.stream.frames import EXTENSION
-from server.warm_up import WarmUp
-from server.workers.supervisor import in_child, load_for_workers, supervise
+from server.warm_up import WarmUp, load_sessions
+from server.workers.supervisor import in_child, supervise
 from server.workers.worker import REPLACE, Worker
 
 BACKLOG = 2048
@@ -290,7 +290,7 @@ def _serve(settings: Settings) -> None:
             print(class_invitation(settings.class_code, reachable(f"127.0.0.1:{port}")), flush=True)
         if server is None:
             with fast_imports():
-                load_for_workers()
+                load_sessions()
             supervise(
                 settings.workers,
                 lambda worker: _run(make_server(settings.of_worker(worker.number), worker=worker), bound),

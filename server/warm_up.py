@@ -1,21 +1,50 @@
-"""Compiling all kernels beside the service, so that the first visitor of a page does not wait for it."""
+"""Compiling all kernels beside the service, and loading those of the lab: the first visitor does not wait for it."""
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
+import threading
 from contextlib import suppress
 
 COMMAND = (sys.executable, "-P", "-m", "mapper.tools.precompile", "--background")
 END_S = 5.0  #: seconds that the process has to end
 
 
+def load_sessions() -> None:
+    """Load what sessions need and the first one would otherwise load: their code, the simulator, the lab's kernels.
+
+    Kernels that were never compiled on this machine are left to the session that first uses them. The cyclic collector
+    does not run meanwhile, and leaves out afterwards what is there: it would stop all threads for a tenth of a second
+    again and again to look through it.
+    """
+    gc.disable()
+    try:
+        import server.sessions.host  # noqa: PLC0415
+        import server.sources.simulation  # noqa: PLC0415, F401
+        from mapper.core.compile_cache import cache_folder  # noqa: PLC0415 - numba
+        from mapper.core.parallel import single_threaded  # noqa: PLC0415
+        from server.parts import stated  # noqa: PLC0415
+
+        list(stated("part", "part_of"))  # imports the parts
+        if any(cache_folder("mapping").rglob("*.nbi")):
+            from mapper.tools.precompile import precompile_lab  # noqa: PLC0415
+
+            with single_threaded():  # threads would not be there in the workers that are forked from this process
+                precompile_lab()
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
 class WarmUp:
     """A process of the lowest priority that compiles the kernels and keeps them on disk; it ends at once if they are.
 
-    The service then loads them in milliseconds. A kernel that is used before it is compiled there is compiled by the
-    service itself. The process ends with the service, however that ends: it sees the end of its standard input.
+    The service then loads them in milliseconds, those of the lab as soon as the process has ended. A kernel that is
+    used before it is compiled there is compiled by the service itself. The process ends with the service, however that
+    ends: it sees the end of its standard input.
     """
 
     def __init__(self) -> None:
@@ -29,6 +58,7 @@ class WarmUp:
                 COMMAND, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet
             )
             os.setpriority(os.PRIO_PROCESS, self.process.pid, 19)  # it does so itself, after seconds of imports
+            threading.Thread(target=_load_after, args=(self.process,), name="loading", daemon=True).start()
 
     def end(self) -> None:
         """End the process if it runs."""
@@ -42,3 +72,8 @@ class WarmUp:
             self.process.wait()
         if self.process.stdin is not None:
             self.process.stdin.close()
+
+
+def _load_after(compiling: subprocess.Popen[bytes]) -> None:
+    if compiling.wait() == 0:
+        load_sessions()

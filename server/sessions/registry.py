@@ -368,7 +368,7 @@ class SessionRegistry:
             await self.reap()
             if self._have_ended:  # models refer to themselves: reference counts alone do not free them
                 self._have_ended = False
-                await asyncio.to_thread(give_back)
+                await asyncio.to_thread(give_back, is_idle=not self.all())
 
     async def reap(self) -> None:
         """End the sessions that have been idle for too long."""

@@ -25,25 +25,9 @@ from server.workers.worker import REPLACE, Worker
 
 SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGCHLD})
 END_S = 8.0  #: seconds that workers have to end before they are killed
-SHORT_LIFE_S = 2.0  #: a worker that ended sooner is replaced after this time: it may end again and again
+STARTS_S = 2.0  #: at least between two starts of a worker: it may end again and again
 
 _log = structlog.get_logger(__name__)
-
-
-def load_for_workers() -> None:
-    """Load what workers need and would otherwise load each for itself: the simulator, and the kernels of the lab.
-
-    Kernels that were never compiled on this machine are left to the workers, which do it when they are first used.
-    """
-    import server.sources.simulation  # noqa: PLC0415, F401
-    from mapper.core.compile_cache import cache_folder  # noqa: PLC0415 - numba, for workers only
-    from mapper.core.parallel import single_threaded  # noqa: PLC0415
-
-    if any(cache_folder("mapping").glob("*.nbi")):
-        from mapper.tools.precompile import precompile_lab  # noqa: PLC0415
-
-        with single_threaded():  # threads would not be there in the workers
-            precompile_lab()
 
 
 def in_child(work: Callable[[], None]) -> None:
@@ -130,9 +114,7 @@ class _Supervisor:
                 continue
             number = self._numbers.pop(process)
             self._shared.clear(number)
-            now = time.monotonic()
-            is_short = now - self._began[number] < SHORT_LIFE_S
-            self._due[number] = now + (SHORT_LIFE_S if is_short else 0.0)
+            self._due[number] = max(time.monotonic(), self._began[number] + STARTS_S)
             _log.warning("a worker has ended", worker=number, status=os.waitstatus_to_exitcode(status))
 
     def _end(self) -> None:

@@ -1,9 +1,10 @@
-"""All kernels are compiled beside a running service, at the lowest priority."""
+"""All kernels are compiled beside a running service, at the lowest priority, and those of the lab loaded."""
 
 from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +12,36 @@ import pytest
 
 from server.serving import make_server
 from server.warm_up import COMMAND, WarmUp
-from tests.server.service import running, settings_for, until
+from tests.server.service import PATIENCE_S, running, settings_for, until
+
+# The first session of a service that has loaded what sessions need, and three frames of it.
+PROGRAM = """
+import gc
+import sys
+from pathlib import Path
+
+from fastapi.testclient import TestClient
+
+from server.app import create_app
+from server.logging import configure_logging
+from server.settings import Settings
+from server.warm_up import load_sessions
+
+load_sessions()
+configure_logging("console", "error")
+settings = Settings(data_dir=Path(sys.argv[1]))
+with TestClient(create_app(settings), base_url="http://localhost") as http:
+    before = set(sys.modules)
+    session = http.post("/api/sessions", json={"kind": "simulation", "world": "office"}).raise_for_status().json()["id"]
+    with http.websocket_connect(f"ws://localhost/api/sessions/{session}/stream", ["gridbloom.v3"]) as stream:
+        seq = 0
+        while seq < 3:
+            if frame := stream.receive().get("bytes"):
+                seq = int.from_bytes(frame[8:12], "little")
+                stream.send_json({"type": "ack", "seq": seq})
+    print(gc.get_freeze_count() / len(gc.get_objects()))  # the second are without the first
+    print(*sorted(name for name in set(sys.modules) - before if name.startswith(("mapper.", "numba."))))
+"""
 
 
 @pytest.fixture
@@ -81,3 +111,13 @@ def test_a_service_begins_and_ends_it_where_the_setting_says_so(
         assert service.http.get("/readyz").status_code == 200
         assert happened == ["begin"]
     assert happened == ["begin", "end"]
+
+
+def test_the_first_session_loads_nothing_and_a_full_collection_looks_through_little(tmp_path: Path) -> None:
+    compiled = [sys.executable, "-m", "mapper.tools.precompile", "--lab"]
+    subprocess.run(compiled, check=True, capture_output=True, timeout=PATIENCE_S)
+    program = [sys.executable, "-c", PROGRAM, str(tmp_path)]
+    done = subprocess.run(program, capture_output=True, text=True, timeout=PATIENCE_S, check=True)
+    ratio, _, loaded = done.stdout.partition("\n")
+    assert loaded.split() == []
+    assert float(ratio) > 5.0

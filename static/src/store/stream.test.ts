@@ -71,12 +71,17 @@ class FakeBrowser implements Environment {
   get socket(): FakeSocket {
     return this.sockets.at(-1) as FakeSocket;
   }
+  /** Let what the server is asked be answered. */
+  async answered(): Promise<void> {
+    await Promise.resolve();
+    await Promise.resolve();
+  }
   /** Let the one wait end; its length. */
   async wait(): Promise<number> {
+    await this.answered();
     const [wait] = this.waits.splice(0, 1);
     wait?.task();
-    await Promise.resolve();
-    await Promise.resolve();
+    await this.answered();
     return wait?.ms ?? Number.NaN;
   }
   setHidden(hidden: boolean): void {
@@ -205,13 +210,32 @@ test("a session that ended is gone, and the stream stops", async () => {
   expect(browser.sockets.length).toBe(count);
 });
 
-test("after a close code for an ended session the first retry checks whether it exists", async () => {
+test.each([4404, 4410])("after close code %i the page asks at once whether the session exists", async (code) => {
   gone = true;
   browser.socket.open();
   browser.socket.receive(hello);
-  browser.socket.breakOff(4410);
-  await browser.wait();
+  browser.socket.breakOff(code);
+  await browser.answered();
   expect([stream.status.value, stream.trouble.value]).toEqual(["gone", "This session has ended."]);
+  expect(browser.waits).toEqual([]);
+});
+
+test("a session that exists and refuses the page is asked again after longer and longer waits", async () => {
+  const waits = [];
+  for (let i = 0; i < 4; i++) {
+    browser.socket.breakOff(4404);
+    expect(browser.sockets.length).toBe(i + 1);
+    waits.push(await browser.wait());
+    expect(browser.sockets.length).toBe(i + 2);
+  }
+  expect(waits).toEqual([250, 500, 1000, 2000]);
+});
+
+test("a page that is hidden while the server is asked does not connect", async () => {
+  browser.socket.breakOff(4404);
+  browser.setHidden(true);
+  await browser.answered();
+  expect([stream.status.value, browser.waits.length, browser.sockets.length]).toEqual(["away", 0, 1]);
 });
 
 test("a hidden page has no socket; a page that is seen again has one at once", () => {

@@ -200,8 +200,7 @@ export class Stream {
       }
     };
     socket.onclose = ({ code }) => {
-      if (MAYBE_OVER.includes(code)) this.#failures = Math.max(this.#failures, DOUBTFUL - 1);
-      this.#lost(CLOSE_SENTENCES[code]);
+      this.#lost(CLOSE_SENTENCES[code], MAYBE_OVER.includes(code));
     };
   }
 
@@ -241,7 +240,8 @@ export class Stream {
     this.stop();
   }
 
-  #lost(why = "The server does not answer."): void {
+  /** `mayBeOver`: the page asks at once whether the session still exists, and waits only if it does. */
+  #lost(why = "The server does not answer.", mayBeOver = false): void {
     this.#disconnect();
     if (this.#stopped || this.#environment.hidden()) return;
     batch(() => {
@@ -249,17 +249,23 @@ export class Stream {
       // The first error is kept until the server answers again.
       this.trouble.value ??= `${why} The page tries again by itself.`;
     });
-    const wait = Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures);
-    this.#failures++;
-    this.#cancelWait = this.#environment.later(() => void this.#retry(), wait);
+    if (mayBeOver) void this.#unlessGone(() => this.#wait());
+    else this.#wait();
   }
 
-  async #retry(): Promise<void> {
-    this.#cancelWait = null;
-    if (this.#failures >= DOUBTFUL && (await this.#isGone())) {
-      this.#end("gone", "This session has ended.");
-      return;
-    }
-    if (!this.#stopped && !this.#socket && !this.#environment.hidden()) this.#connect();
+  #wait(): void {
+    const wait = Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures);
+    this.#failures++;
+    this.#cancelWait = this.#environment.later(() => {
+      this.#cancelWait = null;
+      if (this.#failures >= DOUBTFUL) void this.#unlessGone(() => this.#connect());
+      else this.#connect();
+    }, wait);
+  }
+
+  /** Go on if the session still exists, and the page has not connected or been hidden while the server was asked. */
+  async #unlessGone(goOn: () => void): Promise<void> {
+    if (await this.#isGone()) this.#end("gone", "This session has ended.");
+    else if (!this.#stopped && !this.#socket && !this.#environment.hidden()) goOn();
   }
 }
