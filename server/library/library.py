@@ -7,6 +7,7 @@ read-only) and one built-in sample. All methods run on the event loop; files and
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
@@ -42,7 +43,7 @@ from server.library.processing.localization import LocalizationKind
 from server.library.processing.log_jobs import LogJobs
 from server.library.processing.merging import MergeKind
 from server.library.processing.moment_pictures import MomentPicture, MomentPictures
-from server.library.processing.reader import Reader, Readers
+from server.library.processing.reader import QUICK_S, Reader, Readers
 from server.library.processing.reading_jobs import Jobs
 from server.library.processing.reference_maps import ReferenceMaps
 from server.library.processing.relation_scores import RelationScores
@@ -95,11 +96,17 @@ class Library:
         def new_worker() -> Worker:
             return worker_at(settings.executor, memory, scratch)
 
-        def new_reader() -> Reader:
-            timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
-            return Reader(timeout_s=timeout_s, memory_bytes=memory, cpu_s=cpu_s, worker=new_worker(), scratch=scratch)
+        def new_reader(quick_s: float = math.inf) -> Reader:
+            return Reader(
+                timeout_s=self._limits.read_timeout_s,
+                memory_bytes=memory,
+                cpu_s=self._limits.read_cpu_s,
+                worker=new_worker(),
+                scratch=scratch,
+                quick_s=quick_s,
+            )
 
-        self._readers = readers or Readers(small=new_reader(), large=new_reader())
+        self._readers = readers or Readers(small=new_reader(QUICK_S), large=new_reader())
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root, of_workers=settings.workers > 1)
         self._known_paths = KnownPaths([root, scratch, *([self._database.file] if self._database.file else [])])

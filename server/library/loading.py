@@ -168,9 +168,9 @@ class Loading:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         record = self.catalogue.get(log_id)
         if record is not None and record.state == "reading":
-            return "Reading the log", self.readers.of(record.bytes).progress
+            return "Reading the log", self.readers.of(record).progress
         if record is not None and log_id in self.scans.read_now:
-            return "Reading the sensor’s scans", self.readers.of(record.bytes).progress
+            return "Reading the sensor’s scans", self.readers.of(record).progress
         if record is not None and record.state == "queued":
             return "Waiting until other logs are read", None
         return "Loading the log", None

@@ -56,7 +56,7 @@ class Scans:
         """
         from server.library.packs.volume import read_volume_pack  # noqa: PLC0415 - few logs have clouds
 
-        async with self._readers.of(record.bytes).turn(record.owner):
+        async with self._readers.of(record).turn(record.owner):
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
                 await self._read_now(record, pack, topic, volume=True)
@@ -74,7 +74,7 @@ class Scans:
         async with self._catalogue.source(record) as source:
             self.read_now.add(record.id)
             try:
-                await self._readers.of(record.bytes).read(source, pack, topic, cut, volume=volume)
+                await self._readers.of(record).read(source, pack, topic, cut, volume=volume)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
             finally:
@@ -97,7 +97,7 @@ class Scans:
                     log = replace(log, name=record.name)
                     self._cache.put(key, log)
                     return log
-        async with self._readers.of(record.bytes).turn(record.owner):
+        async with self._readers.of(record).turn(record.owner):
             kept = self._cache.get(key)
             if kept is not None:
                 return kept

@@ -69,7 +69,7 @@ class VisibleLogs:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
         is_read = record.state == "reading"
         progress = self._jobs.progress(record) if is_read else record.progress
-        reading_s = self._readers.of(record.bytes).elapsed_s if is_read else None
+        reading_s = self._readers.of(record).elapsed_s if is_read else None
         added = tuple(one.public() for one in self._trajectories.of(owner, record.id))
         has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
         tags = self._tags.of(owner, record.id)

@@ -47,6 +47,10 @@ class FairLock:
         finally:
             self._release()
 
+    def keeps_waiting(self, owner: str) -> bool:
+        """Return whether anybody but ``owner`` waits for the lock."""
+        return any(waits != owner for owners in self._waiting.values() for waits in owners)
+
     def _release(self) -> None:
         self._free += 1
         self._grant()

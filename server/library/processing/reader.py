@@ -12,15 +12,16 @@ import tempfile
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import LimitError, MapperError
 from mapper.io.logs.summary import LogSummary
 from mapper.sensors.planar.options import PlanarCut
 from server.jobs.outcome import outcome_of
 from server.jobs.workers import PoolWorker, Worker
+from server.library.logs.records import Record
 from server.library.processing.reading import Job
 from server.work.fair_lock import FairLock
 
@@ -28,8 +29,13 @@ LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more
 LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
 
 SMALL_BYTES = 4_000_000  #: of a file that is read in seconds: it does not wait for a large one
+QUICK_S = 2.0  #: after which a small file that keeps others waiting is read where large ones are
 
 T = TypeVar("T")
+
+
+class SlowReadingError(MapperError):
+    """The reading was ended because it keeps others waiting in the place of the files that are read quickly."""
 
 
 class Reader:
@@ -38,6 +44,8 @@ class Reader:
     One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. What reading
     writes meanwhile, as unpacked archives, is in a folder of the log's own below ``scratch``, which is removed when the
     job ends, also when its process was killed; without ``scratch`` it is in the system's folder.
+
+    Others wait at most ``quick_s`` seconds for one that may be read elsewhere.
     """
 
     def __init__(
@@ -48,8 +56,11 @@ class Reader:
         cpu_s: float = math.inf,
         worker: Worker | None = None,
         scratch: Path | None = None,
+        quick_s: float = math.inf,
     ) -> None:
         self._scratch = scratch
+        self._quick_s = quick_s
+        self._owner = ""  #: who has the turn
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
@@ -73,7 +84,7 @@ class Reader:
         """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
         async with self._turns.of(owner):
             # The log counts as being read from here on: what the worker tells is still of the one before.
-            self._began, self._has_begun = time.monotonic(), False
+            self._began, self._has_begun, self._owner = time.monotonic(), False, owner
             yield
 
     async def read(
@@ -85,6 +96,7 @@ class Reader:
         *,
         picture: Path | None = None,
         volume: bool = False,
+        elsewhere: bool = False,
     ) -> LogSummary:
         """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
 
@@ -92,7 +104,8 @@ class Reader:
 
         The caller holds :meth:`turn`.
 
-        Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
+        Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long, and
+        :class:`SlowReadingError` for a log that may be read ``elsewhere``.
         """
         target = None if pack is None else str(pack)
         size = await asyncio.to_thread(_size_of, source)
@@ -109,10 +122,16 @@ class Reader:
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
             self._has_begun = True  # it is submitted before anything else runs
-            return await outcome_of(self._worker, job)
+            return await outcome_of(self._worker, job, look=self._make_room if elsewhere else None)
         finally:
             if folder is not None:
                 await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
+
+    async def _make_room(self) -> None:
+        """End a reading that is slow and keeps another owner waiting."""
+        if self.elapsed_s > self._quick_s and self._turns.keeps_waiting(self._owner):
+            self._worker.end()
+            raise SlowReadingError("log.slow", "The log takes long to be read, and others wait.")
 
     @property
     def elapsed_s(self) -> float:
@@ -128,15 +147,17 @@ class Reader:
 class Readers:
     """The two places in which logs are read: files up to :data:`SMALL_BYTES` have one of their own.
 
-    So a small log is not kept waiting by large ones of other visitors, each of which may take minutes.
+    So a small log is not kept waiting by large ones of other visitors, each of which may take minutes, nor by ``slow``
+    ones: these are small files, by the id of the log, that were found to take as long as large ones.
     """
 
     small: Reader
     large: Reader
+    slow: set[str] = field(default_factory=set)
 
-    def of(self, size: int) -> Reader:
-        """Return the place for a log of ``size`` bytes."""
-        return self.small if size <= SMALL_BYTES else self.large
+    def of(self, record: Record) -> Reader:
+        """Return the place for a log."""
+        return self.small if record.bytes <= SMALL_BYTES and record.id not in self.slow else self.large
 
     async def close(self) -> None:
         """Cancel the running jobs and wait until they have ended."""

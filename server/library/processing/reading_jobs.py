@@ -16,7 +16,7 @@ from server.jobs.record import Failure
 from server.library.logs.catalogue import INTERRUPTED, UNSTORED, Catalogue
 from server.library.logs.records import Record
 from server.library.packs.arrays import halves_of
-from server.library.processing.reader import Readers
+from server.library.processing.reader import Readers, SlowReadingError
 from server.storage import StorageError
 
 _log = structlog.get_logger(__name__)
@@ -44,7 +44,7 @@ class Jobs:
 
     def progress(self, record: Record) -> float:
         """Return how much of a log has been read that is being read, here or by another service."""
-        return self._leases.elsewhere.get(f"read {record.id}", self._readers.of(record.bytes).progress)
+        return self._leases.elsewhere.get(f"read {record.id}", self._readers.of(record).progress)
 
     def queue(self, record: Record, *, pack: bool = True) -> Record:
         """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
@@ -115,7 +115,7 @@ class Jobs:
 
     async def _read(self, record: Record, pack: Path | None, *, adopted: bool = False) -> None:
         """The job: wait for the reader, read, and store the outcome."""
-        log_id, reader = record.id, self._readers.of(record.bytes)
+        log_id = record.id
 
         def is_open() -> bool:
             known = self._catalogue.get(log_id)
@@ -125,11 +125,14 @@ class Jobs:
             await self._read_here(self._catalogue.get(log_id) or record, pack, lease)
 
         once = Once(
-            f"read {log_id}", lambda: reader.turn(record.owner), is_open,
-            lambda: self._catalogue.is_due(log_id), lambda: reader.progress,
+            f"read {log_id}", lambda: self._readers.of(record).turn(record.owner), is_open,
+            lambda: self._catalogue.is_due(log_id), lambda: self._readers.of(record).progress,
         )  # fmt: skip
         try:
-            await self._leases.done_once(once, work, adopted=adopted)
+            try:
+                await self._leases.done_once(once, work, adopted=adopted)
+            except SlowReadingError:  # now where large files are read
+                await self._leases.done_once(once, work)
         except StorageError as error:  # the database of several services is away: another one reads it, or a later run
             _log.warning("log not read now", log=log_id, code=error.code)
         finally:
@@ -143,7 +146,7 @@ class Jobs:
 
     async def _pack(self, record: Record, pack: Path | None) -> None:
         """Read a log again whose record is complete, for its pack: another service has read it."""
-        reader = self._readers.of(record.bytes)
+        reader = self._readers.of(record)
         try:
             async with reader.turn(record.owner), self._catalogue.source(record) as source:
                 try:
@@ -169,7 +172,7 @@ class Jobs:
             async with self._catalogue.source(record) as source:
                 try:
                     picture = self._catalogue.picture(record.id)
-                    summary = await self._readers.of(record.bytes).read(source, pack, picture=picture)
+                    summary = await self._readers.of(record).read(source, pack, picture=picture, elsewhere=True)
                 except MapperError as error:
                     raise without_paths(error, source, record.name) from None
             await self._catalogue.publish(record.id)
@@ -179,6 +182,11 @@ class Jobs:
             known = self._catalogue.get(record.id)
             if self._closing and known is not None and known.state == "reading":
                 self._catalogue.save(replace(known, state="queued", attempts=known.attempts - 1))
+            raise
+        except SlowReadingError:
+            self._readers.slow.add(record.id)
+            if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
+                self._catalogue.save(replace(record, state="queued", attempts=record.attempts - 1))
             raise
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message))

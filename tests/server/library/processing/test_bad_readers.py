@@ -11,6 +11,7 @@ import pytest
 
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
+from server.library.processing.reader import QUICK_S
 from server.settings import Settings
 from server.work.fair_lock import FairLock
 from tests.server.library.kept import settled
@@ -70,6 +71,27 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     monkeypatch.undo()
     assert library.read_again("ann", bad.id).state == "queued"
     assert (await settled(library, "ann", bad.id)).state == "ready"
+
+
+async def test_a_small_log_that_takes_long_makes_room_for_those_of_others(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.processing.reading.read_job", bad_readers.sleep)
+    library = make_library(own_reader=True, read_timeout_s=1000.0)
+    await library.start()
+    slow = await library.put("ann", "slow", in_pieces(bad_readers.BAD))
+    own = await library.put("ann", "own", in_pieces(carmen(3)))
+    small = library._readers.small
+    await eventually(lambda: small.elapsed_s > QUICK_S and small.worker_pid > 0)
+    assert library.get("ann", slow.id).state == "reading"
+    assert library._readers.of(slow) is small  # it keeps nobody else waiting
+    others = await library.put("ben", "others", in_pieces(carmen(4)))
+    for owner, quick in (("ben", others), ("ann", own)):
+        assert (await settled(library, owner, quick.id)).state == "ready"
+    await eventually(lambda: library.get("ann", slow.id).state == "reading")
+    assert library._readers.of(slow) is library._readers.large
+    await library.delete("ann", slow.id)
+    assert (await library.load("ben", others.id)).n_scans == 4
 
 
 async def test_a_job_is_stopped_and_run_again(
