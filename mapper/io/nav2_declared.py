@@ -6,7 +6,8 @@ planner_server.cpp, controller_server.cpp and the parameter_handler.cpp of both,
 nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that older and newer
 releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
 :mod:`mapper.localization.parameters` were compared with these too. A name that is in none of these tables gets a note
-and has no effect: rclcpp passes over values of parameters that no node declares.
+and has no effect: rclcpp passes over values of parameters that no node declares. :mod:`mapper.tools.nav2_names`
+compares the tables with the sources of a release.
 """
 
 from __future__ import annotations

@@ -23,7 +23,8 @@ from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
 
-_NAV2_NAMES = {"max_beams": "laser_max_beams", "laser_likihood_max_dist": "laser_likelihood_max_dist"}
+#: Names that Nav2 has for rows whose names are others here.
+NAV2_NAMES = {"max_beams": "laser_max_beams", "laser_likihood_max_dist": "laser_likelihood_max_dist"}
 _ROS1_NAMES = {
     **{f"odom_alpha{k}": f"alpha{k}" for k in range(1, 6)},
     **{f"laser_{name}": name for name in ("z_hit", "z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")},
@@ -84,7 +85,7 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
     well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
     values, layout = _node(parse_ros_parameters(data))
-    names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
+    names = NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
     others = {}
     notes: list[str] = []
@@ -138,7 +139,7 @@ def _remarks(data: bytes) -> dict[str, Any]:
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
-    found = find_node(root, ("amcl",), {*BY_NAME, *_NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
+    found = find_node(root, ("amcl",), {*BY_NAME, *NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
     if found is not None:
         return _named(found[1]), "nav2"
     named = value_below(root, "amcl")
@@ -148,7 +149,7 @@ def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     if not top:
         raise ReadError("amcl.yaml", "The yaml has no parameters of AMCL: no 'amcl' with 'ros__parameters', no names.")
     values = _named(top)
-    if top is root and not values.keys() & {*AMCL, *BY_NAME, *_NAV2_NAMES, *_ROS1_NAMES}:
+    if top is root and not values.keys() & {*AMCL, *BY_NAME, *NAV2_NAMES, *_ROS1_NAMES}:
         has = ", ".join(map(repr, values))
         raise ReadError("amcl.yaml", f"The yaml has no parameters of AMCL: it has {has:.80}.")
     is_ros1 = any(name in _ROS1_NAMES or name == "laser_max_beams" for name in values)
@@ -179,7 +180,7 @@ def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mappi
     unknown = [name for name in others or {} if not is_other(name)]
     if unknown:
         raise ConfigError("amcl.unknown", f"AMCL has no parameter {unknown[0]!r:.80}.")
-    names = {own: name for name, own in (_NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
+    names = {own: name for name, own in (NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
     names["laser_likelihood_max_dist"] = "laser_likelihood_max_dist"
     own_rows = OWN_ROWS if layout == "nav2" else tuple(name for name in OWN_ROWS if name != "selective_resampling")
     lines: list[str] = []
