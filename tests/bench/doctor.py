@@ -26,6 +26,7 @@ from mapper.simulation import WORLDS, Simulation, World, sample_log
 from mapper.simulation.lidar import RANGE_MIN
 from mapper.simulation.odometry import ALPHAS, TURN_BIAS, drifting_odometry
 from mapper.simulation.sample import SAMPLE_SENSOR
+from tests.bench.disturbed_scans import crowded, polished
 
 DOUBLE_M, SINGLE_M = 0.3, 0.15  #: walls that are farther apart than the one are double, nearer than the other single
 REVISIT_M = 5.0  #: two scans from places nearer than this see the same walls
@@ -173,6 +174,9 @@ def simulated_cases() -> Iterator[Case]:
             yield Case("simulated logs", log.name, log, "true", double=False)
             yield from drifted("simulated logs with drift added", log, "true")
             yield from disturbed(log, "true")
+            for what, change in (("polished walls", polished), ("people who walk about", crowded)):
+                changed = change(log, WORLDS[world])
+                yield Case("single walls, disturbed", f"{log.name}, {what}", changed, "true", double=False)
 
 
 def judged(case: Case) -> Judged:

@@ -22,6 +22,7 @@ from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, SensorConfig, Simulation, World, sample_log
 from mapper.simulation.odometry import drifting_odometry
+from tests.bench.disturbed_scans import crowded, polished
 from tests.bench.doctor import part as part_of
 from tests.bench.doctor import refurnished
 from tests.mapper.diagnosis.runs import true_run
@@ -58,6 +59,19 @@ def with_poses(log: ScanLog, poses: np.ndarray) -> ScanLog:
 def test_nothing_is_found_in_a_clean_log(world: str) -> None:
     log = sample_log(N, world)
     assert examine(log, "true") == []
+
+
+@pytest.mark.parametrize("disturbed", [polished, crowded])
+def test_polished_walls_and_people_who_walk_about_are_no_finding_and_no_event(
+    disturbed: Callable[[ScanLog, World], ScanLog],
+) -> None:
+    log = sample_log(N, "hall", 11)
+    seen = disturbed(
+        replace(log, trajectories={"odom": replace(log.trajectory("true"), frame_id="odom")}), WORLDS["hall"]
+    )
+    assert (seen.ranges != log.ranges).mean() > 0.05
+    found = diagnose(seen)
+    assert (found.findings, found.events) == ((), ())
 
 
 @pytest.mark.parametrize("name", ["intel", *also_long("aces", "fhw")])
