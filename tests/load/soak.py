@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import astuple, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,9 @@ PARTS = 8  #: of a life; the first half warms up: what the allocator keeps free 
 DISK = "256m"
 #: Growth for 1,000 visits that is allowed over the second half of a life, and by how much a count is off by chance.
 ALLOWED = {"memory_mb": (5.0, 5.0), "descriptors": (2.0, 2.0), "threads": (2.0, 2.0)}
+#: What may be added once in the second half of a life, if it is not added in the end: the C library keeps more memory
+#: free from then on, in arenas of threads that were never as busy at the same time before.
+STEP = {"memory_mb": 16.0}
 #: Growth that is allowed over the whole time, by chance alone: what is kept on the disk.
 KEPT = {"files": 2, "rows": 0}
 
@@ -221,22 +225,27 @@ def soak(minutes: int = 10) -> None:
                     counts.append(_left(pid, folder / "data", visits.done))
                     print(f"| {' | '.join(f'{value:g}' for value in astuple(counts[-1]))} | {kind} |", flush=True)
         print(f"{visits.refused} visits were refused as the disk was full; {LIVES - 1} restarts")
-        if not _verdict(lives):
+        if not verdict(lives):
             sys.exit(1)
 
 
-def _verdict(lives: list[list[Left]]) -> bool:
+def verdict(lives: list[list[Left]]) -> bool:
     """Print what grows; return whether nothing does."""
     level = True
     for what, (most, chance) in ALLOWED.items():
         for number, counts in enumerate(lives, start=1):
-            first, last = counts[PARTS // 2 - 1], counts[-1]
-            thousand = max(last.visits - first.visits, 1) / 1000.0
-            grown = getattr(last, what) - getattr(first, what)
+            second = counts[PARTS // 2 - 1 :]
+            values = [float(getattr(one, what)) for one in second]
+            step = max(later - earlier for earlier, later in pairwise(values[:-1]))
+            step = step if chance < step <= STEP.get(what, 0.0) else 0.0
+            thousand = max(second[-1].visits - second[0].visits, 1) / 1000.0
+            grown = values[-1] - values[0] - step
             is_level = grown <= most * thousand + chance
             level &= is_level
+            said = f" besides a step of {step:.1f}" if step else ""
             print(
-                f"{what}, life {number}: {grown / thousand:+.1f} for 1,000 visits: {'level' if is_level else 'GROWS'}"
+                f"{what}, life {number}: {grown / thousand:+.1f} for 1,000 visits{said}: "
+                f"{'level' if is_level else 'GROWS'}"
             )
     for what, by_chance in KEPT.items():
         grown = getattr(lives[-1][-1], what) - getattr(lives[0][0], what)
