@@ -7,6 +7,7 @@ import sys
 from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
+from tests.load.footprint import footprint
 from tests.load.greedy import greedy
 from tests.load.killed import killed
 from tests.load.limited import limited
@@ -25,6 +26,7 @@ RUNS = {
     "fairness": fairness,
     "greedy": greedy,
     "memory": memory,
+    "footprint": footprint,
     "ending": ending,
     "killed": killed,
     "soak": soak,

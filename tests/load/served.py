@@ -100,14 +100,20 @@ def service(sessions: int, clients: int, threads: int | None = None, options: Se
 
 @contextmanager
 def workers(sessions: int, clients: int, count: int) -> Iterator[tuple[list[Process], int]]:
-    """Run one service of so many worker processes; yield these and the port once it answers."""
+    """Run one service of so many worker processes; yield these and the port once it answers.
+
+    One worker is the service's own process; several come after the process that forks them, which has no other work.
+    """
     with (
         service(sessions, clients, options=["--workers", str(count)]) as supervisor,
         httpx.Client(base_url=f"http://127.0.0.1:{supervisor.port}", timeout=60.0) as http,
     ):
         until(lambda: _is_ready(http))
-        children = Path(f"/proc/{supervisor.pid}/task/{supervisor.pid}/children").read_text(encoding="ascii")
-        yield [Process(int(pid), supervisor.port) for pid in children.split()], supervisor.port
+        pids = [str(supervisor.pid)]
+        if count > 1:
+            children = Path(f"/proc/{supervisor.pid}/task/{supervisor.pid}/children")
+            pids = children.read_text(encoding="ascii").split()
+        yield [Process(int(pid), supervisor.port) for pid in pids], supervisor.port
 
 
 @contextmanager

@@ -6,7 +6,6 @@ Either in one service, beside an echo server on the same sockets, or spread over
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import httpx
 
@@ -70,10 +69,7 @@ def sessions(*counts: int) -> None:
 
 
 def workers(*counts: int) -> None:
-    """Print the figures of these numbers of sessions in one process, and in a worker process for each core.
-
-    Below them is the memory of each worker before the first session and with all of them: its share (Pss), MB.
-    """
+    """Print the figures of these numbers of sessions in one process, and in a worker process for each core."""
     cores = len(os.sched_getaffinity(0))
     print(f"load {os.getloadavg()[0]:.1f} before the run; 10 looks a second, 1 of 10 viewers stalled")
     print(HEAD)
@@ -82,17 +78,8 @@ def workers(*counts: int) -> None:
             one = figures([process], streams(process.port, count, count), count // 10, PERIOD_S)
         print(row(f"{count} in 1", one), flush=True)
         with several_workers(count, 4, cores) as (several, port):
-            idle = [pss_mb(worker.pid) for worker in several]
             more = figures(several, streams(port, count, count), count // 10, PERIOD_S)
-            busy = [pss_mb(worker.pid) for worker in several]
-        print(row(f"{count} in {cores} workers", more))
-        print("Pss of each worker, MB:", *(f"{a:.0f} → {b:.0f}" for a, b in zip(idle, busy, strict=True)), flush=True)
-
-
-def pss_mb(pid: int) -> float:
-    """Return a process's memory, of what it shares its share, MB."""
-    text = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
-    return next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) * 1024 / 1e6
+        print(row(f"{count} in {cores} workers", more), flush=True)
 
 
 def services(*counts: int) -> None:
