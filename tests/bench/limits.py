@@ -34,7 +34,7 @@ Entries = NDArray[np.uint32]
 
 
 @njit(nogil=True, cache=True)
-def _update(log_odds, entries, miss, hit, low, high):
+def update_listed(log_odds, entries, miss, hit, low, high):
     """Add to the cells that ``entries`` (n,) uint32 name, and clamp, in this order."""
     for k in range(len(entries)):
         entry = entries[k]
@@ -127,7 +127,7 @@ def mapping_limit(log: ScanLog, config: MappingConfig) -> tuple[float, float, in
     parts = _of_scans(log, config, geometry) if plan.per_scan else _of_beams(log, plan, geometry)
     limit, planning, count = 0.0, 0.0, 0
     for entries, planned in parts:
-        work = [partial(_update, log_odds, own, *plan.log_odds_update) for own in _in_bands(entries, geometry)]
+        work = [partial(update_listed, log_odds, own, *plan.log_odds_update) for own in _in_bands(entries, geometry)]
         in_parallel(work)  # the kernel is compiled, and the cells have been touched
         limit += _best_ms(partial(in_parallel, work))
         planning, count = planning + planned, count + len(entries)

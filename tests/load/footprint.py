@@ -38,10 +38,9 @@ def footprint(*counts: int) -> None:
             streams = begun(port, [visitors_of(worker, count, 1)[0] for worker in range(count)])
             figures(processes, streams, 0, PERIOD_S)
             busy = _of_all(processes)
-        more = ("", "")
+        added = [""] * 2
         if before is not None:
-            more = tuple(
-                f"{(now - then) / (count - before[0]):.0f}" for now, then in zip((idle, busy), before[1:], strict=True)
-            )
-        print(f"{count:<10}{idle:>12.0f}{more[0]:>12}{busy:>15.0f}{more[1]:>12}", flush=True)
+            more, (_, *then) = count - before[0], before
+            added = [f"{(now - old) / more:.0f}" for now, old in zip((idle, busy), then, strict=True)]
+        print(f"{count:<10}{idle:>12.0f}{added[0]:>12}{busy:>15.0f}{added[1]:>12}", flush=True)
         before = count, idle, busy
