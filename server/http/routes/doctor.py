@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import APIRouter, Query, Request
+from pydantic import Field
 
 from mapper.core.parameter import Values
 from mapper.io.logs.summary import recorded_seconds
@@ -13,13 +14,15 @@ from server.http.clients import while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Sessions, Visitor
 from server.http.session_access import part_of_log
-from server.library.logs.log_event import LogEvent, log_events
 from server.sessions.parts import Recording
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
 
 router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+EventKind = Literal["pushed", "slipped", "lifted", "clock", "gap"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +45,39 @@ class FindingAnswer:
 
 
 @dataclass(frozen=True, slots=True)
+class LogEvent:
+    """An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded."""
+
+    kind: EventKind
+    seconds: Annotated[float, Field(description="begin in recorded time, s")]
+    until_s: Annotated[float, Field(description="end in recorded time, s")]
+    time: Annotated[str, Field(description="begin in recorded time, m:ss.mmm")]
+    utc: Annotated[str | None, Field(description="begin in UTC, ISO 8601; null where the log's clock does not tell it")]
+    stamp_ns: Annotated[int | None, Field(description="begin on the log's clock, ns")]
+    scan: Annotated[int, Field(description="last scan before it, from 0")]
+    until_scan: Annotated[int, Field(description="first scan after it")]
+    ahead_m: Annotated[float | None, Field(description="motion by the scans less that by the wheels: ahead, m")]
+    left_m: Annotated[float | None, Field(description="the same to the left, m")]
+    turned_rad: Annotated[float | None, Field(description="the same, counter-clockwise, rad")]
+    distance_m: Annotated[float | None, Field(description="length of it, m")]
+    direction: Annotated[
+        Literal["ahead", "behind", "left", "right"] | None, Field(description="side of the robot to which it went")
+    ]
+    step_s: Annotated[float, Field(description="by how much the clock was set, s")]
+    moved_m: Annotated[
+        float | None, Field(description="how far the robot came in a gap by its poses, m; null where they do not tell")
+    ]
+    sentence: Annotated[str, Field(description="when and what happened, in words")]
+    what: Annotated[str, Field(description="the same without the time, with which the sentence begins")]
+
+
+@dataclass(frozen=True, slots=True)
 class DoctorAnswer:
     """The diagnosis of a log along a trajectory: findings, causes first, and events in the order of their times."""
 
     trajectory: str
     findings: list[FindingAnswer]
-    events: tuple[LogEvent, ...]
+    events: list[LogEvent]
 
 
 @router.get("/sessions/{session_id}/doctor")
@@ -85,5 +115,5 @@ def doctor_answer(recording: Recording, trajectory: str, found: Diagnosis) -> Do
             FindingAnswer(**finding.public(), seconds=[round(float(seconds[scan]), 3) for scan in finding.scans])
             for finding in found.findings
         ],
-        events=log_events(found.events),
+        events=[LogEvent(**event.public()) for event in found.events],
     )

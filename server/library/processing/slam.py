@@ -27,7 +27,6 @@ from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
 from server.library.annotations.trajectories import NewTrajectory
-from server.library.logs.log_event import LogEvent, log_events
 from server.library.packs.log import log_in
 from server.library.processing.log_jobs import Parameters, ParameterTable, PoseRequest, Run
 
@@ -71,10 +70,7 @@ class SlamJob(BoundedJob):
 
 @dataclass(frozen=True, slots=True)
 class SlamOutcome:
-    """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it.
-
-    ``events`` are those of the log that the doctor finds, in the order of their times.
-    """
+    """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it."""
 
     odometry: str | None
     loops: int
@@ -82,7 +78,6 @@ class SlamOutcome:
     cpu_s: float
     before: MapFigures
     after: MapFigures
-    events: tuple[LogEvent, ...]
     notes: tuple[str, ...]
 
 
@@ -103,8 +98,7 @@ def do_slam_job(job: SlamJob) -> SlamOutcome:
 
 
 def _slam(job: SlamJob) -> SlamOutcome:
-    from mapper.diagnosis import events_of  # noqa: PLC0415 - only this process needs SciPy and SLAM
-    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415
+    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - only this process needs SciPy and SLAM
     from mapper.io.export import tum_text  # noqa: PLC0415
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
     from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
@@ -115,8 +109,7 @@ def _slam(job: SlamJob) -> SlamOutcome:
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
     mapping = MappingConfig().with_values({**RECORDED, **job.mapping})
-    mapped = as_mapped(log, mapping)
-    result = slam_log(mapped, config, trajectory=job.trajectory, progress=_Reporter(job.out))
+    result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, from_scans=True, offset=offset)
     log = replace(log, trajectories={**log.trajectories, NAME: corrected})
@@ -133,7 +126,6 @@ def _slam(job: SlamJob) -> SlamOutcome:
         result.cpu_seconds,
         along_odometry,
         along_slam,
-        log_events(events_of(mapped, result.odometry)),
         result.notes,
     )
 
@@ -194,7 +186,6 @@ class SlamResult:
     contradicted: Two
     sharpness: Two
     notes: tuple[str, ...]
-    events: tuple[LogEvent, ...] = ()  # results of versions before it have none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -268,7 +259,6 @@ class SlamKind:
             contradicted=(_rounded(before.contradicted), _rounded(after.contradicted)),
             sharpness=(_rounded(before.sharpness), _rounded(after.sharpness)),
             notes=outcome.notes,
-            events=outcome.events,
         )
 
 

@@ -527,33 +527,40 @@ export interface LogAnswer {
   readonly notes: readonly string[];
 }
 
-/**
- * An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded.
- * `seconds` and `until_s` are its begin and end in recorded time, `time` the begin as m:ss.mmm, `utc` that in UTC, ISO
- * 8601, null where the log's clock does not tell it, and `stamp_ns` on the log's clock. `scan` is the last scan before
- * it, from 0, `until_scan` the first one after it. `ahead_m`, `left_m` and `turned_rad`, the latter counter-clockwise,
- * are the motion by the scans less that by the wheels, `distance_m` its length and `direction` the side of the robot to
- * which it went. `step_s` is by how much the clock was set, `moved_m` how far the robot came in a gap by its poses,
- * null where they do not tell. `sentence` says in words when and what happened, `what` the same without the time, with
- * which the sentence begins.
- */
+/** An event of a log: the robot was moved as its wheels did not measure, its clock was set, or nothing recorded. */
 export interface LogEvent {
   readonly kind: "pushed" | "slipped" | "lifted" | "clock" | "gap";
+  /** begin in recorded time, s */
   readonly seconds: number;
+  /** end in recorded time, s */
   readonly until_s: number;
+  /** begin in recorded time, m:ss.mmm */
   readonly time: string;
+  /** begin in UTC, ISO 8601; null where the log's clock does not tell it */
   readonly utc: string | null;
+  /** begin on the log's clock, ns */
   readonly stamp_ns: number | null;
+  /** last scan before it, from 0 */
   readonly scan: number;
+  /** first scan after it */
   readonly until_scan: number;
+  /** motion by the scans less that by the wheels: ahead, m */
   readonly ahead_m: number | null;
+  /** the same to the left, m */
   readonly left_m: number | null;
+  /** the same, counter-clockwise, rad */
   readonly turned_rad: number | null;
+  /** length of it, m */
   readonly distance_m: number | null;
+  /** side of the robot to which it went */
   readonly direction: "ahead" | "behind" | "left" | "right" | null;
+  /** by how much the clock was set, s */
   readonly step_s: number;
+  /** how far the robot came in a gap by its poses, m; null where they do not tell */
   readonly moved_m: number | null;
+  /** when and what happened, in words */
   readonly sentence: string;
+  /** the same without the time, with which the sentence begins */
   readonly what: string;
 }
 
@@ -1254,7 +1261,6 @@ export interface SlamResult {
   readonly contradicted: readonly [number | null, number | null];
   readonly sharpness: readonly [number | null, number | null];
   readonly notes: readonly string[];
-  readonly events: readonly LogEvent[];
 }
 
 /** State of SLAM of a log: the `stage` as SLAM names it, how many scans have poses, how many loops have closed. */

@@ -107,8 +107,8 @@ const GROUPS: readonly Group[] = [
     section: "Log",
     isThere: ({ log }) => log !== null,
     badge: ({ correction }) => correction.badge.value,
-    content: ({ store, session, correction, comparison, isGuest }) => (
-      <CorrectPoses store={store} session={session} correction={correction} comparison={comparison} isGuest={isGuest} />
+    content: ({ store, session, correction, comparison, doctor, isGuest }) => (
+      <CorrectPoses {...{ store, session, correction, comparison, doctor, isGuest }} />
     ),
   },
   {

@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.diagnosis.events import Event
 from mapper.diagnosis.figures import MapFigures
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
-from server.library.logs.log_event import log_events
 from server.library.packs.graph import graph_bytes
 from server.library.processing.fleet.fleet_job import MapFacts
 from server.library.processing.merging import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
@@ -26,7 +24,6 @@ from tests.server.library.small_logs import carmen, tum
 PATIENCE_S = 60.0
 SECOND_START = 100  #: of the second log of a merge
 Y = 5.0  #: of the poses that a stand-in has found, metres
-PUSH = Event("pushed", 2.0, 2.4, 2_000_000_000, 2, 3, 0.0, 0.4, 0.0)
 #: What the mapping of one of many logs returns.
 FACTS = MapFacts(
     scans=1, beams=3, trajectory="scan", rows=2, cols=3, resolution=0.1, contrast=None, findings=(), picture=False,
@@ -76,9 +73,7 @@ def quick(job: SlamJob) -> SlamOutcome:
     told(job, 0.5, 3)
     Path(job.out + TUM).write_text("".join(f"{k}.0 {k}.0 {Y} 0 0 0 0 1\n" for k in range(6)))
     Path(job.out + GRAPH).write_bytes(graph_bytes(*chain(6)))
-    return SlamOutcome(
-        "scan", 1, 6, 0.25, MapFigures(0.3, 0.12, 0.25), MapFigures(None, None, 0.75), log_events([PUSH]), ("A note.",)
-    )
+    return SlamOutcome("scan", 1, 6, 0.25, MapFigures(0.3, 0.12, 0.25), MapFigures(None, None, 0.75), ("A note.",))
 
 
 def endless(job: SlamJob) -> SlamOutcome:
@@ -87,7 +82,7 @@ def endless(job: SlamJob) -> SlamOutcome:
     deadline = time.monotonic() + PATIENCE_S
     while Path(job.pack).exists() and time.monotonic() < deadline:
         time.sleep(0.01)
-    return SlamOutcome(None, 0, 0, 0.0, MapFigures(None, None, 0.0), MapFigures(None, None, 0.0), (), ())
+    return SlamOutcome(None, 0, 0, 0.0, MapFigures(None, None, 0.0), MapFigures(None, None, 0.0), ())
 
 
 def quick_merge(job: MergeJob) -> MergeOutcome:

@@ -73,7 +73,6 @@ async def test_what_it_finds_is_one_more_trajectory(library: Library, settings: 
         "contradicted": (0.12, None),
         "sharpness": (0.25, 0.75),
         "notes": ("A note.",),
-        "events": (stand_ins.PUSH.public(),),
     }
     assert seen[-1] is None
     assert [(one.fraction, len(one.poses)) for one in seen if one is not None] == [(0.5, 3)]

@@ -31,7 +31,7 @@ const PUSH: LogEvent = {
   what: "the robot moved 0.40 m to its left, which the wheels did not measure.",
 };
 
-const healed = (events: readonly LogEvent[]): SlamStatus => ({
+const HEALED: SlamStatus = {
   state: "done",
   created_s: 0,
   error: null,
@@ -55,20 +55,19 @@ const healed = (events: readonly LogEvent[]): SlamStatus => ({
     contradicted: [0.2, 0.01],
     sharpness: [0.5, 0.6],
     notes: [],
-    events,
   },
-});
+};
 
 test("what the wheels did not measure stands in the result, with a button that goes there", () => {
   const sent: Command[] = [];
   const store = new Store((command) => sent.push(command) > 0);
-  act(() => render(<Outcome job={healed([PUSH])} store={store} />, document.body));
+  act(() => render(<Outcome job={HEALED} store={store} events={[PUSH]} />, document.body));
   expect(document.body.textContent).toContain("The robot moved 0.40 m to its left, which the wheels did not measure.");
   document.querySelector("button")?.click();
   expect(sent.at(-1)).toEqual({ type: "seek", index: 367 });
 });
 
 test("without events there is no heading for them", () => {
-  act(() => render(<Outcome job={healed([])} store={new Store(() => true)} />, document.body));
+  act(() => render(<Outcome job={HEALED} store={new Store(() => true)} events={[]} />, document.body));
   expect(document.querySelector("h4")).toBeNull();
 });

@@ -6,8 +6,9 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import type { LogEvent } from "../../../wire/http";
 import { compareWith } from "../compare/sides";
-import { Events } from "../Doctor";
+import { type DoctorState, Events, eventsOf } from "../Doctor";
 import { JobProgress } from "../jobs/JobProgress";
 import { ParameterDetails } from "../jobs/ParameterDetails";
 import { trajectoryLabel } from "../library/describeLog";
@@ -23,10 +24,11 @@ interface CorrectPosesProps {
   readonly session: string;
   readonly correction: PoseCorrection;
   readonly comparison: Comparison;
+  readonly doctor: DoctorState;
   readonly isGuest: boolean;
 }
 
-export function CorrectPoses({ store, session, correction, comparison, isGuest }: CorrectPosesProps) {
+export function CorrectPoses({ store, session, correction, comparison, doctor, isGuest }: CorrectPosesProps) {
   const job = correction.job.value;
   const trajectory = store.trajectory.value?.name ?? null;
   const isUnderWay = correction.isUnderWay.value;
@@ -59,7 +61,7 @@ export function CorrectPoses({ store, session, correction, comparison, isGuest }
                 </>
               )}
             />
-            {job && !isUnderWay && <Outcome job={job} store={store} />}
+            {job && !isUnderWay && <Outcome job={job} store={store} events={eventsOf(doctor)} />}
             {correction.failure.value !== null && (
               <p class="failure" role="alert">
                 {correction.failure.value}
@@ -113,10 +115,12 @@ const beginning = (job: SlamStatus): string =>
 interface OutcomeProps {
   readonly job: SlamStatus;
   readonly store: Store;
+  /** Of the log, by the doctor. */
+  readonly events: readonly LogEvent[];
 }
 
 /** What has become of a job: figures of the map, and what the wheels did not measure. */
-export function Outcome({ job, store }: OutcomeProps) {
+export function Outcome({ job, store, events }: OutcomeProps) {
   if (job.state === "cancelled") return <p role="status">Healing was cancelled. The poses are those from before.</p>;
   if (job.state === "failed")
     return (
@@ -150,7 +154,7 @@ export function Outcome({ job, store }: OutcomeProps) {
       {result.loops === 0 && (
         <p>No loop was found: the poses are as good as the alignment of each scan with those before it.</p>
       )}
-      {result.events.length > 0 && <Events events={result.events} store={store} />}
+      {events.length > 0 && <Events events={events} store={store} />}
       {result.notes.map((note) => (
         <p class="quiet" key={note}>
           {note}
@@ -187,7 +191,7 @@ function Figure({ name, title, values, form }: FigureProps) {
   );
 }
 
-interface ResultsProps extends Omit<CorrectPosesProps, "isGuest"> {
+interface ResultsProps extends Omit<CorrectPosesProps, "doctor" | "isGuest"> {
   readonly job: SlamStatus | null;
 }
 
