@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, NoReturn
 
+import segno
 import uvicorn
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
@@ -52,8 +53,6 @@ UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after w
 
 def class_invitation(code: str, netloc: str) -> str:
     """Return the address of a class, as text and as a QR code of characters, for a terminal."""
-    import segno  # noqa: PLC0415 - few start with a class
-
     address = f"http://{netloc}/class/{code}"
     out = io.StringIO()
     segno.make(address, error="m", micro=False).terminal(out, compact=True, border=2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, counts
@@ -126,8 +127,6 @@ def _passed(seen: Examined, bearings: NDArray[np.float64], ranges: NDArray[np.fl
     other beams too, and not passed. Of a cell and those beside it that counts which is passed least, for grazing beams
     pass cells of a wall.
     """
-    from scipy import ndimage  # noqa: PLC0415 - for few logs
-
     grid = counts(seen)
     if grid.cell_statistics is None:
         return np.zeros(len(bearings))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mapper.core.errors import ConfigError
 from mapper.grid import OCCUPIED, OccupancyGrid
@@ -62,8 +63,6 @@ def likelihood_field(grid: OccupancyGrid, config: LocalizationConfig, range_max:
 
     Source: Probabilistic Robotics, section 6.4. Raises :class:`ConfigError` for a map without occupied cells.
     """
-    from scipy import ndimage  # noqa: PLC0415 - start-up
-
     occupied = occupied_cells(grid)
     if not occupied.any():
         raise ConfigError("localization.no_walls", "The map has no occupied cells: every pose in it fits equally well.")

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
 
 from mapper.core.errors import ConfigError
 from mapper.slam.kernels.block_cholesky import count_factor, factorise, solve_factorised
@@ -111,9 +113,6 @@ def elimination_order(n: int, pairs: Int64Array) -> Int64Array:
 
     ``pairs`` (p, 2) are the unknowns that a block connects.
     """
-    from scipy import sparse  # noqa: PLC0415 - start-up
-    from scipy.sparse.linalg import splu  # noqa: PLC0415 - start-up
-
     if n == 0 or not len(pairs):
         return np.arange(n, dtype=np.int64)
     ones = np.full(len(pairs), -1e-6)

@@ -16,6 +16,8 @@ from server.puzzles.game import Game
 from server.puzzles.making import MAPPING, PuzzleSource, RecipeSource, Tell
 from server.sessions import Plan
 from server.sessions.view import LogView
+from server.sources.log import LogModel
+from server.sources.log_recording import first_replay
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -80,9 +82,6 @@ class Puzzles:
         """Return the plan of a session that shows a puzzle: the whole map, paused."""
 
         def make(host: ModelHost, making: Making) -> SessionModel:
-            from server.sources.log import LogModel  # noqa: PLC0415 - imported with the first session
-            from server.sources.log_recording import first_replay  # noqa: PLC0415
-
             now: tuple[str, float | None] = ("Another puzzle is being made", None)
 
             def tell(what: str, done: float | None) -> None:

@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
+from mapper.diagnosis.events.displacement import displacements
 from mapper.diagnosis.events.event import CLOCK, GAP, LIFTED, PUSHED, SLIPPED, Event
 from mapper.diagnosis.events.gaps import driven_ways, recording_gaps
+from mapper.diagnosis.events.motions import aligned_motions
 from mapper.diagnosis.finding import MOST_SCANS
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import by_sensor, sensors_of
@@ -55,9 +57,6 @@ def find_events(
     robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where ``wanted`` says
     False.
     """
-    from mapper.diagnosis.events.displacement import displacements  # noqa: PLC0415 - SciPy, for whoever asks
-    from mapper.diagnosis.events.motions import aligned_motions  # noqa: PLC0415
-
     sensors = by_sensor(log)
     lidars = [one for one in sensors if _is_lidar(one[0])]
     sensor, numbers = max(lidars or sensors, key=lambda one: one[0].n_scans)

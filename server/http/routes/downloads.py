@@ -11,6 +11,7 @@ from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
+from mapper.io import export
 from mapper.io.export import tum_lines
 from server.downloads import Content, Download, file_name
 from server.http.file_answer import file_answer
@@ -52,10 +53,8 @@ async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownload
                 growing_map, trajectory = await recording.growing_map()
 
                 def work(check: Callable[[], None]) -> None:
-                    from mapper.io.export import write_mcap  # noqa: PLC0415 - the library of MCAP, for exports only
-
                     with single_threaded():  # the map is computed again, on one core: sessions use the others
-                        write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
+                        export.write_mcap(file, recording.log, growing_map, trajectory, lambda _: check())
 
                 await downloads.run(work, takes_long=True)
         except BaseException:

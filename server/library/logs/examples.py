@@ -11,6 +11,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.io import export
 from mapper.sensors.scan import LaserScan
 
 ExampleName: TypeAlias = Literal["drift", "mount", "camera"]
@@ -36,21 +37,19 @@ def example_bytes(name: ExampleName) -> bytes:
 
 def _drift() -> bytes:
     """Only the poses that the wheels measure, which drift."""
-    from mapper.io.export import write_mcap  # noqa: PLC0415 - the simulator and MCAP, for the first example
     from mapper.simulation.sample import sample_log  # noqa: PLC0415
 
     file = io.BytesIO()
-    write_mcap(file, sample_log(), trajectory="odometry")
+    export.write_mcap(file, sample_log(), trajectory="odometry")
     return file.getvalue()
 
 
 def _mount() -> bytes:
     """True poses, and a mount that is stated as turned by :data:`STATED_YAW`."""
-    from mapper.io.export import write_mcap  # noqa: PLC0415 - as above
     from mapper.simulation.sample import sample_log  # noqa: PLC0415
 
     file = io.BytesIO()
-    write_mcap(file, replace(sample_log(), mount=(0.0, 0.0, STATED_YAW)), trajectory="true")
+    export.write_mcap(file, replace(sample_log(), mount=(0.0, 0.0, STATED_YAW)), trajectory="true")
     return file.getvalue()
 
 

@@ -8,6 +8,10 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from mapper.core.errors import MapperError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io import logs
+
 MAX_LOGS = 10_000
 TEXT_ENDS = frozenset({".xyz", ".pts", ".csv", ".asc"})  #: of clouds as text
 MAX_FILES = 100  #: in a folder that is one log,
@@ -68,19 +72,16 @@ class LogFolder:
 def _is_log(target: Path) -> bool:
     """Return whether a file or folder begins as a planar log, or as what makes a map in 3D."""
     # The readers of all formats, which few services need.
-    from mapper.core.errors import MapperError  # noqa: PLC0415
-    from mapper.io.logs import is_log  # noqa: PLC0415
     from server.library.packs.volume_files import holds_volume  # noqa: PLC0415
 
     try:
-        return is_log(target) or (holds_volume(target) and (target.is_dir() or _is_cloud_by_name(target)))
+        return logs.is_log(target) or (holds_volume(target) and (target.is_dir() or _is_cloud_by_name(target)))
     except (MapperError, OSError):
         return False
 
 
 def _is_cloud_by_name(target: Path) -> bool:
     """Return whether a file with a cloud is one to list: lines of numbers may be poses or a matrix as well."""
-    from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415
     from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415
 
     return format_of(target, DEFAULT_LIMITS) != TEXT or any(end in TEXT_ENDS for end in target.suffixes[-2:])

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.logs.archives.archive import BLOCK, is_tar, members
 from server.library.packs.reference_map import ReferenceMap
 
 if TYPE_CHECKING:
@@ -117,8 +118,6 @@ def _origin_of(path: Path) -> str | None:
 
 def _files_in(source: Path) -> list[Member]:
     """Return the files in a tar archive. Raises :class:`OSError`, :class:`ReadError` and :class:`LimitError`."""
-    from mapper.io.logs.archives.archive import BLOCK, is_tar, members  # noqa: PLC0415 - as the readers of maps
-
     with source.open("rb") as file:
         if not is_tar(file.read(BLOCK)):
             raise ReadError(

@@ -18,10 +18,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper import localization
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
+from mapper.io import export
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import Trajectory
 from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
@@ -130,21 +133,21 @@ def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
 
 
 def _localize(job: LocalizeJob) -> LocalizeOutcome:
-    from mapper.io.export import tum_text  # noqa: PLC0415 - only this process needs the filter
     from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415
-    from mapper.localization import LocalizationConfig, localize_log  # noqa: PLC0415
     from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
 
     log = log_in(job.pack)
     given = read_reference_map(Path(job.given))
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)
-    localized = localize_log(
-        as_mapped(log, MappingConfig().with_values(job.mapping)), grid,
-        LocalizationConfig().with_values(job.parameters), trajectory=job.trajectory, initial_pose=job.initial_pose,
+    localized = localization.localize_log(
+        as_mapped(log, MappingConfig().with_values(job.mapping)),
+        grid,
+        localization.LocalizationConfig().with_values(job.parameters),
+        trajectory=job.trajectory,
+        initial_pose=job.initial_pose,
         watch=watch,
-    )  # fmt: skip
+    )
     offsets, particles = thinned(watch.clouds)
     states = FilterStates(
         localized.covariance, localized.is_converged, localized.is_sure, localized.is_updated, localized.share,
@@ -152,7 +155,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     )  # fmt: skip
     log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(localized.poses, from_scans=True)})
     Path(job.out + FILTER_STATES).write_bytes(filter_states_bytes(states))
-    Path(job.out + TUM).write_text(tum_text(log, LOCALIZED), encoding="ascii")
+    Path(job.out + TUM).write_text(export.tum_text(log, LOCALIZED), encoding="ascii")
     process.note_progress(1.0)
     used = localized.fit[localized.is_updated]
     return LocalizeOutcome(
@@ -338,18 +341,14 @@ def changed_values(values: Parameters) -> Parameters:
 
     Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
     """
-    from mapper.localization import LocalizationConfig  # noqa: PLC0415 - few visitors localize a log
-
-    first = LocalizationConfig().as_dict()
+    first = localization.LocalizationConfig().as_dict()
     return {
         name: value
-        for name, value in LocalizationConfig().with_values(values).as_dict().items()
+        for name, value in localization.LocalizationConfig().with_values(values).as_dict().items()
         if value != first[name]
     }
 
 
 def parameter_table() -> ParameterTable:
     """Return the table of localization's parameters (worker thread: it imports the filter)."""
-    from mapper.localization import PARAMETERS  # noqa: PLC0415 - few visitors localize a log
-
-    return ParameterTable(PARAMETERS)
+    return ParameterTable(localization.PARAMETERS)

@@ -13,11 +13,12 @@ from pathlib import Path
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
+from mapper.io import export
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PlanarCut
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
@@ -75,8 +76,6 @@ def do_merge_job(job: MergeJob) -> MergeOutcome:
 
 
 def _merge(job: MergeJob) -> MergeOutcome:
-    from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - only this process needs SciPy and SLAM
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
     from mapper.slam import MergeProgress, merge_logs, merged_graph, merged_log  # noqa: PLC0415
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
@@ -98,12 +97,12 @@ def _merge(job: MergeJob) -> MergeOutcome:
     merged = merge_logs(*logs, progress=report)
     for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
         one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
-        Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
+        Path(job.out + ending).write_text(export.tum_text(one, NAME), encoding="ascii")
     begin("writing")
     both, note = merged_log(logs, merged.poses)
     with Path(job.out + LOG).open("wb") as mcap:
-        write_mcap(mcap, both, trajectory=NAME)
-    Path(job.out + BOTH).write_text(tum_text(both, NAME), encoding="ascii")
+        export.write_mcap(mcap, both, trajectory=NAME)
+    Path(job.out + BOTH).write_text(export.tum_text(both, NAME), encoding="ascii")
     Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, merged)))
     process.note_progress(1.0)
     topic = both.topic if isinstance(both, JointLog) else None

@@ -10,10 +10,13 @@ from pathlib import Path
 
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import LimitError, ReadError
+from mapper.io import logs
 from mapper.io.logs.summary import LogSummary, summarise
 from mapper.sensors.planar.options import PlanarCut
 from server.jobs.process import BoundedJob, note_progress
+from server.library.packs.costmaps import costmap_codes, summarise_costmaps, write_costmap_pack
 from server.library.packs.log import write_pack
+from server.library.packs.map_files import is_map, read_map
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +52,7 @@ def read_job(job: Job) -> LogSummary:
 
 
 def _read(job: Job) -> LogSummary:
-    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
-    from server.library.packs.map_files import is_map  # noqa: PLC0415
 
     tempfile.tempdir = job.folder  # of this process, which only reads; readers of packed databases write there, too
     if job.volume:
@@ -62,7 +63,7 @@ def _read(job: Job) -> LogSummary:
         return _read_volume(job)
     selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
     try:
-        log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
+        log = logs.open_robot_log(Path(job.source), selection=selection, progress=note_progress)
     except ReadError as error:
         if error.code != "log.no_scans" or job.topic is not None:
             raise
@@ -110,7 +111,6 @@ def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
 def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
     """Read the costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them either."""
     from mapper.io.costmaps import open_costmaps  # noqa: PLC0415 - few logs have them
-    from server.library.packs.costmaps import costmap_codes, summarise_costmaps, write_costmap_pack  # noqa: PLC0415
 
     try:
         streams = open_costmaps(Path(job.source), progress=note_progress)
@@ -125,7 +125,6 @@ def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
 def _read_map(job: Job) -> LogSummary:
     """Read map files."""
     from server.library.packs.map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
-    from server.library.packs.map_files import read_map  # noqa: PLC0415
 
     given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
     note_progress(1.0)

@@ -15,6 +15,9 @@ from pathlib import Path
 from typing import Protocol
 
 from mapper.core.errors import LimitError, ReadError
+from mapper.io import maps
+from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.sensor_defaults import recorded_defaults
 from server.jobs import process
 from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob, JobLimits
@@ -78,10 +81,7 @@ def _made(job: ReferenceMapJob) -> ReferenceMap:
 
 
 def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
-    from mapper.io.maps import occupancy_values  # noqa: PLC0415 - only this process maps
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
-    from mapper.mapping.parameters import BY_NAME, MappingConfig  # noqa: PLC0415
-    from mapper.mapping.sensor_defaults import recorded_defaults  # noqa: PLC0415
 
     log = log_in(job.source)
     row = BY_NAME["range_max"]
@@ -98,7 +98,7 @@ def _of_log(job: ReferenceMapJob, trajectory: str) -> ReferenceMap:
         if grid.log_odds.size <= MOST_CELLS:
             break
     integrate_log(grid, log, config, trajectory)
-    return ReferenceMap(job.title, grid.geometry, occupancy_values(grid))
+    return ReferenceMap(job.title, grid.geometry, maps.occupancy_values(grid))
 
 
 class MapLogs(Logs, Protocol):

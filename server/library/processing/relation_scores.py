@@ -17,8 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError, MapperError
+from mapper.evaluation import PUBLISHED, benchmark_named, evaluate_relations
 from mapper.evaluation.published import PublishedResult
+from mapper.io import logs
 from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import TimedPoses
 from server.jobs.process import BoundedJob
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record
@@ -91,13 +94,10 @@ def score_job(job: ScoreJob) -> RelationMeans:
 
 
 def _score(job: ScoreJob) -> RelationMeans:
-    from mapper.evaluation import evaluate_relations  # noqa: PLC0415 - only the process that reads needs the readers
-    from mapper.io.logs import odometry_records  # noqa: PLC0415
     from mapper.io.trajectories import read_relations  # noqa: PLC0415
-    from mapper.sensors.timed_poses import TimedPoses  # noqa: PLC0415
 
     known = read_relations(Path(job.relations))
-    records = None if job.source is None else odometry_records(job.source, topic=job.topic)
+    records = None if job.source is None else logs.odometry_records(job.source, topic=job.topic)
     found = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
     clear = found.only_unambiguous() if found.policy == "records" and found.unambiguous.any() else None
     return RelationMeans(
@@ -146,8 +146,6 @@ class RelationScores:
         ``benchmark`` is the log of the benchmark that the name tells, and ``published`` the results on it. Raises
         :class:`MapperError` for a file without relations, or belongs to another log.
         """
-        from mapper.evaluation import PUBLISHED, benchmark_named  # noqa: PLC0415 - few visitors have relations
-
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
 

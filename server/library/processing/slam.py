@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
+from mapper.io import export
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.georeference import NO_OFFSET
+from mapper.sensors.scan import Trajectory
 from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
@@ -99,8 +101,6 @@ def do_slam_job(job: SlamJob) -> SlamOutcome:
 
 def _slam(job: SlamJob) -> SlamOutcome:
     from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - only this process needs SciPy and SLAM
-    from mapper.io.export import tum_text  # noqa: PLC0415
-    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
     from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
@@ -114,7 +114,7 @@ def _slam(job: SlamJob) -> SlamOutcome:
     corrected = Trajectory(result.poses, from_scans=True, offset=offset)
     log = replace(log, trajectories={**log.trajectories, NAME: corrected})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
-    Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
+    Path(job.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry
     along_odometry, along_slam = (map_figures(log, name, mapping) for name in (before, NAME))
     process.note_progress(1.0)

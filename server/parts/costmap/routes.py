@@ -10,6 +10,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
+from mapper.io import maps
 from server.downloads import Content, Download
 from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
@@ -96,10 +97,9 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 
         def work(check: Callable[[], None]) -> bytes:  # noqa: ARG001 - as all downloads
             from mapper.costmap.files import costmap_mcap, costmap_pgm, mask_pgm  # noqa: PLC0415 - few take costs
-            from mapper.io.maps import yaml_text  # noqa: PLC0415
 
             if ending == "yaml":
-                return yaml_text(found.geometry, f"{stem}.pgm", "raw", frame=found.frame).encode()
+                return maps.yaml_text(found.geometry, f"{stem}.pgm", "raw", frame=found.frame).encode()
             if ending == "mcap":
                 return costmap_mcap(found)
             return costmap_pgm(found.costs) if mask is None else mask_pgm(mask)

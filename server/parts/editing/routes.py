@@ -16,6 +16,8 @@ from server.http.file_answer import file_answer
 from server.http.routes.maps import grid_of, requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.library.logs.records import LogAnswer
+from server.library.packs.map_files import archived
+from server.library.processing.reference_maps import MOST_CELLS
 from server.sessions.parts import EditedFiles
 
 if TYPE_CHECKING:
@@ -55,8 +57,6 @@ async def keep(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
 ) -> LogAnswer:
     """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
-    from server.library.packs.map_files import archived  # noqa: PLC0415 - few visitors edit maps
-
     files = await _edited(sessions.get(session_id)).files(file_stem(wanted.name))
     data = archived(files)
     record = await library.put(visitor, wanted.name, _pieces(data), len(data), address=client_address(request))
@@ -91,8 +91,6 @@ async def keep_present(
     """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
-    from server.library.packs.map_files import archived  # noqa: PLC0415
-    from server.library.processing.reference_maps import MOST_CELLS  # noqa: PLC0415
 
     session = sessions.get(session_id)
     stem, frame = file_stem(wanted.name), session.model.frame_id

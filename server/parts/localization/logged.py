@@ -10,6 +10,7 @@ import numpy as np
 from msgspec import Struct, structs
 
 from mapper.core.errors import ConfigError
+from mapper.io.maps.reading import grid_of_values
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.filter_states import FilterStates, read_filter_states
 from server.library.packs.reference_map import ReferenceMap
@@ -83,8 +84,6 @@ class LogLocalization(Part, Localized):
         )
 
     def _static_map(self) -> StaticMap:
-        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
-
         given = self._given
         if given is None:
             raise ConfigError("costmap.no_given_map", "There is no reference map: choose one in the group Localize.")
@@ -102,8 +101,6 @@ class LogLocalization(Part, Localized):
 
     def show_map(self, given: ReferenceMap) -> None:
         """Write a map into its layer."""
-        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
-
         self._given, self.is_on = given, True
         self._map = self._map or GridLayer("given_map", "Map to localize in")
         grid = grid_of_values(given.geometry, given.values)

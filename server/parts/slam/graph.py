@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError
+from mapper.io import export
 from mapper.sensors.scan import ScanLog
 from server.parts.slam.solved_graph import ShowGraph
 from server.sessions.drawings import Drawing, Segments
@@ -50,11 +51,10 @@ def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
 
 def files_of(solved: SolvedGraph, log: ScanLog) -> tuple[bytes, bytes]:
     """Return the present poses of a graph as TUM lines of ``log``, and the graph as a file (worker thread)."""
-    from mapper.io.export import tum_text  # noqa: PLC0415 - imports the writers
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
     graph = replace(solved.graph, poses=solved.node_poses)
-    text = tum_text(solved.in_log(log), solved.trajectory)
+    text = export.tum_text(solved.in_log(log), solved.trajectory)
     return text.encode(), graph_bytes(graph, solved.candidates)
 
 

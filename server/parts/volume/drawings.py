@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int32Array, Int64Array
-from mapper.volume import OccupancyVolume, OctreeFile
+from mapper.volume import OccupancyVolume, OctreeFile, VolumeConfig
 from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
 from mapper.volume.mesh.voxel_normals import painted_directions
@@ -208,8 +208,6 @@ class VolumeDrawings:
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:
     """Return the chunks of voxels (n, 3)."""
-    from mapper.volume import VolumeConfig  # noqa: PLC0415 - as the map's own, for the faces of some voxels
-
     if not len(keys):
         return {}
     volume = OccupancyVolume(VolumeConfig(resolution=size))

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.io import logs, maps
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.sensor_defaults import RECORDED
 from server.jobs import process
 from server.jobs.outcome import outcome_of
 from server.jobs.process import JobLimits
@@ -128,17 +131,13 @@ async def fleet_facts(
 def _done(job: FleetJob) -> MapFacts:
     from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
     from mapper.diagnosis.figures import map_figures  # noqa: PLC0415
-    from mapper.io.logs import open_log  # noqa: PLC0415
-    from mapper.io.maps import save_map  # noqa: PLC0415
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
-    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415
-    from mapper.mapping.sensor_defaults import RECORDED  # noqa: PLC0415
     from server.library.packs.picture import write_picture  # noqa: PLC0415
 
     if job.background:
         process.lower_priority()
     began = time.process_time()
-    log = open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
+    log = logs.open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
     process.note_progress(READ)
     found = examine(log)
     process.note_progress(EXAMINED)
@@ -146,7 +145,7 @@ def _done(job: FleetJob) -> MapFacts:
     grid = grid_for(log, config)
     integrate_log(grid, log, config)
     if job.map is not None:
-        save_map(grid, Path(job.map))
+        maps.save_map(grid, Path(job.map))
     process.note_progress(MAPPED)
     picture = write_picture(log, Path(job.picture))
     geometry, figures = grid.geometry, map_figures(log, None, config, grid)
