@@ -17,7 +17,7 @@ import pytest_asyncio
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, event, inspect, text
+from sqlalchemy import Engine, event, inspect, text
 
 from mapper.io.logs.summary import summarise
 from mapper.simulation import sample_log
@@ -27,7 +27,7 @@ from server.library.logs.rows import LogRows
 from server.library.store.database import Database, _engine, bring_up_to_date
 from server.library.store.migrations import HEAD
 from server.library.store.revision import MIGRATIONS
-from server.library.store.tables import metadata, notes
+from server.library.store.tables import metadata
 from server.storage import StorageError
 
 RECORD = Record("a", "ann", "Café 地図.log", "upload", "queued", 1 << 40, "0" * 64, 12.5, 13.5)
@@ -81,24 +81,6 @@ async def test_a_database_of_an_earlier_revision_is_brought_up_to_date(
     rows = await opened.run(lambda connection: [tuple(row) for row in connection.execute(text(found))])
     opened.close()
     assert rows == [("a", None, "later")]
-
-
-async def test_notes_of_the_first_revision_get_their_column(database: Database) -> None:
-    note = {"id": "n", "author": "ann", "log_id": "a", "created_s": 1.0, "changed_s": 2.0, "text": "door", "x": 3.0}
-    await LogRows(database).put(RECORD)
-
-    def as_it_was(connection: Connection) -> None:
-        connection.execute(text("ALTER TABLE notes DROP COLUMN outline"))
-        connection.execute(text("UPDATE alembic_version SET version_num = '0001'"))
-        names = ", ".join(note)
-        connection.execute(text(f"INSERT INTO notes ({names}) VALUES (:{', :'.join(note)})"), note)
-
-    await database.run(as_it_was)
-    await database.run(bring_up_to_date)
-    assert await database.run(lambda one: compare_metadata(MigrationContext.configure(one), metadata)) == []
-    (row,) = await database.run(lambda one: [dict(row) for row in one.execute(notes.select()).mappings()])
-    assert row == {**dict.fromkeys(row), **note}
-    assert row["outline"] is None
 
 
 async def test_records_are_read_back_unchanged(database: Database) -> None:
