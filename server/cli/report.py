@@ -12,7 +12,7 @@ import typer
 from mapper.core.errors import MapperError
 from mapper.diagnosis import Event, diagnose
 from mapper.io.contents.inspection import inspect
-from mapper.io.contents.pictured import CAMERAS
+from mapper.io.contents.model import CAMERAS
 from mapper.io.contents.pictures import picture_of
 from mapper.io.contents.seeking import message_at
 from mapper.mapping.parameters import MappingConfig

@@ -15,6 +15,10 @@ from mapper.io.logs.recording.poses3 import interpolated, poses_of
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.sensors.camera import Intrinsics, Lens
 
+#: The types of messages of which a picture can be made (:mod:`mapper.io.contents.pictures`).
+CAMERAS = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
+PICTURED = CAMERAS | {"sensor_msgs/PointCloud2"}
+
 
 @dataclass(frozen=True, slots=True)
 class TopicContents:

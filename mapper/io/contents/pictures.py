@@ -131,7 +131,7 @@ def _cloud(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
     return out.getvalue(), "image/png"
 
 
-#: Each type of :data:`mapper.io.contents.pictured.PICTURED` → what makes a picture of one message.
+#: Each type of :data:`mapper.io.contents.model.PICTURED` → what makes a picture of one message.
 _DRAWN: dict[str, Callable[..., tuple[bytes, str]]] = {
     "sensor_msgs/Image": _image,
     "sensor_msgs/CompressedImage": _compressed,

@@ -14,8 +14,7 @@ from mapper.core.errors import ConfigError, MapperError, ReadError
 from mapper.core.se3 import to_euler
 from mapper.io.contents.camera_pose import sight_of
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
-from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
-from mapper.io.contents.pictured import PICTURED
+from mapper.io.contents.model import PICTURED, Contents, FrameEdge, Series, TopicContents
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog

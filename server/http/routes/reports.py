@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse, Response
 
 import server.report
 from mapper.core.errors import MapperError
-from mapper.io.contents.pictured import CAMERAS
+from mapper.io.contents.model import CAMERAS
 from mapper.mapping.parameters import MappingConfig
 from server.http.clients import client_address, in_turn, while_connected
 from server.http.routes.contents import HeldContents

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from mapper.core.errors import LimitError, MapperError, ReadError
-from mapper.io.contents.pictured import PICTURED
+from mapper.io.contents.model import PICTURED
 from mapper.io.contents.pictures import _DRAWN, picture_of
 from mapper.io.contents.seeking import message_at
 from tests.mapper.io.logs import recorded
