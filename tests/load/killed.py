@@ -12,8 +12,8 @@ from pathlib import Path
 from playwright.sync_api import Browser
 
 from tests.browser.looking import await_map, await_true
+from tests.browser.pages.test_replicas import session_of
 from tests.browser.running import running_chromium
-from tests.browser.test_replicas import session_of
 from tests.browser.visits import visiting
 from tests.server.workers.test_workers import serving
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from tests.browser.engines.driver import Driver, DriverError
 from tests.browser.looking import STILL, until
-from tests.browser.test_axe import AXE
-from tests.browser.test_pages import FITS
+from tests.browser.pages.test_axe import AXE
+from tests.browser.pages.test_pages import FITS
 
 PHONE, DESKTOP = (390, 844), (1440, 900)
 #: Keys by their names in the DOM, as WebDriver writes them.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.browser.engines.tab import DESKTOP, PHONE, Tab
 from tests.browser.looking import until
-from tests.browser.test_axe import READY
+from tests.browser.pages.test_axe import READY
 
 
 def test_every_page(tab: Tab) -> None:

@@ -11,8 +11,8 @@ from playwright.sync_api import Browser, Page
 from tests.browser.conftest import SEED
 from tests.browser.drifting import drifting_ring
 from tests.browser.engines.tab import PHONE, Tab
+from tests.browser.logs.test_map_editing import written
 from tests.browser.looking import SECONDS, until
-from tests.browser.test_map_editing import written
 from tests.server.service import Service
 
 pytestmark = pytest.mark.long

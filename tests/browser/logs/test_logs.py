@@ -27,7 +27,7 @@ from tests.browser.looking import (
     settled_digest,
     until,
 )
-from tests.browser.test_axe import violations
+from tests.browser.pages.test_axe import violations
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
 from tests.mapper.io.logs.containers.test_split import split
 from tests.server.frayed_line import FrayedLine

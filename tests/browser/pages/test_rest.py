@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import CDPSession, Page
 
 from tests.browser.looking import open_groups, until
-from tests.browser.test_one_screen import prepare
+from tests.browser.pages.test_one_screen import prepare
 from tests.marks import also_long
 
 # Counts how often the page asks for an animation frame.

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.browser.logs.test_workspace import SCREEN, opened
 from tests.browser.looking import await_true, frame, open_group, settled_digest, until
-from tests.browser.test_axe import violations
-from tests.browser.test_workspace import SCREEN, opened
+from tests.browser.pages.test_axe import violations
 from tests.browser.visits import WatchedPage
 from tests.server.library.small_logs import carmen, tum
 

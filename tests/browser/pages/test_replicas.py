@@ -16,9 +16,9 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
+from tests.browser.classes.test_class import shows_cell
 from tests.browser.looking import await_map, await_true, frame, open_group, settled_digest, told, until
 from tests.browser.running import free_port
-from tests.browser.test_class import shows_cell
 from tests.browser.visits import visiting
 from tests.haproxy import running_haproxy
 from tests.server.library.postgresql import running_postgresql

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import BASE64, await_true, drag, frame, frames, open_group, settled_digest, until
-from tests.browser.test_axe import nothing_wrong, told_sliders
+from tests.browser.pages.test_axe import nothing_wrong, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
 _BOTH = f"""() => {{

@@ -11,8 +11,8 @@ import yaml
 from PIL import Image
 from playwright.sync_api import Page, expect
 
+from tests.browser.logs.test_log_path import drag, place
 from tests.browser.looking import await_true, open_group, until
-from tests.browser.test_log_path import drag, place
 
 _STORE = "gridbloom.connection.store"
 _EDITS = f"{_STORE}.part('map_edits').message.peek()"

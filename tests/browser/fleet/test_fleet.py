@@ -13,7 +13,7 @@ from server.fleet import Result
 from server.fleet.page import page as page_of
 from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
 from tests.browser.looking import await_true
-from tests.browser.test_axe import violations
+from tests.browser.pages.test_axe import violations
 
 
 @pytest.mark.usefixtures("two_logs")

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.browser.looking import await_map, await_true, frame, settled_digest, until
-from tests.browser.test_replicas import session_of
+from tests.browser.pages.test_replicas import session_of
 from tests.browser.visits import visiting
 from tests.server.workers.test_workers import serving
 

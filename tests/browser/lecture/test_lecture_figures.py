@@ -192,7 +192,7 @@ def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
 def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
     section = open_section(page, server, "algorithm")
     section.get_by_text("beam by beam", exact=True).click()
-    file = (Path(__file__).parents[2] / "mapper" / "mapping" / "textbook.py").read_text().splitlines()
+    file = (Path(__file__).parents[3] / "mapper" / "mapping" / "textbook.py").read_text().splitlines()
     shown = [line for line in section.locator(".program-text").inner_text().splitlines() if line.strip()]
     assert len(shown) > 40
     assert set(shown) <= set(file)

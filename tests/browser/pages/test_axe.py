@@ -32,7 +32,7 @@ from tests.browser.looking import (
 from tests.browser.text_boxes import hidden_texts
 from tests.marks import also_long_rows
 
-AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
+AXE = Path(__file__).parents[3] / "static" / "node_modules" / "axe-core" / "axe.min.js"
 READY = {
     "/": ".hero canvas",
     "/lecture.html": ".lesson-figure figure",

@@ -10,9 +10,9 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import still, until
+from tests.browser.pages.test_axe import nothing_wrong, violations
+from tests.browser.pages.test_targets import small
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
-from tests.browser.test_axe import nothing_wrong, violations
-from tests.browser.test_targets import small
 
 LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
 

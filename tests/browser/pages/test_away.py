@@ -10,7 +10,7 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, end_session, frame, open_group, until
-from tests.browser.test_scene_picking import View
+from tests.browser.scenes.test_scene_picking import View
 
 pytestmark = pytest.mark.moving
 

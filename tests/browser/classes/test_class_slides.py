@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Request, WebSocket, WebSocketRoute, expect
 
+from tests.browser.classes.test_class import ended
 from tests.browser.conftest import standing_world
 from tests.browser.lecturing import never_idle
 from tests.browser.slides import cut_off, settle
-from tests.browser.test_class import ended
 from tests.marks import also_long
 
 #: Of the lecture's own slide *One cell*.

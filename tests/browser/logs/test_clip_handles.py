@@ -14,8 +14,8 @@ from playwright.sync_api import Page
 
 from mapper.io.clouds.ply_writing import points_ply
 from tests.browser.fingers import Fingers, Place
+from tests.browser.logs.test_volume import VOLUME, opened
 from tests.browser.looking import await_true, open_group, until
-from tests.browser.test_volume import VOLUME, opened
 
 pytestmark = pytest.mark.moving
 CUT = f"() => ({VOLUME})().look.values.cut_high"

@@ -10,7 +10,7 @@ import numpy as np
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, frame, open_group, until
-from tests.browser.test_axe import violations
+from tests.browser.pages.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded

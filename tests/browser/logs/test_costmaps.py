@@ -13,7 +13,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
 from tests.browser.looking import await_true, frame, map_bytes, open_group, until
-from tests.browser.test_axe import violations
+from tests.browser.pages.test_axe import violations
 from tests.browser.visits import WatchedPage
 
 OPEN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"

@@ -19,8 +19,8 @@ from tests.browser.conftest import standing_world
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_map, await_true, map_digest, open_group, settled_digest, until
-from tests.browser.test_axe import nothing_wrong
-from tests.browser.test_targets import small
+from tests.browser.pages.test_axe import nothing_wrong
+from tests.browser.pages.test_targets import small
 from tests.browser.visits import WatchedPage, visiting
 from tests.marks import also_long
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, centre, open_group, until, without_canvas_in_3d
-from tests.browser.test_axe import violations
+from tests.browser.pages.test_axe import violations
 
 
 def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open_lab: Callable[..., Page]) -> None:

@@ -14,9 +14,9 @@ from playwright.sync_api import Locator, Page, expect
 
 from mapper.simulation import WORLDS, SensorConfig
 from mapper.simulation.lidar import measure
+from tests.browser.logs.test_clip_handles import CUT, by_finger, by_mouse, ceiling_handle
 from tests.browser.looking import await_map, await_true, frame, until
-from tests.browser.test_clip_handles import CUT, by_finger, by_mouse, ceiling_handle
-from tests.browser.test_targets import small
+from tests.browser.pages.test_targets import small
 from tests.mapper.io.contents.recorded_robot import T0, command
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.logs.test_map_editing import written
+from tests.browser.logs.test_volume import DONE
 from tests.browser.looking import await_true, open_groups
 from tests.browser.one_screen import SIZES, Screen
-from tests.browser.test_axe import nothing_wrong, told_sliders
-from tests.browser.test_map_editing import written
-from tests.browser.test_one_screen import SCHEMES, prepare
-from tests.browser.test_targets import small
-from tests.browser.test_volume import DONE
+from tests.browser.pages.test_axe import nothing_wrong, told_sliders
+from tests.browser.pages.test_one_screen import SCHEMES, prepare
+from tests.browser.pages.test_targets import small
 from tests.marks import also_long
 
 PHONE = (390, 844)
