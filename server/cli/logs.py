@@ -63,7 +63,8 @@ from server.cli.surface import describe_mesh
 from server.version import package_version
 
 REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
-TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
+#: Endings of clouds as text, which look like other tables of numbers.
+TEXT_ENDINGS = {".xyz", ".xyzi", ".xyzn", ".xyzrgb", ".pts", ".csv", ".asc", ".neu", ".txt"}
 
 
 @app.command()
@@ -167,7 +168,7 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     if path.is_file():
         with refusing(path):
             kind = format_of(path)
-    if kind is None or (kind == TEXT and (not set(path.suffixes) & TEXT_ENDINGS or is_log(path))):
+    if kind is None or (kind == TEXT and (not {one.lower() for one in path.suffixes} & TEXT_ENDINGS or is_log(path))):
         return False
     print_cloud(path, kind, as_json=as_json)
     return True

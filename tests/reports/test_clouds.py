@@ -97,6 +97,18 @@ def test_texts(tmp_path: Path, case: str) -> None:
     np.testing.assert_allclose(points, POINTS, atol=2e-6)
 
 
+def test_numbers_of_points_before_the_coordinates_are_no_coordinates(tmp_path: Path) -> None:
+    """Surveyors' lists: were the first column x, the points would lie on a line of some metres, without a word."""
+    text = "".join(f"{k} {x:.3f} {y:.3f} {z:.3f}\n" for k, (x, y, z) in enumerate(POINTS, 101))
+    points, notes = read(tmp_path, text.encode())
+    np.testing.assert_allclose(points, POINTS, atol=1e-6)
+    assert notes == ("The first column counts the points, so the next three are x, y, z here.",)
+    ramp = "".join(f"{k} {y:.3f} {z:.3f}\n" for k, (_, y, z) in enumerate(POINTS, 1))
+    points, notes = read(tmp_path, ramp.encode())
+    np.testing.assert_allclose(points[:, 0], np.arange(1, len(POINTS) + 1))
+    assert notes == ()
+
+
 WORDS = {
     "a class": ("{:.3f},{:.3f},{:.3f},wall,7", "x,y,z,kind,n\n", "kind"),
     "a time": ("2024-01-01 10:00:00.5,{:.3f},{:.3f},{:.3f},7", "time,x,y,z,n\n", "time"),

@@ -12,6 +12,7 @@ import math
 import re
 import sqlite3
 import struct
+import zipfile
 from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.core.se2 import compose
+from mapper.io.clouds import read_cloud
 from mapper.io.logs import open_log
 from mapper.io.logs.text.carmen_beams import front_laser_beams
 from mapper.io.trajectories import with_trajectory
@@ -348,6 +350,9 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
 TEXTS_THAT_ARE_NO_LOGS = {
     "a table of rostopic echo": ("%time,field.header.seq,field.ranges0\n1,2,3.0\n", "as rostopic echo -p prints it"),
     "messages of ros2 topic echo": ("header:\n  stamp:\n    sec: 1\nranges:\n- 1.0\n", "as ros2 topic echo prints"),
+    "poses of KITTI": ("1.0e0 1e-3 0 5.5 -1e-3 1.0 0 0 0 0 1.0 0\n" * 3, "in the format KITTI.*It states no times"),
+    "poses of NCLT": ("1335704128000000,1.5,0,0,0,0,0.1\n" * 3, "in the format NCLT.*as TUM has them"),
+    "poses of EuRoC": ("#t,x\n1403636580838555648,1,2,3,0.8,0.6,0,0,0.1\n" * 3, "in the format EuRoC.*evo_traj"),
 }
 
 
@@ -357,6 +362,56 @@ def test_texts_that_are_no_logs_are_told_what_they_are(tmp_path, name):
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(ReadError, match=said):
         open_log(tmp_path / "a.csv")
+    if "poses" in name:  # numbers, which could be points
+        with pytest.raises(ReadError, match=said):
+            read_cloud(tmp_path / "a.csv")
+
+
+BINARY_THAT_ARE_NO_LOGS = {
+    "Cartographer": (0x7B1D1F7B5BF501DB.to_bytes(8, "little") + bytes(40), "cartographer_pbstream_to_ros_map"),
+    "slam_toolbox": (b"\x16" + bytes(7) + b"serialization::archive" + bytes(40), "save its map with map_saver"),
+    "PCAP": (struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 1), "replay them to the lidar’s ROS driver"),
+    "PCAP, big endian, ns": (struct.pack(">IHHiIII", 0xA1B23C4D, 2, 4, 0, 0, 65535, 1), "PCAP"),
+    "PCAPNG": (struct.pack("<III", 0x0A0D0D0A, 28, 0x1A2B3C4D), "PCAP"),
+    "Livox Viewer": (b"livox_tech" + bytes(30), "livox_ros_driver plays it"),
+    "GeoTIFF": (b"II*\0" + bytes(30), "heights, save as points"),
+}
+
+
+@pytest.mark.parametrize("name", BINARY_THAT_ARE_NO_LOGS)
+def test_files_of_other_programs_are_named_with_what_to_do(tmp_path, name):
+    """In place of "binary data of an unknown kind"."""
+    data, said = BINARY_THAT_ARE_NO_LOGS[name]
+    (tmp_path / "a").write_bytes(data)
+    for read in (open_log, read_cloud):
+        with pytest.raises(ReadError, match=said):
+            read(tmp_path / "a")
+
+
+def test_a_database_of_rtabmap_is_named_with_what_exports_it(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "map.db")) as database:
+        for table in ("Node", "Data", "Link"):
+            database.execute(f"CREATE TABLE {table}(id INTEGER)")
+        database.commit()
+    with pytest.raises(ReadError, match=r"RTAB-Map.*rtabmap-export"):
+        open_log(tmp_path / "map.db")
+
+
+def test_a_workbook_is_no_archive_to_unpack(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.xlsx", "w") as book:
+        book.writestr("[Content_Types].xml", "<Types/>")
+    with pytest.raises(ReadError, match="workbook of Excel \\(save its sheet as CSV"):
+        open_log(tmp_path / "a.xlsx")
+
+
+def test_a_folder_of_clouds_says_how_they_are_mapped(tmp_path):
+    for k in range(3):
+        (tmp_path / f"{k:06d}.pcd").write_bytes(b"VERSION 0.7\n")
+    (tmp_path / "timestamps.txt").write_text("2011-09-26 13:02:25.594\n")
+    with pytest.raises(
+        ReadError, match=r"holds 3 clouds, as '000000\.pcd', and no log: gridbloom map3d maps such files"
+    ):
+        open_log(tmp_path)
 
 
 @pytest.mark.parametrize(("n", "first", "step", "head", "words"), ANGLES)

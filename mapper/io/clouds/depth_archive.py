@@ -21,7 +21,7 @@ from mapper.core.limits import Limits
 from mapper.io.clouds.depth_folder import DEPTH_END, INTRINSICS, POSE_END
 from mapper.io.logs.archives.archive import BLOCK, Member, is_tar, members
 from mapper.io.logs.archives.unpacking import Progress, opened
-from mapper.io.logs.foreign import NPZ, not_a_log
+from mapper.io.logs.foreign import not_a_log, zipped_document
 
 ZIP_MAGIC = b"PK\x03\x04"
 EMPTY_ZIP = b"PK\x05\x06"
@@ -62,7 +62,7 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
     """
     with opened(path) as file:
         head = file.read(BLOCK)
-    if NPZ.match(head):
+    if zipped_document(head) is not None:
         raise not_a_log(head)
     if is_tar(head):
         found, notes = members(path, limits)

@@ -21,7 +21,7 @@ from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
 from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.containers.container import Container
-from mapper.io.logs.foreign import is_tum, what_else
+from mapper.io.logs.foreign import not_a_log, trajectory_format, what_else
 from mapper.io.logs.opening import parts_of
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 from mapper.sensors.streams import CloudStream
@@ -47,7 +47,7 @@ def cloud_format(head: bytes) -> str | None:
     if looks_like_graph(head):
         return "scan graph"
     known = next((name for name, (begins, _) in FORMATS.items() if begins(head)), None)
-    return TEXT if known is None and looks_like_text(head) and not is_tum(head) else known
+    return TEXT if known is None and looks_like_text(head) and trajectory_format(head) is None else known
 
 
 def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:
@@ -71,6 +71,8 @@ def read_cloud(
         if not head:
             raise ReadError("cloud.empty", f"The file {Path(path).name!r} is empty.")
         kind = cloud_format(head)
+        if kind is None and trajectory_format(head) is not None:
+            raise not_a_log(head)
         if kind is None:
             what = what_else(head)
             is_none = f"is {what}, and none" if what else "is none"

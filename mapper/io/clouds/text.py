@@ -97,6 +97,8 @@ def _split(name: str) -> tuple[str, str | None]:
 
 
 MOST_LINE_BYTES = 1 << 14
+LEAST_COUNTED = 10  #: lines that tell that their first numbers count them
+COUNTED = ("The first column counts the points, so the next three are x, y, z here.",)
 COLOURS, NORMALS = ("r", "g", "b"), ("nx", "ny", "nz")
 _COUNT = re.compile(rb"^[ \t]*(\d{1,18})[ \t]*\r?$", re.MULTILINE)
 _LETTER = re.compile(r"[^\W\d_]")
@@ -210,8 +212,10 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     names = begin.names
     if names is None or columns is None:
         _refuse_matrix(rows)
-        names = tuple(_usual_names(rows))
-        columns = Columns((0, 1, 2), (1.0, 1.0, 1.0), in_degrees=False, notes=())
+        counted = _are_numbers_of_points(rows)
+        names = ("number", *_usual_names(rows[:, 1:])) if counted else tuple(_usual_names(rows))
+        first = int(counted)
+        columns = Columns((first, first + 1, first + 2), (1.0, 1.0, 1.0), in_degrees=False, notes=COUNTED * first)
     elif len(names) != rows.shape[1]:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
     points = rows[:, list(columns.axes)] * columns.metres
@@ -297,6 +301,14 @@ def _refuse_matrix(rows: NDArray[np.float64]) -> None:
             "cloud.pose",
             "The file holds the 4 × 4 matrix of a pose, no points; open the folder of images that it belongs to.",
         )
+
+
+def _are_numbers_of_points(rows: NDArray[np.float64]) -> bool:
+    """Return whether the first of four columns or more counts the lines, by ones, and others are no whole numbers."""
+    n, width = rows.shape
+    if n < LEAST_COUNTED or width <= len(AXES) or rows[0, 0] < 0.0 or (np.diff(rows[:, 0]) != 1.0).any():
+        return False
+    return bool((rows[:, 1:4] != np.round(rows[:, 1:4])).any(axis=0).all())
 
 
 def _usual_names(rows: NDArray[np.float64]) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC
@@ -22,6 +23,19 @@ READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 
 AS_CLOUD = "save its points as PLY, LAS or PCD, as CloudCompare does"
 AS_TEXT = "save its points as text, numpy.savetxt('cloud.xyz', points[:, :3])"
+HEIGHTS = "of a map, open the yaml that names it; heights, save as points x, y, z"
+PACKETS = (
+    "packets of a network, PCAP, as of a lidar (replay them to the lidar’s ROS driver and record its clouds in a bag, "
+    "or save them as CSV or PCD with the maker’s viewer)"
+)
+PBSTREAM = (
+    "a state of Cartographer, .pbstream (its map is written by cartographer_pbstream_to_ros_map; a log is the bag that "
+    "it was made of)"
+)
+POSEGRAPH = (
+    "data of a program that Boost serialised, as slam_toolbox does its .posegraph and .data (load it there, and save "
+    "its map with map_saver; a log is the bag that it was made of)"
+)
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"BZh", "bzip2 data (unpack it)"),
@@ -42,6 +56,26 @@ FOREIGN: tuple[tuple[bytes, str], ...] = (
     (b"solid ", f"a mesh in the format STL ({AS_CLOUD})"),
     (b"OFF\n", f"a mesh in the format OFF ({AS_CLOUD})"),
     (b"\x89HDF", "an HDF5 file"),
+    (b"MATLAB 5.0 MAT-file", "a file of MATLAB (save its points as text, x, y and z in each line)"),
+    (b"PAR1", "a table in the format Parquet (save its columns x, y and z as CSV)"),
+    (b"II*\0", f"a TIFF picture, or heights as GeoTIFF ({HEIGHTS})"),
+    (b"MM\0*", f"a TIFF picture, or heights as GeoTIFF ({HEIGHTS})"),
+    (b"\xdb\x01\xf5\x5b\x7b\x1f\x1d\x7b", PBSTREAM),
+    (b"\x16\0\0\0\0\0\0\0serialization::archive", POSEGRAPH),
+    *(
+        (magic, PACKETS)
+        for magic in (
+            b"\xd4\xc3\xb2\xa1",
+            b"\xa1\xb2\xc3\xd4",
+            b"\x4d\x3c\xb2\xa1",
+            b"\xa1\xb2\x3c\x4d",
+            b"\x0a\x0d\x0d\x0a",
+        )
+    ),
+    (b"livox_tech", "a recording of Livox Viewer, LVX (livox_ros_driver plays it: record its clouds in a bag)"),
+    (b"RRF2", "a recording of Rerun, .rrd (record the topics in a bag or an MCAP file)"),
+    (b"ULog", "a flight log of PX4, ULog, which has no scans"),
+    (b"\xa3\x95\x80", "a flight log of ArduPilot, DataFlash, which has no scans"),
     (b"\x93NUMPY", f"an array of NumPy ({AS_TEXT})"),
     (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
     (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
@@ -70,7 +104,18 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
     ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
-NPZ = re.compile(rb"PK\x03\x04.{26}[^/\0]{1,200}\.npy", re.DOTALL)  #: a zip archive whose first file is an array
+#: How zip archives begin that are one document, and what they are.
+ZIPPED: tuple[tuple[re.Pattern[bytes], str], ...] = (
+    (re.compile(rb"PK\x03\x04.{26}[^/\0]{1,200}\.npy", re.DOTALL), f"an archive of arrays of NumPy ({AS_TEXT})"),
+    (
+        re.compile(rb"PK\x03\x04.{26}(?:\[Content_Types\]|_rels/|docProps/)", re.DOTALL),
+        "a document of an office program, as a workbook of Excel (save its sheet as CSV)",
+    ),
+    (
+        re.compile(rb"PK\x03\x04.{26}mimetypeapplication/vnd\.oasis", re.DOTALL),
+        "a document of an office program, as a sheet of LibreOffice (save it as CSV)",
+    ),
+)
 #: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
 ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"PK\x03\x04", "a zip archive"),
@@ -98,25 +143,56 @@ YAML: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     ),
 )
 GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines
-TUM_LINES = 20  #: lines of a text that tell whether it is a trajectory
-TUM_NORM = 0.05  #: how far from 1 the length of a quaternion may be
+POSE_LINES = 20  #: lines of a text that tell whether it is a trajectory
+NEARLY = 0.05  #: how far from 1 the length of a quaternion, or of an axis, may be
+#: Formats of trajectories, and what is done with a file in one.
+TRAJECTORIES = {
+    "TUM": (
+        "Add it to the log that it belongs to: on the page of the log, or with --tum-trajectory on the command line."
+    ),
+    "KITTI": (
+        "It states no times: evo's kitti_poses_and_timestamps_to_trajectory.py makes it a TUM file, which can be added "
+        "to the log, and with which map3d --poses places clouds."
+    ),
+    "EuRoC": "evo_traj euroc FILE --save_as_tum makes it a TUM file, which can be added to the log.",
+    "NCLT": "Write its lines as TUM has them, seconds x y z qx qy qz qw: a TUM file can be added to the log.",
+}
 
 
-def is_tum(head: bytes) -> bool:
-    """Return whether a text begins as a TUM trajectory: eight numbers a line, the last four a unit quaternion.
+def trajectory_format(head: bytes) -> str | None:
+    """Return the format of the trajectory as which a text begins, a key of :data:`TRAJECTORIES`; None of other texts.
 
     ``head`` is the beginning of the file; of its last line, which may be cut, nothing is read.
     """
     lines = [line for line in head.split(b"\n")[:-1] if line.strip() and not line.lstrip().startswith(b"#")]
-    return bool(lines) and all(_is_tum_line(line) for line in lines[:TUM_LINES])
+    found = {_format_of_pose(line) for line in lines[:POSE_LINES]}
+    return found.pop() if len(found) == 1 else None
 
 
-def _is_tum_line(line: bytes) -> bool:
+def _format_of_pose(line: bytes) -> str | None:
+    """Return the format of a line with one pose, None of another line.
+
+    A TUM file has eight numbers, the last four a unit quaternion; KITTI's the first three rows of a matrix; EuRoC's and
+    NCLT's begin with nanoseconds and microseconds and have commas: a quaternion from the fifth number on, or three
+    angles at the end.
+    """
+    has_commas = b"," in line
     try:
-        numbers = [float(word) for word in line.split()]
+        numbers = [float(word) for word in (line.split(b",") if has_commas else line.split())]
     except ValueError:
-        return False
-    return len(numbers) == 8 and abs(math.hypot(*numbers[4:]) - 1.0) <= TUM_NORM
+        return None
+    if has_commas:
+        if len(numbers) >= 8 and numbers[0] > 1e17 and _is_unit(numbers[4:8]):
+            return "EuRoC"
+        return "NCLT" if len(numbers) == 7 and 1e14 < numbers[0] < 1e17 else None
+    if len(numbers) == 8 and _is_unit(numbers[4:]):
+        return "TUM"
+    axes = numbers[0:3], numbers[4:7], numbers[8:11]
+    return "KITTI" if len(numbers) == 12 and all(map(_is_unit, axes)) else None
+
+
+def _is_unit(numbers: Sequence[float]) -> bool:
+    return abs(math.hypot(*numbers) - 1.0) <= NEARLY
 
 
 def _old_bag(head: bytes) -> ReadError:
@@ -137,10 +213,16 @@ def archive_of(head: bytes) -> str | None:
     return next((what for at, mark, what in ARCHIVES if head.startswith(mark, at)), None)
 
 
+def zipped_document(head: bytes) -> str | None:
+    """Return what document is a zip archive that begins with ``head``; None of an archive of files, and of others."""
+    return next((what for pattern, what in ZIPPED if pattern.match(head)), None)
+
+
 def what_else(head: bytes) -> str | None:
     """Return what a file is that begins with ``head`` and is neither a log nor a cloud; None where it is not known."""
-    if NPZ.match(head):
-        return f"an archive of arrays of NumPy ({AS_TEXT})"
+    document = zipped_document(head)
+    if document is not None:
+        return document
     archive = archive_of(head)
     if archive is not None:
         return f"{archive} (unpack it, and open the file in it)"
@@ -166,12 +248,10 @@ def not_a_log(head: bytes) -> ReadError:
             f"The file is poses without readings, four whole numbers a line: a ring of sonars is {sonar.READINGS} and "
             f"{sonar.POSES} together, or the folder or tar archive that they are in.",
         )
-    if is_tum(head):
-        return ReadError(
-            "log.poses",
-            "The file is a trajectory in the format TUM, without scans. Add it to the log that it belongs to: on the "
-            "page of the log, or with --tum-trajectory on the command line.",
-        )
+    trajectory = trajectory_format(head)
+    if trajectory is not None:
+        what = f"The file is a trajectory in the format {trajectory}, without scans."
+        return ReadError("log.poses", f"{what} {TRAJECTORIES[trajectory]}")
     if head.lstrip().startswith(GRAPH_WORDS):
         return ReadError("log.poses", "The file is a pose graph in the format g2o, without scans: open its log.")
     for pattern, code, what in YAML:

@@ -19,7 +19,7 @@ from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.containers.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.containers.kept_copies import journal_of
-from mapper.io.logs.foreign import NPZ, READ_HERE, archive_of, not_a_log
+from mapper.io.logs.foreign import READ_HERE, archive_of, not_a_log, zipped_document
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.text import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, sonar
@@ -58,6 +58,7 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
     (sonar.is_sonar, sonar.read_sonar),
 )
 
+CLOUD_ENDINGS = (".bin", ".pcd", ".ply", ".las", ".laz", ".xyz", ".pts")  #: of files that no log has
 METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
 
 
@@ -205,6 +206,14 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
     if not kinds and why_not:
         raise min(why_not, key=lambda why: why.code == "log.empty")  # what is wrong with a file that holds something
     if not kinds:
+        clouds = sorted(file.name for file in files if file.name.lower().endswith(CLOUD_ENDINGS))
+        if clouds:
+            what = f"{len(clouds)} clouds, as {clouds[0]!r:.80}," if len(clouds) > 1 else f"the cloud {clouds[0]!r:.80}"
+            raise ReadError(
+                "log.folder",
+                f"The {where} holds {what} and no log: gridbloom map3d maps such files in the order in which they are "
+                "named, with --poses at a pose for each; the page opens each by itself.",
+            )
         raise ReadError("log.folder", f"The {where} holds no log of a known kind. {READ_HERE}")
     logs = list(kinds)
     why = _apart(logs, set(kinds.values()), by_place) if len(logs) > 1 else None
@@ -276,7 +285,7 @@ def _kind_of(file: Source) -> Container | Reader:
         if head.startswith(magic):
             return container
     archive = archive_of(head)
-    if NPZ.match(head):
+    if zipped_document(head) is not None:
         raise not_a_log(head)
     if archive is not None:  # it may contain the lines of a log
         raise ReadError("log.archive", f"The file is {archive}: unpack it, and take the log (or the folder) in it.")

@@ -267,13 +267,24 @@ def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str, s
     return {printable(row[0]): (row[1], row[2], row[3]) for row in rows if all(isinstance(one, str) for one in row)}
 
 
+def _other_database(connection: sqlite3.Connection, lacking: str) -> str:
+    """Return what a database is that lacks a table of ROS 2 bags."""
+    names = {str(row[0]) for row in connection.execute("SELECT name FROM sqlite_master LIMIT 1000")}
+    if {"Node", "Data", "Link"} <= names:
+        return (
+            "The file is a database of RTAB-Map, not a ROS 2 bag: rtabmap-export writes its cloud (PLY) and its poses; "
+            "a log is the bag that it was made of."
+        )
+    return f"The SQLite file is not a ROS 2 bag: it has no table {lacking!r}."
+
+
 def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = TABLES) -> None:
     """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
     for table, needed in tables.items():
         found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
         # A view, a virtual table or a computed column would run what the file says.
         if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
-            raise ReadError("log.unknown_format", f"The SQLite file is not a ROS 2 bag: it has no table {table!r}.")
+            raise ReadError("log.unknown_format", _other_database(connection, table))
         columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
         if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
             raise ReadError(
