@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Collection
 
 from mapper.core.errors import ConfigError
@@ -103,6 +104,9 @@ AMCL = _names(
 )
 
 
+_PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)+")
+
+
 def undeclared(where: str, name: str, declared: Collection[str]) -> str:
     """Return the sentence on a parameter that Nav2 does not declare; ``where`` is the path of its node or layer."""
     close = difflib.get_close_matches(name[:100], [*declared], 1, 0.8)
@@ -125,10 +129,29 @@ def checked(row: Parameter, value: object, where: str, notes: list[str]) -> floa
     try:
         return row.check(value)
     except ConfigError as error:
-        why = ""
-        if isinstance(value, str) and ("$(" in value or value.startswith("<")):
-            why = " It is filled in where Nav2 is launched: put the value into the file."
-        raise ConfigError("nav2.value", f"{where}: {error.message}{why}") from error
+        raise ConfigError("nav2.value", f"{where}: {error.message}{_FILLED_IN * is_filled_in(value)}") from error
+
+
+_FILLED_IN = " It is filled in where Nav2 is launched: put the value into the file."
+
+
+def is_filled_in(value: object) -> bool:
+    """Return whether a value is one that a launch file fills in, as ``$(var x)``, ``<x>`` or ``ZONE_ENABLED``."""
+    return isinstance(value, str) and ("$(" in value or value.startswith("<") or bool(_PLACEHOLDER.fullmatch(value)))
+
+
+def switched(value: object, where: str, notes: list[str]) -> bool:
+    """Return the value of a filter's ``enabled``; true, with a note, where a launch file fills it in.
+
+    Nav2's own parameter file has KEEPOUT_ZONE_ENABLED and SPEED_ZONE_ENABLED there since Kilted, which are true by the
+    launch file's defaults. Raises :class:`ConfigError` for any other value that is none.
+    """
+    if is_filled_in(value):
+        notes.append(f"{where} is {value!s:.80}, which is filled in where Nav2 is launched: true is taken.")
+        return True
+    if not isinstance(value, bool):
+        raise ConfigError("nav2.value", f"{where} must be true or false, not {value!r:.40}.")
+    return value
 
 
 def within(row: Parameter, value: object, where: str, notes: list[str]) -> object:

@@ -139,6 +139,15 @@ def node_names(root: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys("/".join(path) for path, _ in nodes_of(root)))
 
 
+def note_on_others(root: Mapping[str, Any], name: str) -> list[str]:
+    """Return a note on the nodes of a name that :func:`find_node` did not take, as those of other robots."""
+    same = [node for node in node_names(root) if node.rsplit("/", 1)[-1] == name]
+    if len(same) < 2:
+        return []
+    others = ", ".join(same[1:])
+    return [f"The parameter file has {len(same)} nodes {name}: {same[0]:.80} is taken, not {others:.160}."]
+
+
 def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what yaml holds
     """Return the value of the first ``name`` in a file's mapping, in any depth; None where there is none."""
     if name in root:

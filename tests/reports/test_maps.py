@@ -87,6 +87,15 @@ def test_no_file_outside_the_folder_is_read(tmp_path: Path, image: str) -> None:
     assert refused.value.code == "map.image_outside"
 
 
+@pytest.mark.parametrize("yaw", ["-nan", ".nan", "nan"])
+def test_a_yaw_that_is_no_number_says_what_to_write(tmp_path: Path, yaw: str) -> None:
+    """ros-planning/navigation#993: map_saver, of a map whose rotation was an invalid quaternion."""
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("[0, 0, 0]", f"[0.5, -1.0, {yaw}]"))
+    with pytest.raises(ReadError, match="write 0 in its place"):
+        load_map(path)
+
+
 @pytest.mark.parametrize("mode", ["Trinary", "TRINARY", "trinary"])
 def test_a_mode_may_have_capitals(tmp_path: Path, mode: str) -> None:
     loaded = load_map(written(tmp_path, mode=mode))

@@ -292,6 +292,31 @@ def test_a_value_that_is_filled_in_at_the_launch_is_named_as_such() -> None:
     assert (found.general.robot_radius, found.notes) == (0.3, ())
 
 
+def test_the_filters_of_nav2_s_own_file_are_on_as_by_its_launch_file() -> None:
+    """nav2_params.yaml of Kilted has words in place of values; RewrittenYaml of its launch file fills them in."""
+    block = '{plugin: "nav2_costmap_2d::KeepoutFilter", enabled: KEEPOUT_ZONE_ENABLED, override_lethal_cost: True}'
+    found = node(f"plugins: [static_layer]\n{STATIC}\nfilters: [keepout_filter]\nkeepout_filter: {block}")
+    assert found.filters[0].enabled
+    (note,) = found.notes
+    assert note.startswith(
+        "global_costmap.keepout_filter.enabled is KEEPOUT_ZONE_ENABLED, which is filled in where Nav2"
+    )
+    with pytest.raises(MapperError, match="must be true or false, not 'maybe'"):
+        node(f"plugins: []\nfilters: [f]\nf: {block.replace('KEEPOUT_ZONE_ENABLED', 'maybe')}")
+    with pytest.raises(MapperError, match="filled in where Nav2 is launched"):
+        node("robot_radius: ROBOT_RADIUS")
+
+
+def test_costmaps_of_several_robots_are_named() -> None:
+    of_one = "/{0}/global_costmap/global_costmap: {{ros__parameters: {{robot_radius: 0.{1}}}}}\n"
+    found = parse_nav2_costmap((of_one.format("a", 2) + of_one.format("b", 4)).encode())
+    assert found.general.robot_radius == 0.2
+    assert found.notes[0] == (
+        "The parameter file has 2 nodes global_costmap: a/global_costmap/global_costmap is taken, not "
+        "b/global_costmap/global_costmap."
+    )
+
+
 OTHER_PLANNERS = {
     "nav2_smac_planner::SmacPlanner2D": "cost_travel_multiplier: 2.0",
     "nav2_smac_planner/SmacPlannerHybrid": "minimum_turning_radius: 0.4",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
+from mapper.io.nav2_declared import switched
 from mapper.io.ros_parameters import nodes_of
 
 KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
@@ -47,8 +48,10 @@ def kind_of(block: Mapping[str, Any]) -> str | None:
     return KINDS.get(str(block.get("plugin", "")).replace("/", "::").split("::")[-1])
 
 
-def named_filter(root: Mapping[str, Any], name: str, block: object, where: str, below: int | None) -> NamedFilter:
-    """Return the filter ``name`` with what its servers say in a whole file's mapping ``root``.
+def named_filter(
+    root: Mapping[str, Any], name: str, block: object, where: str, below: int | None, notes: list[str]
+) -> NamedFilter:
+    """Return the filter ``name`` with what its servers say in a whole file's mapping ``root``; it adds to ``notes``.
 
     Raises :class:`ConfigError` for a block that is no filter, and for impossible values of its servers.
     """
@@ -56,9 +59,7 @@ def named_filter(root: Mapping[str, Any], name: str, block: object, where: str, 
     if not isinstance(block, dict) or kind is None:
         known = ", ".join(KINDS)
         raise ConfigError("nav2.filter", f"{where}: The filter has no 'plugin' that is one of {known}.")
-    enabled = block.get("enabled", True)
-    if not isinstance(enabled, bool):
-        raise ConfigError("nav2.value", f"{where}.enabled must be true or false, not {enabled!r:.40}.")
+    enabled = switched(block.get("enabled", True), f"{where}.enabled", notes)
     topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
     for path, info in nodes_of(root):
         if "mask_topic" in info and _topic(info.get("filter_info_topic", _DEFAULT_TOPIC)) == topic:

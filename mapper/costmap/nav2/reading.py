@@ -33,7 +33,7 @@ from mapper.costmap.parameters import (
     StaticConfig,
 )
 from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, checked, undeclared
-from mapper.io.ros_parameters import find_node, names_of, node_names, parse_ros_parameters
+from mapper.io.ros_parameters import find_node, names_of, node_names, note_on_others, parse_ros_parameters
 from mapper.io.untrusted_yaml import load_untrusted
 
 NODES = ("global_costmap", "local_costmap")
@@ -74,7 +74,8 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
             more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
-    return _Reader(root, *found).read()
+    made = _Reader(root, *found).read()
+    return replace(made, notes=(*note_on_others(root, found[0]), *made.notes))
 
 
 class _Reader:
@@ -102,12 +103,12 @@ class _Reader:
             if isinstance(block, dict) and isinstance(block.get("plugin"), str) and not is_filter(block):
                 self._skip(name, block, None, "is no filter that is built here")
             else:
-                filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None))
+                filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None, self.notes))
         last_inflation = [name for name, block in blocks.items() if _kind(block) == "InflationLayer"][-1:]
         for name, block in blocks.items():
             path = (self.node, name)
             if is_filter(block):
-                filters.append(named_filter(self.root, name, block, ".".join(path), len(layers)))
+                filters.append(named_filter(self.root, name, block, ".".join(path), len(layers), self.notes))
             elif _kind(block) not in PLUGINS:
                 self._skip(name, block, len(layers), "is not built here")
             elif _kind(block) == "InflationLayer" and name not in last_inflation:

@@ -116,6 +116,12 @@ def _number(node: yaml.Node, key: str) -> float:
 def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
         raise ReadError("map.origin", "The key 'origin' of the map’s yaml must be a list of three numbers: x, y, yaw.")
+    if "nan" in _scalar(node.value[2], "origin").lower():
+        raise ReadError(
+            "map.origin",
+            "The yaw of the map’s origin is not a number, as map_saver writes where the map’s rotation is invalid: "
+            "write 0 in its place.",
+        )
     x, y, yaw = (_number(item, "origin") for item in node.value)
     if max(abs(x), abs(y)) > FARTHEST_M or abs(yaw) > limits.max_pose:
         raise ReadError("map.origin", f"The map’s origin {x:g}, {y:g}, {yaw:g} is beyond {FARTHEST_M:g} m.")

@@ -253,7 +253,7 @@ def _opened(file: BinaryIO, named: str) -> ImageFile.ImageFile:
             return reader(file)
     if head.startswith(_NETPBM):
         return open_plain_image(file, named)
-    raise ReadError("map.image", f"{named} is not a PGM, PNG or BMP image.")
+    raise ReadError("map.image", f"{named} is not a PGM, PNG or BMP image: save it as PNG.")
 
 
 def _channel_sums(
