@@ -21,12 +21,22 @@ from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offse
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
+MOST_DEGREES = 361.0  #: of a whole turn, whose last beam may be its first one
 LEAST_ANGLE_STEP = 1e-6  #: radians: no sensor has a smaller angle between its beams
 
 
 def is_angle_step(angle_increment: float, n_beams: int) -> bool:
     """Return whether ``angle_increment`` radians is possible for a scan of ``n_beams`` evenly spaced beams."""
     return n_beams < 2 or LEAST_ANGLE_STEP <= abs(angle_increment) <= 2.0 * np.pi
+
+
+def are_degrees(angle_min: float, angle_increment: float, n_beams: int) -> bool:
+    """Return whether angles that should be radians are degrees.
+
+    As radians the beams would go round twice or more, and as degrees they go round once at most.
+    """
+    whole = abs(angle_increment) * (n_beams - 1)
+    return n_beams > 2 and 4.0 * np.pi <= whole <= MOST_DEGREES and abs(angle_min) <= MOST_DEGREES
 
 
 def _check_angle_step(angle_increment: float, n_beams: int) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
+from mapper.core.errors import ReadError
 from mapper.io.logs import open_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, Said, odometry, pose_stamped, scan, transform
@@ -335,6 +336,17 @@ def parts(folder: Path, *said: list[Said]) -> Path:
         one = recorded.write_rosbag2(folder.with_name(f"part{number}"), messages, StoragePlugin.SQLITE3, "db3")
         one.rename(folder / f"run_{number}.db3")
     return folder
+
+
+def test_parts_that_rosbag_split_by_time_are_one_recording(tmp_path: Path) -> None:
+    """``rosbag record --split``: each part has its own time in its name; the last was not closed."""
+    names = ("run_2024-01-31-23-58-05_0.bag", "run_2024-02-01-00-03-05_1.bag", "run_2024-02-01-00-08-05_2.bag.active")
+    for name, part in zip(names, (BASE[:15], BASE[15:30], BASE[30:]), strict=True):
+        recorded.write_bag(tmp_path / name, part)
+    assert_places(open_log(tmp_path), sensor_at())
+    (tmp_path / "run_2024-02-01-00-13-05_0.bag").write_bytes((tmp_path / names[0]).read_bytes())
+    with pytest.raises(ReadError, match="nor names of one kind, numbered from 0"):
+        open_log(tmp_path)
 
 
 def test_a_part_that_states_another_mount(tmp_path: Path) -> None:

@@ -265,6 +265,30 @@ def test_half_a_turn_through_180_degrees_contradicts_nothing(tmp_path, first, st
     assert not any("contradict" in note for note in open_log(written(tmp_path, said, "mcap")).notes)
 
 
+@pytest.mark.parametrize(
+    ("n", "first", "step"), [(181, -90.0, 1.0), (1081, -135.0, 0.25), (360, 0.0, 1.0), (361, 180.0, -1.0)]
+)
+def test_angles_in_degrees_are_converted_with_a_note(tmp_path, n, first, step):
+    """A driver that fills angle_min and angle_increment with degrees: each beam goes another way round, a smear."""
+    bearings = np.radians(first + step * np.arange(n))
+    said = drive(lambda i: scan(T0 + i * STEP, distances(i, bearings), angles=(first, step)), 4)
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert log.angle_min == pytest.approx(math.radians(first))
+    assert off_the_walls(ends(log)) < 1e-3
+    assert any("All 4 messages on /scan state their angles in degrees" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("begin", [b"", b"sep=;\r\n", b"\xef\xbb\xbfsep=;\r\n"])
+def test_a_csv_log_with_degrees_that_excel_saved(tmp_path, begin):
+    lines = ["angle_min;-90,0", "angle_increment;1,0", "stamp;x;y;theta;ranges"]
+    lines += [f"{i},5;0,0;0,0;0,0;" + ";".join(["2,5"] * 181) for i in range(3)]
+    (tmp_path / "a.csv").write_bytes(begin + "\r\n".join([*lines, ""]).encode())
+    log = open_log(tmp_path / "a.csv")
+    assert (log.angle_min, log.angle_increment) == pytest.approx((-math.pi / 2.0, math.radians(1.0)))
+    assert log.ranges[0, 0] == 2.5
+    assert "in degrees, where the format has radians" in log.notes[0]
+
+
 @pytest.mark.parametrize("stated", [30_000.0, 30.0])
 def test_readings_in_millimetres_are_named(tmp_path, stated):
     said = [
@@ -350,6 +374,9 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
 TEXTS_THAT_ARE_NO_LOGS = {
     "a table of rostopic echo": ("%time,field.header.seq,field.ranges0\n1,2,3.0\n", "as rostopic echo -p prints it"),
     "messages of ros2 topic echo": ("header:\n  stamp:\n    sec: 1\nranges:\n- 1.0\n", "as ros2 topic echo prints"),
+    "a pointer of Git LFS": ("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 1\n", "git lfs pull"),
+    "a pointer of git-annex": ("/annex/objects/SHA256E-s1234--4d7a.bag\n", "git annex get fetches it"),
+    "an answer of a server": ("<!DOCTYPE html>\n<html><head><title>Sign in</title>", "download the file itself"),
     "poses of KITTI": ("1.0e0 1e-3 0 5.5 -1e-3 1.0 0 0 0 0 1.0 0\n" * 3, "in the format KITTI.*It states no times"),
     "poses of NCLT": ("1335704128000000,1.5,0,0,0,0,0.1\n" * 3, "in the format NCLT.*as TUM has them"),
     "poses of EuRoC": ("#t,x\n1403636580838555648,1,2,3,0.8,0.6,0,0,0.1\n" * 3, "in the format EuRoC.*evo_traj"),

@@ -102,6 +102,18 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
         re.compile(rb"(?:---\s*)?header:\s*\n\s+(?:seq|stamp):"),
         "messages as text, as ros2 topic echo prints them (record the topics in a bag, those of poses as well)",
     ),
+    (
+        re.compile(rb"version https://git-lfs\.github\.com/spec/"),
+        "a pointer of Git LFS in place of the file (git lfs pull fetches it)",
+    ),
+    (
+        re.compile(rb"[./]*(?:\.git)?/annex/objects/"),
+        "a pointer of git-annex in place of the file (git annex get fetches it)",
+    ),
+    (
+        re.compile(rb"\s*<(?:!doctype html|html)\b", re.IGNORECASE),
+        "a page of HTML, as servers send in place of a file (download the file itself)",
+    ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
 #: How zip archives begin that are one document, and what they are.

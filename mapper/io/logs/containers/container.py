@@ -125,10 +125,18 @@ def in_order(files: Sequence[Source]) -> list[Source]:
     return sorted(files, key=lambda file: _numbered(file.name))
 
 
+_BEGUN = re.compile(r"\d{4}(?:-\d{2}){5}\Z")
+
+
 def are_parts_by_name(names: Sequence[str]) -> bool:
-    """Return whether files are numbered from 0 and otherwise of one name, as rosbag2 names a recording's parts."""
-    found = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in names]
-    parts = {(one[1], one[3]) for one in found if one}
+    """Return whether files are numbered from 0 and otherwise of one name, as rosbag2 names a recording's parts.
+
+    The rosbag of ROS 1 writes into each name when that part was begun, ``run_2024-01-31-12-00-05_1.bag``, and ends that
+    of one that was not closed in ``.active``.
+    """
+    closed = [name.removesuffix(".active") for name in names]
+    found = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in closed]
+    parts = {(_BEGUN.sub("", one[1]), one[3]) for one in found if one}
     numbers = {int(one[2]) for one in found if one}
     return None not in found and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
 

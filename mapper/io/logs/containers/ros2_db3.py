@@ -198,7 +198,8 @@ def _reason(error: Exception) -> str:
 
 
 def _unreadable(error: Exception) -> ReadError:
-    return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}.")
+    recover = "what is left of it may be recovered by: sqlite3 OLD.db3 .recover | sqlite3 NEW.db3"
+    return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}; {recover}.")
 
 
 def _page_bytes(head: bytes) -> int:

@@ -168,7 +168,7 @@ class RecordedLog:
         notes += more_notes
         groups, more = scan_groups(sensor.stated, self._limits)
         notes += more
-        notes += sensor.notes_on_ends
+        notes += sensor.notes_on_angles
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam’s echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -33,7 +34,7 @@ from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import PATH, POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
 from mapper.io.logs.selection import Selection
 from mapper.sensors.robot_log import RobotLog
-from mapper.sensors.scan import is_angle_step
+from mapper.sensors.scan import are_degrees, is_angle_step
 
 MAX_CHILDREN = 100  #: frames of which messages state the poses
 
@@ -175,6 +176,10 @@ class Recording(MessageSink):
 
     def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams, position: int) -> None:
         n = len(beams.ranges)
+        in_degrees = are_degrees(beams.angle_min, beams.angle_increment, n)
+        if in_degrees:
+            angles = np.radians([beams.angle_min, beams.angle_increment, beams.angle_max]).tolist()
+            beams = replace(beams, **dict(zip(("angle_min", "angle_increment", "angle_max"), angles, strict=True)))
         why = _what_is_wrong(beams)
         if why:
             raise BadMessageError(why)
@@ -194,6 +199,7 @@ class Recording(MessageSink):
         sensor = self._sensor_of(stream, printable(beams.frame), beams.beam_width)
         at = _stamp(beams.stamp_ns, stamp_ns)
         sensor.add(at, beams)
+        sensor.in_degrees += in_degrees
         sensor.positions.append(position)
         sensor.clock.add(at, _stamp(stamp_ns, 0))
 

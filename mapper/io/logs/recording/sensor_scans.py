@@ -33,6 +33,7 @@ class SensorScans:
         self.positions = array("q")  #: the number of each scan's message in the recording
         self.offsets: NDArray[np.int64] | None = None  #: what counts the stamps on where the clock began again
         self.clock = Clock()
+        self.in_degrees = 0  #: messages whose angles were degrees, and are radians now
         self.other_ends = 0  #: messages whose angle_max is not where their last beam is by the increments
         self._other_end = ""  #: of the first of them
         self._numbers: dict[Beaming, int] = {}
@@ -63,12 +64,22 @@ class SensorScans:
         self._mounts.extend(beams.mount or ())
 
     @property
-    def notes_on_ends(self) -> list[str]:
-        """A note on messages whose ``angle_max`` contradicts their increments, if there are any."""
-        if not self.other_ends:
-            return []
-        of = f"{self.other_ends} of the {self.n_scans}" if self.other_ends < self.n_scans else f"All {self.n_scans}"
-        return [f"{of} messages on {self.topic} contradict themselves: {self._other_end}"]
+    def notes_on_angles(self) -> list[str]:
+        """Notes on messages whose angles are in degrees, or whose ``angle_max`` contradicts their increments."""
+        notes = []
+        if self.in_degrees:
+            notes.append(
+                f"{self._of_all(self.in_degrees)} messages on {self.topic} state their angles in degrees, where they "
+                "are defined in radians, by which a scan would go round twice or more: they are converted."
+            )
+        if self.other_ends:
+            notes.append(
+                f"{self._of_all(self.other_ends)} messages on {self.topic} contradict themselves: {self._other_end}"
+            )
+        return notes
+
+    def _of_all(self, n: int) -> str:
+        return f"{n} of the {self.n_scans}" if n < self.n_scans else f"All {self.n_scans}"
 
     def take_recorded_times(self) -> int:
         """Give scans that have the stamp of the one before the times at which they were recorded.

@@ -27,6 +27,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import math
+import re
 
 import numpy as np
 
@@ -39,11 +40,15 @@ from mapper.io.logs.text.lines import TextLines
 from mapper.io.logs.text.one_sensor import take_one_sensor
 from mapper.io.logs.text.packing import ScanStack
 from mapper.sensors.georeference import FARTHEST_M
-from mapper.sensors.scan import ScanLog, georeferenced, is_angle_step
+from mapper.sensors.scan import ScanLog, are_degrees, georeferenced, is_angle_step
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
 SEPARATORS = ",;\t"
+IN_DEGREES = (
+    "angle_min and angle_increment are in degrees, where the format has radians, by which a scan would go round twice "
+    "or more: they are converted."
+)
 INITIAL = {
     "range_min": 0.0,
     "range_max": math.inf,
@@ -63,8 +68,8 @@ def is_csv_scans(head: bytes) -> bool:
 
 
 def _is_remark(line: bytes) -> bool:
-    """Return whether the first field of a line begins with ``#``, in quotation marks or not."""
-    return line.lstrip(b'" ').startswith(b"#")
+    """Return whether the first field of a line begins with ``#``, also in quotation marks, or is Excel's ``sep=;``."""
+    return line.lstrip(b'" ').startswith(b"#") or re.fullmatch(rb"sep=.", line.strip()) is not None
 
 
 def _separator(line: str) -> str | None:
@@ -85,6 +90,7 @@ class _Reader:
         self.limits = limits
         self.values = dict(INITIAL)
         self.stack = ScanStack("CSV", limits)
+        self.notes: list[str] = []
         self._in_rows = False
         self._separator: str | None = None
         self._decimal = ""  #: what stands before the decimals, once a number has told it
@@ -153,6 +159,9 @@ class _Reader:
             raise ReadError("log.truncated_line", f"Line {line} ends early: it has {len(tokens)} fields and no ranges.")
         if n > self.limits.max_beams:
             raise LimitError("log.too_many_beams", f"Line {line} has {n} ranges; the limit is {self.limits.max_beams}.")
+        if are_degrees(self.values["angle_min"], self.values["angle_increment"], n):
+            self.values |= {name: math.radians(self.values[name]) for name in NEEDED}
+            self.notes = [IN_DEGREES]
         if not is_angle_step(self.values["angle_increment"], n):
             raise ReadError(
                 "log.header",
@@ -198,6 +207,6 @@ def read_csv_scans(
         time_increment=v["time_increment"],
         name=path.name,
         format="CSV",
-        notes=(*notes, *notes_on_ranges, *notes_on_poses, *stack.notes_on_time()),
+        notes=(*notes, *reader.notes, *notes_on_ranges, *notes_on_poses, *stack.notes_on_time()),
         limits=limits,
     )

@@ -46,6 +46,10 @@ describe("files that are chosen together", () => {
     ]);
     expect(names("run", "metadata.yaml", "run_0.db3", "run_0.mcap")).toEqual(["run_0.db3", "run_0.mcap"]);
     expect(names("", "run_1.db3", "run_0.db3", "a.log")).toEqual(["run", "a.log"]);
+    const begun = ["run_2024-01-31-23-58-05_0.bag", "run_2024-02-01-00-03-05_1.bag.active"];
+    expect(names("", ...begun)).toEqual(["run_2024-01-31-23-58-05"]);
+    const others = ["run_2024-01-31-23-58-05_0.bag", "run_2024-02-01-00-03-05_0.bag"];
+    expect(names("", ...others)).toEqual(others);
     expect(names("", "run_1.bag", "run_2.bag")).toEqual(["run_1.bag", "run_2.bag"]);
     expect(names("", "a_0.db3", "b_1.db3")).toEqual(["a_0.db3", "b_1.db3"]);
   });

@@ -4,8 +4,11 @@ import { tarred } from "./tar";
 /** Files beside logs that are not logs by themselves: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
 const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
 
-/** A file of a recording, of which there may be parts. */
-const RECORDING = /\.(db3|mcap|bag)(\.zstd)?$/i;
+/** A file of a recording, of which there may be parts; rosbag names one that was not closed .bag.active. */
+const RECORDING = /\.(db3|mcap|bag)(\.zstd|\.active)?$/i;
+
+/** When a part was begun, which the rosbag of ROS 1 writes into its name. */
+const BEGUN = /\d{4}(-\d{2}){5}$/;
 
 /**
  * Group files that were chosen together into logs: the parts of a split recording, the two files of a sonar ring, or a map.
@@ -33,7 +36,7 @@ function withJournal(file: File, files: readonly File[]): readonly [File, ...Fil
 function splitRecording(files: readonly File[]): readonly File[] | null {
   const described = files.find((file) => file.name === "metadata.yaml");
   const parts = files.filter((file) => RECORDING.test(file.name));
-  const endings = new Set(parts.map((file) => RECORDING.exec(file.name)?.[0]));
+  const endings = new Set(parts.map((file) => RECORDING.exec(file.name)?.[0].replace(/\.active$/i, "")));
   if (parts.length < 2 || endings.size > 1) return null;
   if (described) return [described, ...parts];
   return arePartsByName(parts) ? parts : null;
@@ -42,8 +45,9 @@ function splitRecording(files: readonly File[]): readonly File[] | null {
 /** Whether files are numbered from 0 and otherwise of one name, as ROS names the parts of a recording. */
 function arePartsByName(parts: readonly File[]): boolean {
   const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
-  const numbers = names.map((found) => Number(found?.[2] ?? -1));
-  return new Set(names.map((found) => found?.[1])).size === 1 && names[0] !== null && Math.min(...numbers) === 0;
+  const numbers = new Set(names.map((found) => Number(found?.[2] ?? -1)));
+  const stems = new Set(names.map((found) => found?.[1]?.replace(BEGUN, "")));
+  return stems.size === 1 && names[0] !== null && numbers.size === parts.length && Math.min(...numbers) === 0;
 }
 
 function ring(files: readonly File[]): readonly File[] | null {
