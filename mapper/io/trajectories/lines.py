@@ -8,6 +8,7 @@ from decimal import Decimal
 from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.foreign import TRAJECTORIES, trajectory_format
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.lines import TextLines
 
@@ -26,10 +27,13 @@ def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tupl
         if not tokens or tokens[0].startswith("#"):
             continue
         if len(tokens) != wanted:
+            other = trajectory_format(text + b"\n")
+            has = f"has {len(tokens)} value{'s' if len(tokens) != 1 else ''}"
+            if b"," in text or b";" in text:
+                has = "has commas or semicolons between its values"
+            why = "" if other is None else f" It is of a trajectory in the format {other}. {TRAJECTORIES[other]}"
             raise ReadError(
-                "trajectory.columns",
-                f"Line {number} has {len(tokens)} value{'s' if len(tokens) != 1 else ''}, but a {kind} line has "
-                f"{wanted}: {columns}.",
+                "trajectory.columns", f"Line {number} {has}, but a {kind} line has {wanted}: {columns}.{why}"
             )
         yield number, tokens
     if lines.broken is not None:

@@ -70,13 +70,26 @@ def test_a_pose_in_space_is_seen_from_above(tmp_path: Path) -> None:
     assert note.startswith("The trajectory is not planar: heights differ by 0.50 m and it tilts by up to 30°.")
 
 
+def test_a_trajectory_in_another_format_is_named(tmp_path: Path) -> None:
+    """In place of the number of its values alone."""
+    for line, said in (
+        ("1.0 0 0 2.5 0 1.0 0 0 0 0 1.0 0\n", r"has 12 values, .* in the format KITTI\. It states no times"),
+        ("1403636580838555648,1,2,3,0.8,0.6,0,0\n", r"has commas .* in the format EuRoC\. evo_traj euroc"),
+    ):
+        with pytest.raises(ReadError, match=said):
+            read_tum(written(tmp_path, line))
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
         ("12.5 1.0 2.0", "Line 2 has 3 values, but a TUM line has 8: timestamp tx ty tz qx qy qz qw."),
         ("12.5", "Line 2 has 1 value, but a TUM line has 8: timestamp tx ty tz qx qy qz qw."),
         (f"{LINE} 7", "Line 2 has 9 values, but a TUM line has 8: timestamp tx ty tz qx qy qz qw."),
-        (LINE.replace(" ", ","), "Line 2 has 1 value, but a TUM line has 8: timestamp tx ty tz qx qy qz qw."),
+        (
+            LINE.replace(" ", ","),
+            "Line 2 has commas or semicolons between its values, but a TUM line has 8: timestamp tx ty tz qx qy qz qw.",
+        ),
         ("12.5 1.0 two 0 0 0 0 1", "Line 2: 'two' in this TUM line is not a number."),
         ("now 1.0 2.0 0 0 0 0 1", "Line 2: 'now' in this TUM line is not a number."),
         ("1_0 1.0 2.0 0 0 0 0 1", "Line 2: '1_0' in this TUM line is not a number."),
