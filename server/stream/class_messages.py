@@ -258,14 +258,3 @@ ClassCommand = (
     | AnswerCommand
     | RaiseCommand
 )
-LECTURERS_COMMANDS = (
-    ShowCommand,
-    ExplainCommand,
-    AskCommand,
-    RevealCommand,
-    StopCommand,
-    CloseCommand,
-    LockCommand,
-    CountCommand,
-    HandCommand,
-)

@@ -160,6 +160,14 @@ def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSum
     )
 
 
+def time_without_gaps(stamps_ns: NDArray[np.int64]) -> tuple[TimeSummary, float]:
+    """Return the times of clouds or costmaps, whose pauses are not looked at, and the seconds from first to last."""
+    seconds = np.sort(stamps_ns).astype(np.float64) * 1e-9
+    usual = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
+    rate = 1.0 / usual if usual > 0.0 and math.isfinite(usual) else None
+    return TimeSummary(start_s(stamps_ns), rate, 0, 0.0, 0.0), float(np.ptp(seconds)) if len(seconds) else 0.0
+
+
 def path_length(poses: NDArray[np.float64]) -> float:
     """Return the sum of the steps of a path of poses (n, 3), metres."""
     steps = np.diff(poses[:, :2], axis=0)

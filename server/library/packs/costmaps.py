@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -12,10 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mapper.core.array_types import UInt8Array
-from mapper.core.time_units import EPOCH_S
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
-from mapper.io.logs.summary import NO_SCANS, LogSummary, TimeSummary
+from mapper.io.logs.summary import NO_SCANS, LogSummary, time_without_gaps
 from mapper.sensors.scan import Topic
 from server.library.packs.arrays import UNREADABLE, write_arrays
 from server.library.packs.log import StalePackError
@@ -82,9 +80,7 @@ def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
 def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSummary:
     """Return the figures of a recording that has costmaps and no scans; times are those of the topic with most."""
     first = max(streams.values(), key=len)
-    stamps = np.sort(first.received_ns).astype(np.float64) * 1e-9
-    gaps = np.diff(stamps)
-    usual = float(np.median(gaps)) if len(gaps) else 0.0
+    time, duration_s = time_without_gaps(first.received_ns)
     bad = sum(stream.bad for stream in streams.values())
     notes = ["The recording has costmaps and no scans: they are shown, and no map is made."]
     notes += [f"{bad} costmaps could not be read."] if bad else []
@@ -92,15 +88,9 @@ def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSu
         NO_SCANS,
         name=name,
         format="costmaps",
-        duration_s=float(stamps[-1] - stamps[0]),
+        duration_s=duration_s,
         notes=tuple(notes),
-        time=TimeSummary(
-            start_s=float(stamps[0]) if EPOCH_S[0] < stamps[0] < EPOCH_S[1] else None,
-            rate_hz=1.0 / usual if usual > 0.0 and math.isfinite(usual) else None,
-            gaps=0,
-            longest_gap_s=0.0,
-            longest_gap_at_s=0.0,
-        ),
+        time=time,
         topics=tuple(
             Topic(topic, "nav2_msgs/Costmap", len(stream), ", ".join(stream.frames) or None)
             for topic, stream in streams.items()

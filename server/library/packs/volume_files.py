@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -13,14 +12,13 @@ import numpy as np
 from mapper.core.array_types import Float32Array
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
-from mapper.core.time_units import EPOCH_S
 from mapper.io.clouds.content import content
 from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import TEXT, cloud_format
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.opening import is_log
-from mapper.io.logs.summary import NO_SCANS, LogSummary, TimeSummary
+from mapper.io.logs.summary import NO_SCANS, LogSummary, TimeSummary, time_without_gaps
 from mapper.volume.occupancy.volume import centres_of
 from mapper.volume.octree.files import is_octree, octree_of_bytes
 from mapper.volume.scans.scan_sequence import UPS, ScanSequence, gather
@@ -83,17 +81,7 @@ def summarise_volume(source: VolumeSource, name: str) -> LogSummary:
         if source.tree.n_nodes == 0:
             raise ReadError("octree.empty", "The octree has no nodes.")
         return _summary(name, f"OctoMap {source.kind}", 1, source.tree.n_leaves, source.notes, None, 0.0)
-    stamps = np.sort(source.stamps_ns).astype(np.float64) * 1e-9
-    gaps = np.diff(stamps)
-    usual = float(np.median(gaps)) if len(gaps) else 0.0
-    duration = float(stamps[-1] - stamps[0]) if len(stamps) else 0.0
-    time = TimeSummary(
-        start_s=float(stamps[0]) if EPOCH_S[0] < stamps[0] < EPOCH_S[1] else None,
-        rate_hz=1.0 / usual if usual > 0.0 and math.isfinite(usual) else None,
-        gaps=0,
-        longest_gap_s=0.0,
-        longest_gap_at_s=0.0,
-    )
+    time, duration = time_without_gaps(source.stamps_ns)
     return _summary(name, source.kind, len(source), len(source.points), source.notes, time, duration)
 
 
