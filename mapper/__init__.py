@@ -9,7 +9,7 @@ Each is imported from its module with its first use.
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 
 if TYPE_CHECKING:
     from mapper.costmap.layered import LayeredCostmap
@@ -52,28 +52,4 @@ __all__ = [
     "write_mcap",
 ]
 
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "GridGeometry": "mapper.grid.occupancy_grid",
-        "LaserScan": "mapper.sensors.scan",
-        "LayeredCostmap": "mapper.costmap.layered",
-        "MappingConfig": "mapper.mapping.parameters",
-        "MonteCarloLocalizer": "mapper.localization.monte_carlo",
-        "OccupancyGrid": "mapper.grid.occupancy_grid",
-        "OccupancyVolume": "mapper.volume.occupancy.volume",
-        "ScanLog": "mapper.sensors.scan",
-        "diagnose": "mapper.diagnosis.diagnosis",
-        "geometry_for": "mapper.mapping.integrate",
-        "integrate_log": "mapper.mapping.integrate",
-        "integrate_scan": "mapper.mapping.integrate",
-        "load_map": "mapper.io.maps.reading",
-        "match_scan": "mapper.matching.match",
-        "open_log": "mapper.io.logs.opening",
-        "plan_path": "mapper.planning.plan",
-        "sample_log": "mapper.simulation.sample",
-        "save_map": "mapper.io.maps.writing",
-        "slam_log": "mapper.slam.whole_log",
-        "write_mcap": "mapper.io.export.recording",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

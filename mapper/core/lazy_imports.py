@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import ast
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from importlib.abc import MetaPathFinder
+from pathlib import Path
 from threading import get_ident
 
 
-def attributes_from(package: str, modules: Mapping[str, str]) -> Callable[[str], object]:
-    """Return the function ``__getattr__`` of a package (PEP 562).
+def imported_later(package: str, file: str) -> Callable[[str], object]:
+    """Return the function ``__getattr__`` of a package (PEP 562), which imports each name with its first use.
 
-    ``modules`` maps each name that the package offers to the module that defines it, which is imported when the name
-    is first read. Other names raise :class:`AttributeError`.
+    The names are those that ``file``, the package's own, imports ``if TYPE_CHECKING``. Others raise
+    :class:`AttributeError`. None may be called as a module of the package, which would take its place.
     """
 
+    @cache
+    def modules() -> dict[str, str]:
+        tree = ast.parse(Path(file).read_text(encoding="utf-8"))
+        later = (node for one in tree.body if isinstance(one, ast.If) for node in one.body)
+        return {one.name: str(node.module) for node in later if isinstance(node, ast.ImportFrom) for one in node.names}
+
     def get(name: str) -> object:
-        if name not in modules:
+        if name not in modules():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(import_module(modules[name]), name)
+        return getattr(import_module(modules()[name]), name)
 
     return get
 

@@ -1,11 +1,17 @@
 """The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
 
-from mapper.diagnosis.diagnosis import Diagnosis, diagnose, events_of
-from mapper.diagnosis.drifting import drift_finding, first_cause
-from mapper.diagnosis.events import Event, find_events
-from mapper.diagnosis.examination import CHECKS, examine
-from mapper.diagnosis.finding import Finding
-from mapper.diagnosis.verdict import Limits, Reason, Verdict, judge, named_findings
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import imported_later
+
+if TYPE_CHECKING:
+    from mapper.diagnosis.diagnosis import Diagnosis, diagnose, events_of
+    from mapper.diagnosis.drifting import drift_finding, first_cause
+    from mapper.diagnosis.events import Event, find_events
+    from mapper.diagnosis.examination import CHECKS, examine
+    from mapper.diagnosis.figures import MapFigures, map_figures
+    from mapper.diagnosis.finding import Finding
+    from mapper.diagnosis.verdict import Limits, Reason, Verdict, judge, named_findings
 
 __all__ = [
     "CHECKS",
@@ -13,6 +19,7 @@ __all__ = [
     "Event",
     "Finding",
     "Limits",
+    "MapFigures",
     "Reason",
     "Verdict",
     "diagnose",
@@ -22,5 +29,8 @@ __all__ = [
     "find_events",
     "first_cause",
     "judge",
+    "map_figures",
     "named_findings",
 ]
+
+__getattr__ = imported_later(__name__, __file__)

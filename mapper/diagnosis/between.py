@@ -17,9 +17,12 @@ from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.mounting import CHANGING
+from mapper.matching import MatchConfig, match_scan
+from mapper.matching.target import Target
 from mapper.sensors.joint_log import SEPARATOR
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
+from mapper.slam.scan_store import scans_of
 
 CHECK = "mount.between"
 MATCHED = 32  #: scans of the second sensor that are matched, evenly spread
@@ -68,10 +71,6 @@ def check_between(
 
 def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted: Callable[[], bool]) -> Float64Array:
     """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
-    from mapper.matching import MatchConfig, match_scan  # noqa: PLC0415 - SciPy, for few logs
-    from mapper.matching.target import Target  # noqa: PLC0415
-    from mapper.slam.scan_store import scans_of  # noqa: PLC0415
-
     config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
     bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
     own_way, way = _ways(bases, first.stamps_ns, second.stamps_ns)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 from mapper.localization.parameters import PARAMETERS, LocalizationConfig
 
 if TYPE_CHECKING:
@@ -24,15 +24,4 @@ __all__ = [
 ]
 
 # The command imports only the parameters, for its options.
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "Estimate": "mapper.localization.estimate",
-        "Localized": "mapper.localization.localize",
-        "MonteCarloLocalizer": "mapper.localization.monte_carlo",
-        "amcl_yaml": "mapper.localization.amcl_parameters",
-        "localize_log": "mapper.localization.localize",
-        "parse_amcl_yaml": "mapper.localization.amcl_parameters",
-        "read_amcl_yaml": "mapper.localization.amcl_parameters",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

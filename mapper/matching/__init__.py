@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 from mapper.matching.parameters import METHODS, PARAMETERS, MatchConfig
 
 if TYPE_CHECKING:
@@ -26,16 +26,4 @@ __all__ = [
 ]
 
 # The command imports only the parameters, for its options.
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "Match": "mapper.matching.match",
-        "Target": "mapper.matching.target",
-        "map_points": "mapper.matching.target",
-        "map_target": "mapper.matching.target",
-        "match_maps": "mapper.matching.maps",
-        "match_scan": "mapper.matching.match",
-        "prepare_scans": "mapper.matching.prepare",
-        "scan_target": "mapper.matching.target",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

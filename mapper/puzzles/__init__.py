@@ -5,7 +5,7 @@ Each name is imported from its module with its first use: the measures of a map 
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 
 if TYPE_CHECKING:
     from mapper.puzzles.causes import CAUSES, Cause
@@ -28,19 +28,4 @@ __all__ = [
     "spoil",
 ]
 
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "CAUSES": "mapper.puzzles.causes",
-        "RECIPES": "mapper.puzzles.recipes",
-        "Cause": "mapper.puzzles.causes",
-        "Puzzle": "mapper.puzzles.puzzle",
-        "Recipe": "mapper.puzzles.recipes",
-        "Spoiled": "mapper.puzzles.spoiling",
-        "points": "mapper.puzzles.scoring",
-        "puzzle_of": "mapper.puzzles.puzzle",
-        "repair_share": "mapper.puzzles.scoring",
-        "shortened": "mapper.puzzles.puzzle",
-        "spoil": "mapper.puzzles.spoiling",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

@@ -6,7 +6,7 @@ octrees, Autonomous Robots 34, 2013.
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 
 if TYPE_CHECKING:
     from mapper.volume.blocks import BlockHash
@@ -48,31 +48,4 @@ __all__ = [
 ]
 
 # The command imports only the parameters, for its options.
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "BlockHash": "mapper.volume.blocks",
-        "Casts": "mapper.volume.occupancy.queries",
-        "Changes": "mapper.volume.occupancy.changes",
-        "Fused": "mapper.volume.surface.tsdf",
-        "Inserted": "mapper.volume.occupancy.volume",
-        "OccupancyVolume": "mapper.volume.occupancy.volume",
-        "Mesh": "mapper.volume.mesh.mesh",
-        "Octree": "mapper.volume.octree.octree",
-        "OctreeFile": "mapper.volume.octree.files",
-        "TSDF_PARAMETERS": "mapper.volume.surface.parameters",
-        "TsdfConfig": "mapper.volume.surface.parameters",
-        "TsdfVolume": "mapper.volume.surface.tsdf",
-        "VOLUME_PARAMETERS": "mapper.volume.occupancy.parameters",
-        "VolumeConfig": "mapper.volume.occupancy.parameters",
-        "cast": "mapper.volume.occupancy.queries",
-        "changes_between": "mapper.volume.occupancy.changes",
-        "distance_to_obstacle": "mapper.volume.occupancy.queries",
-        "octree_file": "mapper.volume.octree.files",
-        "project": "mapper.volume.occupancy.queries",
-        "read_octree": "mapper.volume.octree.files",
-        "surface_mesh": "mapper.volume.mesh.meshing",
-        "voxels_in_box": "mapper.volume.occupancy.queries",
-        "write_octree": "mapper.volume.octree.files",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

@@ -20,7 +20,8 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import ScanLog, Trajectory
-from mapper.slam import SLAM_PARAMETERS, SlamConfig, SlamProgress, SlamResult, estimate, slam_log
+from mapper.slam import SLAM_PARAMETERS, SlamConfig, SlamProgress, SlamResult, slam_log
+from mapper.slam.estimate import estimate
 from server.cli.commands import app
 from server.cli.common import (
     AsJson,

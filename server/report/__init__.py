@@ -5,7 +5,7 @@ Each name is imported from its module with its first use: a service starts witho
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 
 if TYPE_CHECKING:
     from server.report.content import Picture, PlacedNote, Report, make_report
@@ -14,14 +14,4 @@ if TYPE_CHECKING:
 
 __all__ = ["Picture", "PlacedNote", "Report", "make_report", "report_page", "report_pdf"]
 
-__getattr__ = attributes_from(
-    __name__,
-    {
-        "Picture": "server.report.content",
-        "PlacedNote": "server.report.content",
-        "Report": "server.report.content",
-        "make_report": "server.report.content",
-        "report_page": "server.report.page",
-        "report_pdf": "server.report.pdf",
-    },
-)
+__getattr__ = imported_later(__name__, __file__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 from server.sessions.kind import Kind, Plan
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.view import LogView
@@ -23,6 +23,4 @@ __all__ = [
 ]
 
 # The stream and the arrays of layers are imported with the first session.
-__getattr__ = attributes_from(
-    __name__, {"SessionHost": "server.sessions.host", "SessionModel": "server.sessions.model"}
-)
+__getattr__ = imported_later(__name__, __file__)

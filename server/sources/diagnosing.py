@@ -7,6 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
+from mapper import diagnosis
 from mapper.sensors.scan import ScanLog
 from server.work.priority import lower_priority
 from server.work.scheduler import Scheduler
@@ -47,8 +48,6 @@ async def examination(
     """
 
     def examined() -> Diagnosis:
-        from mapper.diagnosis import diagnose  # noqa: PLC0415 - imports SciPy, which few sessions need
-
-        return diagnose(log, trajectory, progress, wanted=wanted)
+        return diagnosis.diagnose(log, trajectory, progress, wanted=wanted)
 
     return await in_turn(scheduler, job_owner, examined)

@@ -16,7 +16,8 @@ from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
 from mapper.sensors.scan import Trajectory
 from mapper.sensors.timed_poses import TimedPoses
-from mapper.slam import LOOP, SlamResult, optimise, slam_log
+from mapper.slam import LOOP, SlamResult, slam_log
+from mapper.slam.optimise import optimise
 
 #: Log, relations, and the same log with poses that another program corrected.
 LOGS = (

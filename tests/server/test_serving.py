@@ -226,7 +226,7 @@ def started(program: str, folder: Path, **more: str) -> tuple[subprocess.Popen[s
 #: Imported with the first session, download, log or export, or never: the service answers sooner without them.
 NOT_AT_THE_START = (
     "PIL", "alembic", "dask", "mapper.io.logs.opening", "mapper.mapping.integrate", "mapper.matching.match",
-    "mapper.replay", "mapper.simulation", "mapper.slam", "mcap", "numba", "pydantic.v1", "rich", "scipy",
+    "mapper.replay", "mapper.simulation.worlds", "mapper.slam.slam", "mcap", "numba", "pydantic.v1", "rich", "scipy",
     "server.scenes.proxy", "server.sessions.host",
     "server.sources.log", "server.sources.simulation", "server.stream.hub", "viser", "yaml",
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 from mapper.io.export.trajectory import tum_lines, tum_text
 
 if TYPE_CHECKING:
@@ -12,6 +12,4 @@ if TYPE_CHECKING:
 __all__ = ["GrowingMap", "tum_lines", "tum_text", "write_mcap"]
 
 # The library of MCAP, and the kernels of mapping, are imported with the first export.
-__getattr__ = attributes_from(
-    __name__, {"GrowingMap": "mapper.io.export.growing_map", "write_mcap": "mapper.io.export.recording"}
-)
+__getattr__ = imported_later(__name__, __file__)

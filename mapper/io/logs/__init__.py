@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 
 if TYPE_CHECKING:
     from mapper.io.logs.opening import is_log, log_files, odometry_records, open_log, open_robot_log
@@ -21,4 +21,4 @@ __all__ = ["is_log", "log_files", "odometry_records", "open_log", "open_robot_lo
 
 # The readers of all formats are imported with the first use: who imports only `mapper.io.logs.summary`, as the service
 # does, has no need of them.
-__getattr__ = attributes_from(__name__, dict.fromkeys(__all__, "mapper.io.logs.opening"))
+__getattr__ = imported_later(__name__, __file__)

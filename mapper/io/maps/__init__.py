@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mapper.core.lazy_imports import attributes_from
+from mapper.core.lazy_imports import imported_later
 from mapper.io.maps.pixels import occupancy_values
 from mapper.io.maps.writing import Mode, pgm_bytes, png_bytes, save_map, yaml_text
 
@@ -21,4 +21,4 @@ __all__ = [
 ]
 
 # The reader imports Pillow and PyYAML, which writing does without.
-__getattr__ = attributes_from(__name__, dict.fromkeys(("LoadedMap", "load_map"), "mapper.io.maps.reading"))
+__getattr__ = imported_later(__name__, __file__)

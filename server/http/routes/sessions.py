@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Body, Query, Request, WebSocket
 from fastapi.responses import Response
 
+from mapper import simulation
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS
@@ -190,17 +191,13 @@ async def history(sessions: Sessions, session_id: str) -> SimulationHistory:
 @router.get("/worlds")
 def worlds() -> WorldList:
     """List the simulated worlds."""
-    from mapper.simulation import WORLDS  # noqa: PLC0415 - imported with the first use, on a worker thread
-
-    return WorldList([WorldAnswer(world.name, world.title, world.bounds) for world in WORLDS.values()])
+    return WorldList([WorldAnswer(world.name, world.title, world.bounds) for world in simulation.WORLDS.values()])
 
 
 @router.get("/parameters")
 def parameters() -> ParameterTables:
     """Return the tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
-    from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
-
-    return ParameterTables(PARAMETERS, SENSOR_PARAMETERS, CUT_PARAMETERS)
+    return ParameterTables(PARAMETERS, simulation.SENSOR_PARAMETERS, CUT_PARAMETERS)
 
 
 @router.websocket("/sessions/{session_id}/stream")

@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from mapper import simulation
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.io import export
 from mapper.sensors.scan import LaserScan
@@ -37,19 +38,15 @@ def example_bytes(name: ExampleName) -> bytes:
 
 def _drift() -> bytes:
     """Only the poses that the wheels measure, which drift."""
-    from mapper.simulation.sample import sample_log  # noqa: PLC0415
-
     file = io.BytesIO()
-    export.write_mcap(file, sample_log(), trajectory="odometry")
+    export.write_mcap(file, simulation.sample_log(), trajectory="odometry")
     return file.getvalue()
 
 
 def _mount() -> bytes:
     """True poses, and a mount that is stated as turned by :data:`STATED_YAW`."""
-    from mapper.simulation.sample import sample_log  # noqa: PLC0415
-
     file = io.BytesIO()
-    export.write_mcap(file, replace(sample_log(), mount=(0.0, 0.0, STATED_YAW)), trajectory="true")
+    export.write_mcap(file, replace(simulation.sample_log(), mount=(0.0, 0.0, STATED_YAW)), trajectory="true")
     return file.getvalue()
 
 
@@ -59,11 +56,9 @@ def _camera() -> bytes:
 
     from mapper.io.export import ros2  # noqa: PLC0415
     from mapper.io.export.topics import Topics  # noqa: PLC0415
-    from mapper.simulation import WORLDS  # noqa: PLC0415
-    from mapper.simulation.sample import sample_log  # noqa: PLC0415
     from mapper.simulation.sensors_3d import Scan3D, Sensor3D, measure_3d  # noqa: PLC0415
 
-    log, world, rng = sample_log(SCANS), WORLDS["office"], np.random.default_rng(3)
+    log, world, rng = simulation.sample_log(SCANS), simulation.WORLDS["office"], np.random.default_rng(3)
     lidar = Sensor3D(beams=240)
     camera = Sensor3D(sensor="depth_camera", columns=160, tilt=0.1, noise=0.0, reach=20.0)
     file = io.BytesIO()

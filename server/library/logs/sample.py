@@ -9,6 +9,7 @@ from pathlib import Path
 
 import structlog
 
+from mapper import simulation
 from mapper.io.logs.summary import summarise
 from mapper.sensors.scan import ScanLog
 from server.library.logs.cache import LogCache
@@ -48,11 +49,10 @@ class Sample:
         return await asyncio.shield(self._job)
 
     async def _make(self) -> ScanLog:
-        from mapper.simulation import sample_log  # noqa: PLC0415 - the simulator, imported with the first sample
         from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow and the replay of logs
 
         try:
-            log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)
+            log = replace(await asyncio.to_thread(simulation.sample_log), name=SAMPLE_NAME)
         finally:
             self._job = None
         self._cache.put(SAMPLE_ID, log)

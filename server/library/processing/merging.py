@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator, Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from mapper import slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
@@ -76,7 +77,7 @@ def do_merge_job(job: MergeJob) -> MergeOutcome:
 
 
 def _merge(job: MergeJob) -> MergeOutcome:
-    from mapper.slam import MergeProgress, merge_logs, merged_graph, merged_log  # noqa: PLC0415
+    from mapper.slam.merged_log import merged_log  # noqa: PLC0415
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
     def begin(stage: str) -> None:
@@ -85,7 +86,7 @@ def _merge(job: MergeJob) -> MergeOutcome:
 
     newest = ""
 
-    def report(progress: MergeProgress) -> bool:
+    def report(progress: slam.MergeProgress) -> bool:
         nonlocal newest
         process.note_progress(0.97 * progress.fraction)
         if progress.stage != newest:
@@ -94,7 +95,7 @@ def _merge(job: MergeJob) -> MergeOutcome:
         return True
 
     logs = log_in(job.first), log_in(job.second)
-    merged = merge_logs(*logs, progress=report)
+    merged = slam.merge_logs(*logs, progress=report)
     for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
         one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
         Path(job.out + ending).write_text(export.tum_text(one, NAME), encoding="ascii")
@@ -103,7 +104,7 @@ def _merge(job: MergeJob) -> MergeOutcome:
     with Path(job.out + LOG).open("wb") as mcap:
         export.write_mcap(mcap, both, trajectory=NAME)
     Path(job.out + BOTH).write_text(export.tum_text(both, NAME), encoding="ascii")
-    Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, merged)))
+    Path(job.out + GRAPH).write_bytes(graph_bytes(*slam.merged_graph(logs, merged)))
     process.note_progress(1.0)
     topic = both.topic if isinstance(both, JointLog) else None
     return MergeOutcome(len(merged.loops), len(merged.tried), merged.score, merged.cpu_seconds, topic, note)

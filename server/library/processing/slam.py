@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper import diagnosis, slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
@@ -25,6 +26,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import Trajectory
+from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from server.jobs import process
 from server.jobs.process import BoundedJob
 from server.jobs.record import JobKind, JobRecord, JobStatus, shared
@@ -100,8 +102,6 @@ def do_slam_job(job: SlamJob) -> SlamOutcome:
 
 
 def _slam(job: SlamJob) -> SlamOutcome:
-    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - only this process needs SciPy and SLAM
-    from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
     from server.library.packs.graph import graph_bytes  # noqa: PLC0415
 
     log = log_in(job.pack)
@@ -109,14 +109,14 @@ def _slam(job: SlamJob) -> SlamOutcome:
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
     mapping = MappingConfig().with_values({**RECORDED, **job.mapping})
-    result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
+    result = slam.slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
     offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
     corrected = Trajectory(result.poses, from_scans=True, offset=offset)
     log = replace(log, trajectories={**log.trajectories, NAME: corrected})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(export.tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry
-    along_odometry, along_slam = (map_figures(log, name, mapping) for name in (before, NAME))
+    along_odometry, along_slam = (diagnosis.map_figures(log, name, mapping) for name in (before, NAME))
     process.note_progress(1.0)
     nodes = len(result.graph.nodes)
     return SlamOutcome(
@@ -271,14 +271,10 @@ def changed_parameters(values: Parameters) -> Parameters:
 
     Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
     """
-    from mapper.slam.config import SlamConfig  # noqa: PLC0415 - few visitors begin SLAM
-
     first = SlamConfig().as_dict()
     return {name: value for name, value in SlamConfig().with_values(values).as_dict().items() if value != first[name]}
 
 
 def parameter_table() -> ParameterTable:
     """Return the table of SLAM's parameters (worker thread: it imports SLAM)."""
-    from mapper.slam.config import SLAM_PARAMETERS  # noqa: PLC0415 - few visitors begin SLAM
-
     return ParameterTable(SLAM_PARAMETERS)

@@ -19,7 +19,8 @@ from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import CONTRADICTS, LOOP, STRAINED, PoseGraph
 from mapper.sensors.scan import ScanLog
-from mapper.slam import LoopCandidates, optimise
+from mapper.slam import LoopCandidates
+from mapper.slam.optimise import optimise
 from mapper.slam.residuals import residual_series, residuals
 from mapper.slam.scan_store import scans_of
 from server.sessions.drawings import Segments

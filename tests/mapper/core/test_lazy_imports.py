@@ -1,4 +1,4 @@
-"""Modules that are left out while a package is imported."""
+"""Modules that are left out while a package is imported, and names that are imported with their first use."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from mapper.core.lazy_imports import hidden_modules
+
+ROOT = Path(__file__).parents[3]
 
 
 def test_hidden_modules_are_hidden_from_this_thread_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,3 +33,23 @@ def test_hidden_modules_are_hidden_from_this_thread_alone(tmp_path: Path, monkey
     finally:
         for name in ("left_out_package", "left_out_package.part"):
             sys.modules.pop(name, None)
+
+
+LATER = sorted(
+    path.parent.relative_to(ROOT).as_posix().replace("/", ".")
+    for path in (*ROOT.glob("mapper/**/__init__.py"), *ROOT.glob("server/**/__init__.py"))
+    if "imported_later(__name__" in path.read_text()
+)
+
+
+@pytest.mark.parametrize("name", LATER)
+def test_a_package_has_each_of_its_names_and_no_other(name: str) -> None:
+    package = import_module(name)
+    folder = Path(str(package.__file__)).parent
+    for public in package.__all__:
+        assert getattr(package, public) is not None
+        # The import of such a module would put it in the place of what the package offers.
+        assert not (folder / public).exists()
+        assert not (folder / f"{public}.py").exists()
+    with pytest.raises(AttributeError, match=f"module '{name}' has no attribute 'of_no_module'"):
+        _ = package.of_no_module

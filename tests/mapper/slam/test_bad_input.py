@@ -13,7 +13,8 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.shapes import outer_walls
 from mapper.simulation.worlds import World
-from mapper.slam import SlamConfig, estimate, slam_log
+from mapper.slam import SlamConfig, slam_log
+from mapper.slam.estimate import estimate
 from tests.mapper.slam.worlds import along, drive, without_poses
 
 ROOM = [(3.4, 3.6), (6.4, 3.6), (6.4, 5.4), (3.4, 5.4), (3.4, 3.6)]

@@ -8,8 +8,7 @@ import pytest
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
-from mapper.slam import optimise
-from mapper.slam.optimise import optimise_newest
+from mapper.slam.optimise import optimise, optimise_newest
 from mapper.slam.textbook import optimise_dense
 
 

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from mapper.core.se2 import compose, inverse
-from mapper.slam import LOOP, ODOMETRY, PoseGraph, optimise
+from mapper.slam import LOOP, ODOMETRY, PoseGraph
+from mapper.slam.optimise import optimise
 from mapper.slam.sparse_system import SparseSystem
 from mapper.slam.textbook import optimise_dense
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -44,7 +45,7 @@ async def reader() -> AsyncIterator[Reader]:
 @pytest.fixture(autouse=True)
 def _short_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sample as short as a sample can be: every list of logs has it made."""
-    monkeypatch.setattr("mapper.simulation.sample_log", lambda: sample_log(5))
+    monkeypatch.setattr("server.library.logs.sample.simulation", SimpleNamespace(sample_log=lambda: sample_log(5)))
 
 
 Make = Callable[..., "Library"]

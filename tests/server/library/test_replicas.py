@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import AsyncIterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,7 @@ async def chunks(data: bytes) -> AsyncIterator[bytes]:
 @pytest.fixture(autouse=True)
 def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(leasing, "WAIT_S", 0.05)
-    monkeypatch.setattr("mapper.simulation.sample_log", lambda: sample_log(5))
+    monkeypatch.setattr("server.library.logs.sample.simulation", SimpleNamespace(sample_log=lambda: sample_log(5)))
 
 
 class Two:

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from mapper import diagnosis
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.io import logs, maps
 from mapper.mapping.parameters import MappingConfig
@@ -129,8 +130,6 @@ async def fleet_facts(
 
 
 def _done(job: FleetJob) -> MapFacts:
-    from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
-    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from server.library.packs.picture import write_picture  # noqa: PLC0415
 
@@ -139,7 +138,7 @@ def _done(job: FleetJob) -> MapFacts:
     began = time.process_time()
     log = logs.open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
     process.note_progress(READ)
-    found = examine(log)
+    found = diagnosis.examine(log)
     process.note_progress(EXAMINED)
     config = MappingConfig().with_values(RECORDED)
     grid = grid_for(log, config)
@@ -148,7 +147,7 @@ def _done(job: FleetJob) -> MapFacts:
         maps.save_map(grid, Path(job.map))
     process.note_progress(MAPPED)
     picture = write_picture(log, Path(job.picture))
-    geometry, figures = grid.geometry, map_figures(log, None, config, grid)
+    geometry, figures = grid.geometry, diagnosis.map_figures(log, None, config, grid)
     return MapFacts(
         scans=log.n_scans,
         beams=log.n_beams,

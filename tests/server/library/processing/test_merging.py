@@ -12,7 +12,8 @@ from mapper.io.logs import open_log
 from mapper.io.trajectories import read_tum
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
-from mapper.slam import merge_logs, merged_graph, merged_log
+from mapper.slam import merge_logs, merged_graph
+from mapper.slam.merged_log import merged_log
 from server.library.packs.graph import read_graph
 from server.library.packs.log import write_pack
 from server.library.processing.merging import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob, _merge
