@@ -46,6 +46,7 @@ from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
 from tests.bench.slam import slam
+from tests.bench.slam_calibration import slam_calibration
 from tests.bench.terrain import terrain
 from tests.bench.tsdf import tsdf
 from tests.bench.volume import volume
@@ -242,6 +243,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "events": events,
     "match": matching,
     "slam": slam,
+    "slam-calibration": slam_calibration,
     "localization": localization,
     "costmap": costmap,
     "volume": volume,
