@@ -4,7 +4,7 @@ import { type Cell, centreOf } from "../../grid/lattice";
 import { logOdds } from "../../grid/logOdds";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
-import type { Wall } from "./world";
+import { distanceTo, type Wall } from "./world";
 
 export type State = "free" | "unknown" | "occupied";
 
@@ -25,16 +25,7 @@ export function cellsOf(grid: OccupancyGrid, state: State): readonly Cell[] {
     .map((index) => ({ row: Math.floor(index / cols), col: index % cols }));
 }
 
-function distanceTo([x0, y0, x1, y1]: Wall, x: number, y: number): number {
-  const [wx, wy] = [x1 - x0, y1 - y0];
-  const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy || 1)));
-  return Math.hypot(x - x0 - t * wx, y - y0 - t * wy);
-}
-
 /** Occupied cells whose centre is farther than `reach` metres from every wall. */
 export function phantoms(grid: OccupancyGrid, walls: readonly Wall[], reach: number): readonly Cell[] {
-  return cellsOf(grid, "occupied").filter((cell) => {
-    const [x, y] = centreOf(grid.geometry, cell);
-    return walls.every((wall) => distanceTo(wall, x, y) > reach);
-  });
+  return cellsOf(grid, "occupied").filter((cell) => distanceTo(centreOf(grid.geometry, cell), walls) > reach);
 }

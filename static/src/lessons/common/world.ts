@@ -3,7 +3,7 @@
 import { compose } from "../../grid/lattice";
 import type { LaserScan } from "../../grid/occupancyGrid";
 import { normal } from "../../grid/random";
-import type { Pose } from "../../wire/protocol";
+import type { Point, Pose } from "../../wire/protocol";
 
 export type Wall = readonly [x0: number, y0: number, x1: number, y1: number];
 
@@ -14,6 +14,17 @@ export const box = (x0: number, y0: number, x1: number, y1: number): readonly Wa
   [x1, y1, x0, y1],
   [x0, y1, x0, y0],
 ];
+
+/** Distance from a point to the nearest of some walls. */
+export function distanceTo([x, y]: Point, walls: readonly Wall[]): number {
+  let best = Number.POSITIVE_INFINITY;
+  for (const [x0, y0, x1, y1] of walls) {
+    const [wx, wy] = [x1 - x0, y1 - y0];
+    const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy || 1)));
+    best = Math.min(best, Math.hypot(x - x0 - t * wx, y - y0 - t * wy));
+  }
+  return best;
+}
 
 /** Metres from a point along a direction to the nearest wall, Infinity where there is none. */
 export function castRay(walls: readonly Wall[], x: number, y: number, angle: number): number {

@@ -4,7 +4,7 @@ import type { GridGeometry } from "../../grid/occupancyGrid";
 import { normal, seeded } from "../../grid/random";
 import { type FieldMixture, fieldLikelihood } from "../../grid/rangeModels";
 import type { Point, Pose } from "../../wire/protocol";
-import { allRound, scanFrom, type Wall } from "../common/world";
+import { allRound, distanceTo, scanFrom, type Wall } from "../common/world";
 import { FLOOR, POLISHED, TABLE, WALLS } from "../stage/floor";
 import { geometryOf } from "../stage/sensing";
 
@@ -18,17 +18,6 @@ export const BEAMS = 36;
 const NOISE = 0.02;
 /** AMCL's first values. */
 export const MIXTURE: FieldMixture = { z_hit: 0.5, z_rand: 0.5, sigma_hit: 0.2, range_max: RANGE_MAX };
-
-/** Distance from a point to the nearest of some walls. */
-export function distanceTo([x, y]: Point, walls: readonly Wall[]): number {
-  let best = Number.POSITIVE_INFINITY;
-  for (const [x0, y0, x1, y1] of walls) {
-    const [wx, wy] = [x1 - x0, y1 - y0];
-    const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy)));
-    best = Math.min(best, Math.hypot(x - x0 - t * wx, y - y0 - t * wy));
-  }
-  return best;
-}
 
 let kept: Float32Array | null = null;
 

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Pose } from "../../wire/protocol";
-import { distanceAt, distanceTo, endPoints, isFree, logLikelihood, MAPPED } from "./field";
+import { distanceTo } from "../common/world";
+import { distanceAt, endPoints, isFree, logLikelihood, MAPPED } from "./field";
 import { advance, carry, firstState, INITIAL, type Settings, start, type Walk, wander } from "./kidnap";
 
 const driven = (walk: Walk, scans: number, settings: Settings): Walk => {

@@ -5,7 +5,8 @@
  */
 
 import { toLattice } from "../../grid/lattice";
-import type { GridGeometry } from "../../grid/occupancyGrid";
+import type { GridGeometry, LaserScan } from "../../grid/occupancyGrid";
+import { bearingOf } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { leastEigen, type Symmetric, solve } from "./symmetric";
 
@@ -43,6 +44,18 @@ export interface Pairs {
 export type LocalMethod = "point_to_point" | "point_to_line";
 
 const at = (values: ArrayLike<number>, i: number): number => values[i] ?? 0;
+
+/** The end points of a scan, in the frame of the sensor. */
+export function pointsOf(scan: LaserScan): PointScan {
+  const along = (part: (angle: number) => number): Float64Array =>
+    Float64Array.from(scan.ranges, (r, k) => (Number.isFinite(r) ? r * part(bearingOf(scan, k)) : 0));
+  return {
+    x: along(Math.cos),
+    y: along(Math.sin),
+    isPoint: Uint8Array.from(scan.ranges, (r) => (Number.isFinite(r) ? 1 : 0)),
+    sensor: [0, 0],
+  };
+}
 
 /** A scan with its points moved from its own frame to that of `pose`. */
 export function placed(scan: PointScan, pose: Pose): PointScan {

@@ -2,10 +2,9 @@
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { seeded } from "../../grid/random";
-import { bearingOf } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
 import { allRound, box, scanFrom, type Wall } from "../common/world";
-import { type PointScan, placed, type SurfaceScan, scoreField, withNormals } from "./model";
+import { type PointScan, placed, pointsOf, type SurfaceScan, scoreField, withNormals } from "./model";
 
 /** What the figure shows, and the field of scores, which is larger: poses at its edge see beyond it. */
 export const GEOMETRY: GridGeometry = { resolution: 0.1, rows: 48, cols: 64, origin: [0, 0, 0] };
@@ -19,15 +18,7 @@ const NOISE = 0.01;
 /** The end points of a scan of straight walls, in the frame of the sensor. */
 function pointsFrom(walls: readonly Wall[], pose: Pose, range: number, seed: number): PointScan {
   const noise = { sigma: NOISE, random: seeded(seed) };
-  const scan = scanFrom(walls, pose, { ...allRound(BEAMS, range), noise });
-  const along = (beam: (angle: number) => number): Float64Array =>
-    Float64Array.from(scan.ranges, (r, k) => (Number.isFinite(r) ? r * beam(bearingOf(scan, k)) : 0));
-  return {
-    x: along(Math.cos),
-    y: along(Math.sin),
-    isPoint: Uint8Array.from(scan.ranges, (r) => (Number.isFinite(r) ? 1 : 0)),
-    sensor: [0, 0],
-  };
+  return pointsOf(scanFrom(walls, pose, { ...allRound(BEAMS, range), noise }));
 }
 
 /** Two scans: the fixed one in the frame of the room, the moving one in its own. */

@@ -9,12 +9,12 @@ import {
   type OccupancyGrid,
 } from "../../grid/occupancyGrid";
 import { normal, seeded } from "../../grid/random";
-import { bearingOf, occupancyGridMapping } from "../../grid/textbook";
+import { occupancyGridMapping } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { poseRound, rmsDistance } from "../common/drive";
 import { allRound, box, chained, scanFrom, type Wall } from "../common/world";
 import { between } from "../graph/solver";
-import { iterate, type PointScan, placed, type SurfaceScan, withNormals } from "../matching/model";
+import { iterate, type PointScan, placed, pointsOf, type SurfaceScan, withNormals } from "../matching/model";
 
 export const GEOMETRY: GridGeometry = { resolution: 0.2, rows: 46, cols: 66, origin: [-1.6, -1.6, 0] };
 
@@ -50,16 +50,7 @@ const THINNED: readonly LaserScan[] = LASER_SCANS.map((scan) => ({
   angle_increment: 2 * scan.angle_increment,
 }));
 
-const POINTS: readonly PointScan[] = LASER_SCANS.map((scan) => {
-  const along = (part: (angle: number) => number): Float64Array =>
-    Float64Array.from(scan.ranges, (r, k) => (Number.isFinite(r) ? r * part(bearingOf(scan, k)) : 0));
-  return {
-    x: along(Math.cos),
-    y: along(Math.sin),
-    isPoint: Uint8Array.from(scan.ranges, (r) => (Number.isFinite(r) ? 1 : 0)),
-    sensor: [0, 0],
-  };
-});
+const POINTS: readonly PointScan[] = LASER_SCANS.map(pointsOf);
 const NORMALS = { halfWidth: 2, reach: 0.3, most: 6, leastGap: 0.25, maxThickness: 0.03 };
 const SURFACES: readonly SurfaceScan[] = POINTS.map((scan) => withNormals(scan, NORMALS));
 

@@ -1,5 +1,5 @@
-import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
-import type { ComponentChildren, RefObject } from "preact";
+import { effect, type ReadonlySignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useId, useLayoutEffect, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
@@ -14,10 +14,12 @@ import {
 import { toPixel } from "../../render/chart/scale";
 import { mapColours, palette } from "../../render/map/palettes";
 import { isDark } from "../../ui/browser/theme";
+import { useSize } from "../../ui/browser/useSize";
 import { signed, written } from "../../ui/numbers";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
+import { distanceTo } from "../common/world";
 import { type Projection, projection, type Rect } from "./camera";
 import { ownCell, ownPoses, ownRobot } from "./controls";
 import { FLOOR, POLISHED, TABLE, WALLS } from "./floor";
@@ -82,13 +84,7 @@ const RADIUS = 0.2;
 const robotOf = (scene: Scene, shown: Shown): Pose | null =>
   ownRobot.value ?? scene.poses[Math.max(0, Math.min(shown.count, scene.poses.length) - 1)] ?? null;
 
-function isFree([x, y]: Point): boolean {
-  return [...WALLS, POLISHED, ...TABLE].every(([x0, y0, x1, y1]) => {
-    const [wx, wy] = [x1 - x0, y1 - y0];
-    const t = Math.min(1, Math.max(0, ((x - x0) * wx + (y - y0) * wy) / (wx * wx + wy * wy)));
-    return Math.hypot(x - x0 - t * wx, y - y0 - t * wy) >= RADIUS;
-  });
-}
+const isFree = (point: Point): boolean => distanceTo(point, [...WALLS, POLISHED, ...TABLE]) >= RADIUS;
 
 const isInside = ([x, y]: Point): boolean => x > 0.6 && x < 11.4 && y > 0.6 && y < 7.4;
 
@@ -102,32 +98,6 @@ function moveRobot(point: Point, from: Pose): void {
   const last = ownPoses.peek().at(-1);
   const isFar = !last || Math.hypot(point[0] - last[0], point[1] - last[1]) >= SCAN_EVERY - 1e-9;
   if (isFar && ownPoses.peek().length < MOST_SCANS) ownPoses.value = [...ownPoses.peek(), pose];
-}
-
-interface Size {
-  readonly width: number;
-  readonly height: number;
-}
-
-/** The content box of an element in whole pixels, known before its first paint. */
-function useSize(element: RefObject<Element | null>): ReadonlySignal<Size> {
-  const size = useSignal<Size>({ width: 640, height: 560 });
-  useLayoutEffect(() => {
-    const target = element.current;
-    if (!target) return;
-    const take = (width: number, height: number): void => {
-      const next = { width: Math.round(width), height: Math.round(height) };
-      const now = size.peek();
-      if (width > 0 && height > 0 && (next.width !== now.width || next.height !== now.height)) size.value = next;
-    };
-    take(target.clientWidth, target.clientHeight);
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry) take(entry.contentRect.width, entry.contentRect.height);
-    });
-    observer.observe(target);
-    return () => observer.disconnect();
-  }, [element, size]);
-  return size;
 }
 
 /** Log-odds at the ends of the colour scale, as on the other figures of the lecture. */
@@ -150,7 +120,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   const clip = useId();
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
-  const size = useSize(box);
+  const size = useSize(box, 640, 560);
   const shown = useStageMap(scene, still);
   const now = scene.value;
   const hasStrip = (now.history || ownCell.value !== null) && !now.drawing;

@@ -4,12 +4,8 @@ import type { Store } from "../../store/store";
 import type { Status } from "../../store/stream";
 import { StepButtons } from "../../tools/steps/Steps";
 import { Button } from "../../ui/Button";
+import { isTyping } from "../../ui/browser/isTyping";
 import { Select } from "../../ui/Select";
-
-const isTyping = (target: EventTarget | null): boolean =>
-  target instanceof Element &&
-  target.closest("input, select, button, a, summary, textarea, [role=slider], [role=application], [role=tabpanel]") !==
-    null;
 
 /** Undo and redo by Ctrl+Z, play and pause by the space bar. */
 function useKeys(store: Store | null): void {
@@ -22,7 +18,7 @@ function useKeys(store: Store | null): void {
         else store?.history.undo();
         return;
       }
-      if (event.key !== " " || isTyping(event.target)) return;
+      if (event.key !== " " || isTyping(event.target, "application", "tabpanel")) return;
       event.preventDefault();
       store?.togglePlaying();
     };

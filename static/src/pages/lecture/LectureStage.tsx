@@ -4,6 +4,7 @@ import { backToPath, isOffPath } from "../../lessons/stage/path";
 import { isScene, SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
 import { Button } from "../../ui/Button";
+import { onScroll } from "../../ui/browser/onScroll";
 import "./lectureStage.css";
 
 const sceneInSight = signal<SceneId>("start");
@@ -28,25 +29,15 @@ const scene = computed(() => SCENES[sceneInSight.value]());
 /** The stage beside the text; on narrow screens a strip above it. */
 export function LectureStage() {
   const root = useRef<HTMLElement>(null);
-  useEffect(() => {
-    let frame = 0;
-    const look = (): void => {
-      frame ||= requestAnimationFrame(() => {
-        frame = 0;
+  useEffect(
+    () =>
+      onScroll(() => {
         const box = root.current?.getBoundingClientRect();
         // A strip covers the top of the text; beside the text it covers nothing.
         lookForScene(box && box.width > 0.7 * innerWidth ? Math.max(0, box.bottom) : 0);
-      });
-    };
-    look();
-    const stop = new AbortController();
-    addEventListener("scroll", look, { passive: true, signal: stop.signal });
-    addEventListener("resize", look, { passive: true, signal: stop.signal });
-    return () => {
-      stop.abort();
-      cancelAnimationFrame(frame);
-    };
-  }, []);
+      }),
+    [],
+  );
   return (
     <aside class="lecture-stage no-print" aria-label="Stage" data-shown={sceneInSight.value} ref={root}>
       <WorldStage scene={scene}>

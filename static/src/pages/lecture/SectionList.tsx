@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { onScroll } from "../../ui/browser/onScroll";
 import { Icon } from "../../ui/Icon";
 import { LECTURE_PARTS, LESSONS } from "./lessons";
 import { sectionInSight } from "./present/state";
@@ -12,25 +13,18 @@ export function SectionList() {
   const here = useSignal(-1);
   const open = useSignal(false);
   useEffect(() => {
-    let frame = 0;
-    const look = (): void => {
-      frame ||= requestAnimationFrame(() => {
-        frame = 0;
-        here.value = sectionInSight(LESSONS);
-      });
-    };
-    look();
+    const end = onScroll(() => {
+      here.value = sectionInSight(LESSONS);
+    });
     const stop = new AbortController();
-    addEventListener("scroll", look, { passive: true, signal: stop.signal });
-    addEventListener("resize", look, { passive: true, signal: stop.signal });
     const away = (event: Event): void => {
       if (!root.current?.contains(event.target as Node)) open.value = false;
     };
     addEventListener("pointerdown", away, { signal: stop.signal });
     addEventListener("focusin", away, { signal: stop.signal });
     return () => {
+      end();
       stop.abort();
-      cancelAnimationFrame(frame);
     };
   }, [here, open]);
   const now = LESSONS[here.value];

@@ -5,10 +5,9 @@ import { SurfaceProfile } from "../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
-import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { plural, bytes as sizeOf } from "../../ui/numbers";
 import type { Map3dMessage, SurfaceMessage, Value } from "../../wire/protocol";
-import { costmapOf } from "../costmap/state";
+import { CostmapOver } from "../costmap/CostmapOver";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
 import { ClipBox, ClipHandles } from "../volume/ClipBox";
@@ -190,7 +189,12 @@ export function Map3dGroup({ store, session }: GroupProps) {
       <div class="map3d-settings">
         <ParameterRows rows={band} values={values} set={set} />
       </div>
-      <CostmapChoice store={store} />
+      <CostmapOver
+        store={store}
+        map="map_3d"
+        label="Costmap over the 3D map"
+        title="The static layer of the costmap is the 3D map from above; the group Costmap shows it, Path plans on it."
+      />
       <h3>Download</h3>
       <Files session={session} isSurface={isSurface} />
       <Button
@@ -240,23 +244,6 @@ function Difference({ store }: { readonly store: Store }) {
         </Button>
       )}
     </div>
-  );
-}
-
-/** Whether the costmap stands on the 3D map from above. */
-function CostmapChoice({ store }: { readonly store: Store }) {
-  const state = costmapOf(store);
-  const isOn = state.costmap.value?.is_on === true && state.values.values.value.map === "map_3d";
-  return (
-    <SwitchChip
-      label="Costmap over the 3D map"
-      title="The static layer of the costmap is the 3D map from above; the group Costmap shows it, Path plans on it."
-      checked={isOn}
-      onChange={(wanted) => {
-        if (wanted) state.isEnded.value = false;
-        store.setPart("costmap", { map: wanted ? "map_3d" : "belief" });
-      }}
-    />
   );
 }
 

@@ -4,14 +4,13 @@ import { useEffect, useMemo } from "preact/hooks";
 import { AskedPatch } from "../../lessons/terrain/AskedPatch";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { SwitchChip } from "../../ui/dock/SwitchChip";
 import { written } from "../../ui/numbers";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Parameter, Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { useTable } from "../parameters/useTable";
 import "./terrain.css";
-import { costmapOf } from "../costmap/state";
+import { CostmapOver } from "../costmap/CostmapOver";
 import { BeliefView } from "../picture/BeliefView";
 
 /** The terrain of a file's points: the map from above in the colours of its patches, and their parameters. */
@@ -84,7 +83,14 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
       <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />
       {shown === COSTS && <Key />}
-      {!isFile && <CostmapChoice store={store} />}
+      {!isFile && (
+        <CostmapOver
+          store={store}
+          map="terrain"
+          label="Costmap over the terrain"
+          title="Unsafe patches are the lethal cells of the static layer; the group Costmap shows it, Path plans on it."
+        />
+      )}
       <h3>Patches</h3>
       <ParameterRows rows={patches} values={values} set={set} />
       <h3>Ground</h3>
@@ -167,22 +173,5 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
         {isFile && truth === null && " How good is that? Give a file of the true ground points in the tab Compare."}
       </p>
     </div>
-  );
-}
-
-/** Whether the costmap stands on the classes. */
-function CostmapChoice({ store }: { readonly store: Store }) {
-  const state = costmapOf(store);
-  const isOn = state.costmap.value?.is_on === true && state.values.values.value.map === "terrain";
-  return (
-    <SwitchChip
-      label="Costmap over the terrain"
-      title="Unsafe patches are the lethal cells of the static layer; the group Costmap shows it, Path plans on it."
-      checked={isOn}
-      onChange={(wanted) => {
-        if (wanted) state.isEnded.value = false;
-        store.setPart("costmap", { map: wanted ? "terrain" : "belief" });
-      }}
-    />
   );
 }

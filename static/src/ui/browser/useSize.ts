@@ -7,16 +7,20 @@ interface Size {
   readonly height: number;
 }
 
-/** The content size of an element in whole pixels, known before its first paint; `width` × 0 until it has one. */
-export function useSize(element: RefObject<Element | null>, width: number): ReadonlySignal<Size> {
-  const size = useSignal<Size>({ width, height: 0 });
+/**
+ * The content size of an element in whole pixels, known before its first paint; `width` × `height` until it has one.
+ * Where a height is given, an element without one keeps the size that it had.
+ */
+export function useSize(element: RefObject<Element | null>, width: number, height = 0): ReadonlySignal<Size> {
+  const size = useSignal<Size>({ width, height });
   useLayoutEffect(() => {
     const target = element.current;
     if (!target) return;
     const take = (wide: number, high: number): void => {
       const now = { width: Math.round(wide), height: Math.round(high) };
       const before = size.peek();
-      if (now.width > 0 && (now.width !== before.width || now.height !== before.height)) size.value = now;
+      if (now.width <= 0 || (height > 0 && now.height <= 0)) return;
+      if (now.width !== before.width || now.height !== before.height) size.value = now;
     };
     take(target.clientWidth, target.clientHeight);
     const observer = new ResizeObserver(([entry]) => {
@@ -24,7 +28,7 @@ export function useSize(element: RefObject<Element | null>, width: number): Read
     });
     observer.observe(target);
     return () => observer.disconnect();
-  }, [element, size]);
+  }, [element, size, height]);
   return size;
 }
 

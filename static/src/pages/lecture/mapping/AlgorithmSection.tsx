@@ -11,13 +11,11 @@ const VIEWS = [
   { value: "reading", label: "one reading" },
 ];
 
-export function AlgorithmSection({ id, number, title }: SectionHead) {
+export function AlgorithmSection(head: SectionHead) {
   const view = algorithmView.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <Choice

@@ -257,13 +257,11 @@ function LastUpdate() {
   );
 }
 
-export function CellSection({ id, number, title }: SectionHead) {
+export function CellSection(head: SectionHead) {
   const { log_odds_hit, log_odds_miss } = cellParameters.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <div class="narrow-figure">
           <Cell parameters={cellParameters} events={events} />

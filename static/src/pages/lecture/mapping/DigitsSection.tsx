@@ -14,13 +14,11 @@ const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
 /** The power of ten that q¹⁰⁰⁰ is. */
 const POWER = (q: number): string => written(1000 * Math.log10(q), 0);
 
-export function DigitsSection({ id, number, title }: SectionHead) {
+export function DigitsSection(head: SectionHead) {
   const { hits, misses, pHit } = readings.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Digits readings={readings} />}
       predict={
         <Prediction

@@ -1,12 +1,10 @@
 import { Endpoint } from "../../../lessons/endpoint/Endpoint";
 import { OnStage, Section, type SectionHead } from "../Section";
 
-export function EndpointSection({ id, number, title }: SectionHead) {
+export function EndpointSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="endpoint" label="From a reading to the cell of its end point">
           <Endpoint />

@@ -11,13 +11,11 @@ const set = (name: keyof SensorParameters) => (percent: number) => {
   sensor.value = { ...sensor.peek(), [name]: percent / 100 };
 };
 
-export function GridSection({ id, number, title }: SectionHead) {
+export function GridSection(head: SectionHead) {
   const { prior, sonarError, beamError } = sensor.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Independence sensor={sensor} />}
       sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
       after={

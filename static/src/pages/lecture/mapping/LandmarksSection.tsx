@@ -7,12 +7,10 @@ const KINDS = [
   { value: "grid", label: "grid" },
 ];
 
-export function LandmarksSection({ id, number, title }: SectionHead) {
+export function LandmarksSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="landmarks" label="The same drive as a map of landmarks and as a grid">
           <Choice

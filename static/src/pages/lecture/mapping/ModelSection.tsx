@@ -27,14 +27,12 @@ const ON_STAGE: readonly string[] = ["step_window", "fixed_increments", "smooth_
 
 const MODELS = Object.keys(DESCRIPTIONS).map((value) => ({ value, label: readable(value) }));
 
-export function ModelSection({ id, number, title }: SectionHead) {
+export function ModelSection(head: SectionHead) {
   const { window: w, range_max, p_free, p_occ, log_odds_prior } = cellParameters.value;
   const model = String(parameters.value.model);
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="model" label="The inverse sensor model as a curve, and the map that it makes">
           <div class="model-head">

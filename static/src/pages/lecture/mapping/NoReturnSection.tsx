@@ -13,12 +13,10 @@ const POLICIES = [
   { value: "hit", label: "a hit" },
 ];
 
-export function NoReturnSection({ id, number, title }: SectionHead) {
+export function NoReturnSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <NoReturn rangeMax={rangeMax} />

@@ -2,12 +2,10 @@ import { Rays } from "../../../lessons/rays/Rays";
 import { Worked } from "../../../lessons/rays/Worked";
 import { Section, type SectionHead } from "../Section";
 
-export function RaysSection({ id, number, title }: SectionHead) {
+export function RaysSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Rays />}
       sources={["bresenham", "amanatides-woo"]}
       after={

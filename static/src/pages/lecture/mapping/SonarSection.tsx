@@ -7,16 +7,14 @@ import { Section, type SectionHead, SectionLink } from "../Section";
 const DEGREE = Math.PI / 180;
 const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
 
-export function SonarSection({ id, number, title }: SectionHead) {
+export function SonarSection(head: SectionHead) {
   const { opening, window: w } = settings.value;
   const set = (change: Partial<SonarSettings>): void => {
     settings.value = { ...settings.peek(), ...change };
   };
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Sonar settings={settings} />}
       sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
       after={

@@ -11,12 +11,10 @@ const PRESETS = [
   { name: "thick", noise: 0.05, window: 0.5 },
 ] as const;
 
-export function WindowSection({ id, number, title }: SectionHead) {
+export function WindowSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="window" label="A wall measured with noise, mapped with a window">
           <div class="actions no-print">

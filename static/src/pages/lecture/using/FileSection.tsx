@@ -8,12 +8,10 @@ import { Section, type SectionHead } from "../Section";
 const textReadsFree = signal<number>(STATED.free);
 const slideReadsFree = signal(0.25);
 
-export function FileSection({ id, number, title }: SectionHead) {
+export function FileSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Thresholds readFree={presenting.value ? slideReadsFree : textReadsFree} />}
       sources={["map-server", "occupancy-grid"]}
       after={

@@ -9,12 +9,10 @@ import type { Values } from "../../../wire/protocol";
 import { pack } from "../../packed";
 import { LaterFigure, OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
-export function OctreeSection({ id, number, title }: SectionHead) {
+export function OctreeSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="octree" label="The floor as an octree, cut at a height">
           <LaterFigure id="octree" />
@@ -69,12 +67,10 @@ function LabLink({ world, map3d, children }: LabLinkProps) {
   );
 }
 
-export function TsdfSection({ id, number, title }: SectionHead) {
+export function TsdfSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<LaterFigure id="tsdf" />}
       sources={[["curless-levoy", "section 3"], ["newcombe", "section 3.3"], "octomap"]}
       after={
@@ -106,12 +102,10 @@ export function TsdfSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function TerrainSection({ id, number, title }: SectionHead) {
+export function TerrainSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Patch />}
       sources={["ransac"]}
       after={

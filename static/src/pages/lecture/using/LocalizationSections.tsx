@@ -4,12 +4,10 @@ import { Prediction } from "../../../lessons/common/Prediction";
 import { KldNumber } from "../formulas";
 import { LaterFigure, LaterMore, OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
-export function ParticlesSection({ id, number, title }: SectionHead) {
+export function ParticlesSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<LaterFigure id="particles" />}
       sources={[["probabilistic-robotics", "tables 4.4, 8.1, 8.2 and 8.4"], "dellaert", "amcl"]}
       after={
@@ -52,12 +50,10 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function SensorModelsSection({ id, number, title }: SectionHead) {
+export function SensorModelsSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<LaterFigure id="sensor-models" />}
       sources={[["probabilistic-robotics", "tables 6.1 and 6.3, sections 9.3 and 9.4"], "amcl"]}
       after={
@@ -93,12 +89,10 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function KidnappingSection({ id, number, title }: SectionHead) {
+export function KidnappingSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="kidnapping" label="A robot that is carried away, and the particles that look for it">
           <LaterFigure id="kidnapping" />

@@ -2,12 +2,10 @@
 
 import { LaterFigure, OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
-export function LayersSection({ id, number, title }: SectionHead) {
+export function LayersSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="layers" label="The layers of a costmap">
           <LaterFigure id="layers" />
@@ -32,12 +30,10 @@ export function LayersSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function InflationSection({ id, number, title }: SectionHead) {
+export function InflationSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="inflation" label="The inflation of a costmap">
           <LaterFigure id="inflation" />
@@ -63,12 +59,10 @@ export function InflationSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function PathSection({ id, number, title }: SectionHead) {
+export function PathSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="path" label="The search for a path">
           <LaterFigure id="path" />
@@ -96,12 +90,10 @@ export function PathSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function LifetimeSection({ id, number, title }: SectionHead) {
+export function LifetimeSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="lifetime" label="A path round a table that is gone">
           <LaterFigure id="lifetime" />
@@ -126,12 +118,10 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function StackSection({ id, number, title }: SectionHead) {
+export function StackSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="stack" label="SLAM, the saved map, localization and navigation in one picture">
           <LaterFigure id="stack" />

@@ -2,12 +2,10 @@ import { Button } from "../../../ui/Button";
 import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 import { SOURCES } from "../sources";
 
-export function NextSection({ id, number, title }: SectionHead) {
+export function NextSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="next" label="The map of the whole drive">
           <div class="actions no-print">

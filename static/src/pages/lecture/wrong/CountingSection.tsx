@@ -14,12 +14,10 @@ const UPDATES = [
   { value: "per_scan", label: "per scan" },
 ];
 
-export function CountingSection({ id, number, title }: SectionHead) {
+export function CountingSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <Counting beams={beams} scans={scans} />

@@ -7,12 +7,10 @@ import { Slider } from "../../../ui/Slider";
 import { ToggleOf } from "../../../ui/Toggle";
 import { OnStage, Section, type SectionHead, SectionLink } from "../Section";
 
-export function PolishedSection({ id, number, title }: SectionHead) {
+export function PolishedSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="polished" label="A polished wall and the map of it">
           <div class="stage-row">
@@ -39,12 +37,10 @@ export function PolishedSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function PeopleSection({ id, number, title }: SectionHead) {
+export function PeopleSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="people" label="Someone walks behind the robot">
           <div class="stage-row">
@@ -80,12 +76,10 @@ export function PeopleSection({ id, number, title }: SectionHead) {
   );
 }
 
-export function LowTableSection({ id, number, title }: SectionHead) {
+export function LowTableSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <OnStage scene="low-table" label="A table below the plane of the laser">
           <SideView />

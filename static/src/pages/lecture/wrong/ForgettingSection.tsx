@@ -11,13 +11,11 @@ import { Section, type SectionHead, SectionLink } from "../Section";
 const seen = signal(40);
 const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });
 
-export function ForgettingSection({ id, number, title }: SectionHead) {
+export function ForgettingSection(head: SectionHead) {
   const { low, high } = clamp.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <Forgetting seen={seen} clamp={clamp} />

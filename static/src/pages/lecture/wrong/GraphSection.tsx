@@ -1,12 +1,10 @@
 import { Springs } from "../../../lessons/graph/Springs";
 import { Section, type SectionHead } from "../Section";
 
-export function GraphSection({ id, number, title }: SectionHead) {
+export function GraphSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Springs />}
       sources={["grisetti", ["zhang", "(kernels)"], ["yang", "(shrinking scale)"], ["kuemmerle", "(how it is judged)"]]}
       after={

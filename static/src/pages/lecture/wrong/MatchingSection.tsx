@@ -46,12 +46,10 @@ const REALIZATIONS: readonly {
   },
 ];
 
-export function MatchingSection({ id, number, title }: SectionHead) {
+export function MatchingSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Matching />}
       sources={["besl-mckay", "censi", "olson", "hess", "ransac"]}
       after={

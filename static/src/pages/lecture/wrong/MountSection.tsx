@@ -16,12 +16,10 @@ function Transform({ a, b, tone }: { a: string; b: string; tone: string }) {
   );
 }
 
-export function MountSection({ id, number, title }: SectionHead) {
+export function MountSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <Mount />

@@ -13,13 +13,11 @@ const DEGREE = Math.PI / 180;
 /** The noise of the question. */
 const TWICE = { ...USUAL, turn: 2 * USUAL.turn };
 
-export function OdometrySection({ id, number, title }: SectionHead) {
+export function OdometrySection(head: SectionHead) {
   const { way, turn } = noise.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={
         <>
           <Drift noise={noise} />

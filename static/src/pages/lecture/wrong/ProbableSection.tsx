@@ -5,13 +5,11 @@ import { Section, type SectionHead } from "../Section";
 
 const uncertainty = signal(UNCERTAINTY);
 
-export function ProbableSection({ id, number, title }: SectionHead) {
+export function ProbableSection(head: SectionHead) {
   const { odometry, reading } = uncertainty.value;
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<MostProbable uncertainty={uncertainty} />}
       sources={[["probabilistic-robotics", "chapters 5 and 6"]]}
       after={

@@ -3,12 +3,10 @@ import { sizeOf } from "../../../lessons/resolution/model";
 import { Resolution } from "../../../lessons/resolution/Resolution";
 import { Section, type SectionHead } from "../Section";
 
-export function ResolutionSection({ id, number, title }: SectionHead) {
+export function ResolutionSection(head: SectionHead) {
   return (
     <Section
-      id={id}
-      number={number}
-      title={title}
+      {...head}
       figure={<Resolution />}
       predict={
         <Prediction
