@@ -11,7 +11,6 @@ import { Readout } from "../../tools/readout/Readout";
 import { usePicked } from "../../tools/scene/usePicked";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/dock/Dock";
-import { Icon } from "../../ui/Icon";
 import { LayoutChoice } from "../../ui/stage/LayoutChoice";
 import { Stage } from "../../ui/stage/Stage";
 import { useLayout } from "../../ui/stage/useLayout";
@@ -41,7 +40,7 @@ import { CorrectionOffer } from "./slam/CorrectionOffer";
 import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
-import { showColumn, ViewerFrame } from "./ViewerFrame";
+import { showColumn, ViewerFrame, ViewerStatus } from "./ViewerFrame";
 import { hasCamera, kindsFor, lastLayout, MAP_ALONE, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
@@ -163,16 +162,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       {isGuest && <NoteCard state={notes} />}
       <MapTools store={store} stage={stage} />
       <Overview store={store} />
-      {!hello && !trouble.value && (
-        <p class="viewer-over" role="status">
-          Opening the log …
-        </p>
-      )}
-      {trouble.value && (
-        <p class="viewer-over" role="status">
-          <Icon name="warning" /> {trouble.value}
-        </p>
-      )}
+      <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the log …" />
       <ComputingMap store={store} />
     </div>
   );

@@ -4,6 +4,7 @@ import { useId } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { isBoolean, isWithin, kept } from "../../ui/browser/kept";
 import { useMedia } from "../../ui/browser/useMedia";
+import { Icon } from "../../ui/Icon";
 import { Splitter } from "../../ui/split/Splitter";
 import "./viewerFrame.css";
 
@@ -71,5 +72,22 @@ export function ViewerFrame({ class: className = "", children, dock }: ViewerFra
         {dock}
       </div>
     </div>
+  );
+}
+
+interface ViewerStatusProps {
+  readonly hello: object | null;
+  readonly trouble: string | null;
+  /** What is said until the session has answered. */
+  readonly opening: string;
+}
+
+/** Over the map: what is wrong with the connection, or that the session is being opened. */
+export function ViewerStatus({ hello, trouble, opening }: ViewerStatusProps) {
+  if (hello && !trouble) return null;
+  return (
+    <p class="viewer-over" role="status">
+      {trouble ? <Icon name="warning" /> : null} {trouble ?? opening}
+    </p>
   );
 }

@@ -7,7 +7,6 @@ import { CostFiles } from "../../../tools/costmap/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
-import { Icon } from "../../../ui/Icon";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
@@ -17,7 +16,7 @@ import { GuestNote } from "../Head";
 import { ShareLinks } from "../share/ShareLinks";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/sharedView";
 import { Transport } from "../Transport";
-import { ViewerFrame } from "../ViewerFrame";
+import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
 import { fragmentOf, viewOf } from "./address";
 import "../../../tools/readout/readout.css";
 import "../../../tools/costmap/costmap.css";
@@ -211,11 +210,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
               picture.current = made;
             }}
           />
-          {(!hello || trouble.value) && (
-            <p class="viewer-over" role="status">
-              {trouble.value ? <Icon name="warning" /> : null} {trouble.value ?? "Opening the costmaps …"}
-            </p>
-          )}
+          <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the costmaps …" />
         </div>
         <Transport store={store} unit="costmap" />
         <div class="viewer-readout">

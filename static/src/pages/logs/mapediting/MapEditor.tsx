@@ -15,12 +15,11 @@ import { LinkedPicture } from "../../../tools/picture/LinkedPicture";
 import { mapSurface } from "../../../tools/picture/mapSurface";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
-import { Icon } from "../../../ui/Icon";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
-import { ViewerFrame } from "../ViewerFrame";
+import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
 import { Saving } from "./Saving";
 import "../../../tools/readout/readout.css";
 
@@ -187,11 +186,7 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
               picture.current = made;
             }}
           />
-          {(!hello || trouble.value) && (
-            <p class="viewer-over" role="status">
-              {trouble.value ? <Icon name="warning" /> : null} {trouble.value ?? "Opening the map …"}
-            </p>
-          )}
+          <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the map …" />
           {store.working.value && (
             <p class="viewer-over" role="status">
               Editing the map …

@@ -5,12 +5,11 @@ import { lookOf } from "../../../tools/volume/state";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
-import { Icon } from "../../../ui/Icon";
 import { bytes } from "../../../ui/numbers";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { Transport } from "../Transport";
-import { ViewerFrame } from "../ViewerFrame";
+import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
 import { type Axis, volumeGroups } from "./volumeGroups";
 
 const many = (n: number): string => n.toLocaleString("en");
@@ -92,11 +91,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
       <div class="viewer-stage">
         <div class="viewer-map">
           <VolumeStage session={session} store={store} />
-          {(!hello || trouble.value) && (
-            <p class="viewer-over" role="status">
-              {trouble.value ? <Icon name="warning" /> : null} {trouble.value ?? "Opening the map …"}
-            </p>
-          )}
+          <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the map …" />
           <ComputingMap store={store} />
         </div>
         {count > 1 && <Transport store={store} />}
