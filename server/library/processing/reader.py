@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
 import shutil
 import tempfile
 import time
@@ -29,7 +30,7 @@ LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more
 LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
 
 SMALL_BYTES = 4_000_000  #: of a file that is read in seconds: it does not wait for a large one
-QUICK_S = 2.0  #: after which a small file that keeps others waiting is read where large ones are
+QUICK_S = 2.0  #: of processor time, after which a small file that keeps others waiting is read where large ones are
 
 T = TypeVar("T")
 
@@ -45,7 +46,8 @@ class Reader:
     writes meanwhile, as unpacked archives, is in a folder of the log's own below ``scratch``, which is removed when the
     job ends, also when its process was killed; without ``scratch`` it is in the system's folder.
 
-    Others wait at most ``quick_s`` seconds for one that may be read elsewhere.
+    Others wait for one that may be read elsewhere until it has had ``quick_s`` seconds of processor time; elapsed time
+    would be long for any log where the machine is busy. On systems other than Linux they wait for its end.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Reader:
         self._scratch = scratch
         self._quick_s = quick_s
         self._owner = ""  #: who has the turn
+        self._before = (0, 0.0)  #: the process, and its processor time before it was given the log
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
@@ -121,6 +124,7 @@ class Reader:
                 raise LimitError("log.storage", message) from error
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
+            self._before = self.worker_pid, _cpu_s_of(self.worker_pid)
             self._has_begun = True  # it is submitted before anything else runs
             return await outcome_of(self._worker, job, look=self._make_room if elsewhere else None)
         finally:
@@ -129,7 +133,7 @@ class Reader:
 
     async def _make_room(self) -> None:
         """End a reading that is slow and keeps another owner waiting."""
-        if self.elapsed_s > self._quick_s and self._turns.keeps_waiting(self._owner):
+        if self.cpu_s > self._quick_s and self._turns.keeps_waiting(self._owner):
             self._worker.end()
             raise SlowReadingError("log.slow", "The log takes long to be read, and others wait.")
 
@@ -137,6 +141,12 @@ class Reader:
     def elapsed_s(self) -> float:
         """Seconds since the turn of the log that is being read began."""
         return time.monotonic() - self._began
+
+    @property
+    def cpu_s(self) -> float:
+        """Processor time of the log that is being read, seconds; 0 where it is not known."""
+        pid, before = self._before
+        return _cpu_s_of(self.worker_pid) - (before if pid == self.worker_pid else 0.0)
 
     async def close(self) -> None:
         """Cancel the running job and wait until it has ended."""
@@ -163,6 +173,15 @@ class Readers:
         """Cancel the running jobs and wait until they have ended."""
         await self.small.close()
         await self.large.close()
+
+
+def _cpu_s_of(pid: int) -> float:
+    """Return the processor time of a process, seconds; 0 where it is not known."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _size_of(source: Path) -> int:
