@@ -221,9 +221,10 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: W
     handover = None if worker is None else worker.handover
     elsewhere = None if worker is None else worker.connections
     connections = Connections(settings.max_connections, settings.max_connections_per_address, elsewhere)
+    app = create_app(settings, kinds, worker)
     return Server(
         uvicorn.Config(
-            create_app(settings, kinds, worker),
+            app,
             loop="asyncio",  # other loops accept connections themselves, without the limits
             http=partial(  # type: ignore[arg-type]
                 HttpProtocol, connections=connections, header_s=settings.header_timeout_s, handover=handover
@@ -241,7 +242,7 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: W
             timeout_graceful_shutdown=2,
         ),
         connections,
-        WarmUp() if settings.compile_ahead and (worker is None or worker.number == 0) else None,
+        WarmUp(app) if settings.compile_ahead and (worker is None or worker.number == 0) else None,
         worker,
     )
 

@@ -7,21 +7,35 @@ import os
 import subprocess
 import sys
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from starlette.applications import Starlette
 
 COMMAND = (sys.executable, "-P", "-m", "mapper.tools.precompile", "--background")
 END_S = 5.0  #: seconds that the process has to end
 
 
-def load_sessions() -> None:
-    """Load what sessions need and the first one would otherwise load: their code, the simulator, the lab's kernels.
+@contextmanager
+def left_out() -> Iterator[None]:
+    """Have the cyclic collector not run in the block, and leave out afterwards what is there.
 
-    Kernels that were never compiled on this machine are left to the session that first uses them. The cyclic collector
-    does not run meanwhile, and leaves out afterwards what is there: it would stop all threads for a tenth of a second
-    again and again to look through it.
+    It would stop all threads for a tenth of a second again and again to look through what the block loads.
     """
     gc.disable()
     try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def load_sessions() -> None:
+    """Load what sessions need and the first one would otherwise load: their code, the simulator, the lab's kernels.
+
+    Kernels that were never compiled on this machine are left to the session that first uses them.
+    """
+    with left_out():
         import server.sessions.host  # noqa: PLC0415
         import server.sources.simulation  # noqa: PLC0415, F401
         from mapper.core.compile_cache import cache_folder  # noqa: PLC0415 - numba
@@ -34,20 +48,26 @@ def load_sessions() -> None:
 
             with single_threaded():  # threads would not be there in the workers that are forked from this process
                 precompile_lab()
-    finally:
-        gc.freeze()
-        gc.enable()
+
+
+def make_routes(app: Starlette) -> None:
+    """Make what FastAPI makes of each router at the first request that comes as far as it, some 0.3 s for all."""
+    scope = {"type": "http", "method": "GET", "path": "/", "root_path": "", "headers": []}
+    with left_out():
+        for route in app.routes:
+            route.matches(dict(scope))
 
 
 class WarmUp:
     """A process of the lowest priority that compiles the kernels and keeps them on disk; it ends at once if they are.
 
-    The service then loads them in milliseconds, those of the lab as soon as the process has ended. A kernel that is
-    used before it is compiled there is compiled by the service itself. The process ends with the service, however that
-    ends: it sees the end of its standard input.
+    The service then loads them in milliseconds, those of the lab, and makes the routes of ``app``, as soon as the
+    process has ended. A kernel that is used before it is compiled there is compiled by the service itself. The process
+    ends with the service, however that ends: it sees the end of its standard input.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, app: Starlette) -> None:
+        self._app = app
         self.process: subprocess.Popen[bytes] | None = None
 
     def begin(self) -> None:
@@ -58,7 +78,12 @@ class WarmUp:
                 COMMAND, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet
             )
             os.setpriority(os.PRIO_PROCESS, self.process.pid, 19)  # it does so itself, after seconds of imports
-            threading.Thread(target=_load_after, args=(self.process,), name="loading", daemon=True).start()
+            threading.Thread(target=self._load_after, args=(self.process,), name="loading", daemon=True).start()
+
+    def _load_after(self, compiling: subprocess.Popen[bytes]) -> None:
+        if compiling.wait() == 0:
+            load_sessions()
+            make_routes(self._app)
 
     def end(self) -> None:
         """End the process if it runs."""
@@ -72,8 +97,3 @@ class WarmUp:
             self.process.wait()
         if self.process.stdin is not None:
             self.process.stdin.close()
-
-
-def _load_after(compiling: subprocess.Popen[bytes]) -> None:
-    if compiling.wait() == 0:
-        load_sessions()
