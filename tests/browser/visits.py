@@ -48,7 +48,8 @@ class WatchedPage:
             self.problems.append(f"console: {message.text} ({where['url']}:{where['lineNumber']}, on {self.page.url})")
 
     def _request(self, url: str) -> None:
-        if not url.startswith((self._server, self._server.replace("http", "ws", 1), "data:", "blob:", "about:")):
+        own = (self._server, self._server.replace("http", "ws", 1), "data:", "blob:", "about:", "file:")
+        if not url.startswith(own):
             self.problems.append(f"asked another host: {url}")
 
 
