@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import LimitError, MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.sensor_defaults import RECORDED
@@ -81,12 +81,16 @@ def fail(message: str) -> NoReturn:
 
 
 @contextmanager
-def refusing(path: Path) -> Iterator[None]:
-    """Report the mapper's errors on the file at ``path`` as one sentence, and a log in place of a map or a cloud."""
+def refusing(path: Path, notes: Iterable[str] = ()) -> Iterator[None]:
+    """Report the mapper's errors on the file at ``path`` as one sentence, and a log in place of a map or a cloud.
+
+    Below the error of a limit are ``notes``, which may say why.
+    """
     try:
         yield
     except MapperError as error:
-        fail(f"{path}: {_instead_of(path, error.code) or error.message}{_how_to_report(error.code)}")
+        more = "".join(f"\n  note: {note}" for note in notes) if isinstance(error, LimitError) else ""
+        fail(f"{path}: {_instead_of(path, error.code) or error.message}{_how_to_report(error.code)}{more}")
 
 
 def _how_to_report(code: str) -> str:

@@ -94,7 +94,7 @@ def map_log(
     if prior_map is not None:
         frame = prior_map.frame
     config = _config_for(logs, given)
-    with refusing(log):
+    with refusing(log, notes):
         grid = grid_for(
             scans,
             config,

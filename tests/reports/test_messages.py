@@ -324,6 +324,36 @@ def test_logs_without_a_measured_distance_say_why(tmp_path):
     assert any("None of the 12 readings is a measured distance" in note for note in notes)
 
 
+@pytest.mark.parametrize(
+    ("times", "limits", "said"),
+    [
+        (30.0, (0.1, 30.0), "are beyond range_max, 30 m. They are usually"),
+        (1.0, (0.1, 0.5), "are beyond range_max, 0.5 m"),
+        (1.0, (25.0, 30.0), "are below range_min, 25 m"),
+    ],
+)
+def test_limits_that_exclude_all_readings_are_named(tmp_path, times, limits, said):
+    """Readings in another unit, or limits of another sensor: "no return" would be a wrong reason."""
+    bearings = np.radians(np.arange(90) * 4.0)
+    said_scans = drive(
+        lambda i: scan(T0 + i * STEP, times * distances(i, bearings), angles=(0.0, 0.07), limits=limits), 3
+    )
+    notes = open_log(written(tmp_path, said_scans, "mcap")).notes
+    assert [note for note in notes if said in note and "that limit is wrong" in note]
+    assert not any("no return" in note for note in notes)
+
+
+def test_a_map_that_is_too_large_has_the_notes_on_its_log(tmp_path, run):
+    """Poses in millimetres: a coarser resolution would not help."""
+    said = drive(measured, 4)
+    for k, one in enumerate([one for one in said if one.topic == "/tf"]):
+        said[said.index(one)] = transform(one.stamp_ns, "odom", "base_link", 1000.0 * k, 0.0)
+    told = run("map", written(tmp_path, said, "mcap"), "--out", tmp_path / "map")
+    assert told.status == 2
+    assert "choose a coarser resolution" in told.err
+    assert "as it seems its poses are in millimetres" in told.err
+
+
 def test_refused_messages_are_counted_by_their_reasons(tmp_path):
     said = drive(measured)
     said += [replace(one := measured(i), fields=one.fields | {"angle_increment": 0.0}) for i in range(3)]

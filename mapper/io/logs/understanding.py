@@ -20,6 +20,7 @@ LEAST_SCANS = 3  #: fewer tell nothing of the time between them
 FARTHEST_USUAL_M = 300.0  #: the usual reading of no lidar that drives: those of the longest range see so far at most
 ENOUGH_READINGS = 100_000
 FASTEST_USUAL = 60.0  #: m/s, of what drives with a lidar
+MOST_EXCLUDED = 0.5  #: of the readings: where a limit excludes more, and none counts, that is the reason
 PAUSE = 5.0  #: times between scans that are longer than so many usual ones are pauses
 
 
@@ -124,14 +125,30 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
         )
         return [note]
     total = no_return = 0
+    outside = {"range_max": 0, "range_min": 0}  #: distances that a limit excludes
+    limits = {"range_max": log.range_max, "range_min": log.range_min}
     for part in sensors_of(log):
         with np.errstate(invalid="ignore"):
             if ((part.ranges >= part.range_min) & (part.ranges <= part.range_max)).any():
                 return []
-            no_return += int(np.count_nonzero(part.ranges > part.range_max))
+            beyond = part.ranges > part.range_max
+            no_return += int(np.count_nonzero(beyond))
+            far = part.ranges[beyond & np.isfinite(part.ranges)]
+            if len(far) and np.ptp(far) > 0.0:  # one value stands for no return
+                outside["range_max"] += len(far)
+            outside["range_min"] += int(np.count_nonzero((part.ranges > 0.0) & (part.ranges < part.range_min)))
         total += part.ranges.size
     if not total:
         return []
+    name, excluded = max(outside.items(), key=lambda item: item[1])
+    if excluded >= MOST_EXCLUDED * total:
+        side = "beyond" if name == "range_max" else "below"
+        note = (
+            f"None of the {total} readings counts, so the map has no walls: {excluded} are {side} {name}, "
+            f"{limits[name]:g} m. They are usually {usual:,.3g} m: as it seems that limit is wrong, or the readings "
+            "are in another unit."
+        )
+        return [note]
     if no_return == total:
         note = (
             f"All {total} readings are no return (infinite, or beyond range_max), so the map has no walls. Where "
