@@ -241,10 +241,10 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
         {"kind": "lab", "title": "A small room", "address": "/lab.html#s=abc"},
     ]
     dialog.get_by_role("button", name="Close").click()
-    # The address holds the deck; so it opens elsewhere, and at its slide.
+    # The address names the deck and its slide; it opens there again.
     page.keyboard.press("End")
     page.keyboard.press("Shift+ArrowLeft")
-    expect(page).to_have_url(re.compile(r"#own-text&deck=[\w-]+$"))
+    expect(page).to_have_url(re.compile(r"#own-text&kept=\w{8}\.\d+$"))
     link = page.url
     page.goto("about:blank")
     page.goto(link)

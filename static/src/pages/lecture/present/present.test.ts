@@ -1,12 +1,12 @@
 // @vitest-environment happy-dom
-import { afterEach, describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it, vi } from "vitest";
 import { LESSONS, type LessonId } from "../lessons";
 import { ANSWERS, OTHER_NOTES } from "./answers";
 import { type Slide, WHOLE_LECTURE } from "./deck/deck";
 import { SHORT_LECTURE } from "./deck/shortDeck";
 import { type Act, actOf, type Focused } from "./keys";
 import { type Answer, QUESTIONS } from "./questions";
-import { deck, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";
+import { changeDeck, deck, deckLink, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";
 
 const nothing: Focused = { isText: false, usesArrows: false, usesSpace: false, by: null };
 const slider = (by: Focused["by"]): Focused => ({ ...nothing, usesArrows: true, by });
@@ -74,7 +74,10 @@ describe("the steps", () => {
 });
 
 describe("the address", () => {
-  afterEach(() => takeDeck(WHOLE_LECTURE));
+  afterEach(async () => {
+    await takeDeck(WHOLE_LECTURE);
+    localStorage.clear();
+  });
 
   it("names slide and step, and opens them again", async () => {
     presenting.value = true;
@@ -92,20 +95,52 @@ describe("the address", () => {
     expect(place.peek()).toEqual({ index: 0, step: 0 });
   });
 
-  it("keeps an own deck, and the old one where the link is damaged", async () => {
+  const own = {
+    title: "Mine",
+    slides: [{ kind: "text", title: "Hello", text: "One\n\nTwo", notes: "Greet." } as const],
+  };
+
+  it("names an own deck, which the browser keeps, under the same name while it is changed", async () => {
     presenting.value = true;
-    const own = { title: "Mine", slides: [{ kind: "text", title: "Hello", text: "One\n\nTwo" } as const] };
     await takeDeck(own, { index: 0, step: 1 });
     const hash = location.hash;
-    expect(hash).toMatch(/^#own-text\/2&deck=[\w-]+$/);
+    expect(hash).toMatch(/^#own-text\/2&kept=\w{8}\.\d+$/);
+    await changeDeck({ ...own, title: "Renamed" });
+    expect(location.hash).not.toBe(hash);
+    expect(location.hash.split(".")[0]).toBe(hash.split(".")[0]?.replace("/2", ""));
     await takeDeck(WHOLE_LECTURE);
     location.hash = hash;
     await readAddress();
-    expect(deck.peek()).toEqual(own);
+    expect(deck.peek()).toEqual({ ...own, title: "Renamed" });
     expect(place.peek()).toEqual({ index: 0, step: 1 });
-    location.hash = hash.slice(0, -9);
-    await expect(readAddress()).rejects.toThrow("damaged");
+    await takeDeck(own);
+    expect(location.hash.split(".")[0]).not.toBe(hash.split(".")[0]?.replace("/2", ""));
+  });
+
+  it("takes the deck of a link in, and keeps the present one where the link is damaged or the name unknown", async () => {
+    presenting.value = true;
+    const link = new URL(await deckLink(own)).hash.replace("#", "#own-text/2");
+    expect(link).toMatch(/^#own-text\/2&deck=[\w-]+$/);
+    const opened = async (hash: string): Promise<string> => {
+      location.hash = hash;
+      await readAddress();
+      return (/kept=(\w+)/.exec(location.hash) ?? [])[1] ?? "";
+    };
+    const name = await opened(link);
+    expect(location.hash).toMatch(/^#own-text\/2&kept=/);
     expect(deck.peek()).toEqual(own);
+    expect(await opened(link)).toBe(name);
+    await expect(opened(link.slice(0, -9))).rejects.toThrow("damaged");
+    await expect(opened("#own-text&kept=nosuch00.1")).rejects.toThrow("does not have the deck");
+    expect(deck.peek()).toEqual(own);
+  });
+
+  it("holds the deck where the browser keeps nothing", async () => {
+    presenting.value = true;
+    vi.stubGlobal("localStorage", undefined);
+    await takeDeck(own);
+    vi.unstubAllGlobals();
+    expect(location.hash).toMatch(/^#own-text&deck=[\w-]+$/);
   });
 });
 

@@ -1,12 +1,14 @@
 /**
- * Where the presentation is: `?present#SLIDE/STEP&deck=LETTERS` in the address; the deck is there if it is not the
- * whole lecture. `?present=view` shows a slide without controls, in the speaker's window.
+ * Where the presentation is: `?present#SLIDE/STEP&kept=NAME` in the address; a deck other than the whole lecture is
+ * kept by the browser under that name. A link that opens a deck elsewhere holds it: `&deck=LETTERS`. `?present=view`
+ * shows a slide without controls, in the speaker's window.
  */
 
 import { computed, signal } from "@preact/signals";
 import { pack } from "../../packed";
 import { LESSONS, type LessonId, sectionOf } from "../lessons";
 import { type Deck, readDeckLink, type Slide, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck/deck";
+import { keepDeck, keptDeck } from "./deck/keptDecks";
 import { QUESTIONS, type Question } from "./questions";
 
 const mode = new URLSearchParams(location.search).get("present");
@@ -105,14 +107,29 @@ export const count = computed(() => {
 
 // --- the address -----------------------------------------------------------------------------------------------------
 
-/** The letters of the deck, for the address; empty for the whole lecture. */
-let letters = "";
+/** What the address says of the deck; empty for the whole lecture. */
+let deckInAddress = "";
+/** The name under which the browser keeps the deck. */
+let keptAs: string | undefined;
+/** How often the deck was changed: the pictures of slides look at it again when their address differs. */
+let changes = 0;
+
+/** Keep the deck and have the address name it; where the browser keeps nothing, the address holds it. */
+async function keep(of: Deck): Promise<void> {
+  if (of === WHOLE_LECTURE) {
+    keptAs = undefined;
+    deckInAddress = "";
+    return;
+  }
+  keptAs = keepDeck(of, keptAs) ?? undefined;
+  deckInAddress = keptAs ? `&kept=${keptAs}.${++changes}` : `&deck=${await pack(writtenDeck(of))}`;
+}
 
 /** The fragment that names a slide and its step, without the deck. */
 export const placeHashOf = (at: Place): string =>
   `#${ids.peek()[at.index] ?? ""}${at.step > 0 ? `/${at.step + 1}` : ""}`;
 
-export const hashOf = (at: Place): string => placeHashOf(at) + (letters ? `&deck=${letters}` : "");
+export const hashOf = (at: Place): string => placeHashOf(at) + deckInAddress;
 
 /** The section whose text belongs to the present slide. */
 export function sectionOfSlide(): string {
@@ -129,16 +146,22 @@ function writeAddress(): void {
   history.replaceState(null, "", location.pathname + query + hash);
 }
 
-/** Use another deck, in the address too, and go to a place of it. */
-export async function takeDeck(next: Deck, at: Place = endOf(next.slides, true)): Promise<void> {
-  letters = next === WHOLE_LECTURE ? "" : await pack(writtenDeck(next));
+/** Show a changed deck under the name of the present one, and go to a place of it. */
+export async function changeDeck(next: Deck, at: Place = endOf(next.slides, true)): Promise<void> {
+  await keep(next);
   deck.value = next;
   goTo(at);
 }
 
+/** Show another deck, and go to a place of it. */
+export function takeDeck(next: Deck, at?: Place): Promise<void> {
+  keptAs = undefined;
+  return changeDeck(next, at);
+}
+
 /** Show one slide at a step, as a follower of a class, who has no other slide of the lecturer's deck. */
 export function showOnly(only: Slide, step: number): void {
-  letters = "";
+  deckInAddress = "";
   deck.value = { title: "", slides: [only] };
   place.value = { index: 0, step };
 }
@@ -149,15 +172,28 @@ export async function deckLink(of: Deck): Promise<string> {
   return new URL(`${location.pathname}?present${hash}`, location.href).href;
 }
 
+const KEPT = /^&kept=(\w+)/;
+
+/** Show the deck of an address. Rejects with a DeckError, and shows the same as before, if there is none. */
+async function readDeckOf(address: string): Promise<void> {
+  const name = KEPT.exec(address)?.[1];
+  let found = WHOLE_LECTURE;
+  if (name) found = keptDeck(name);
+  else if (address) found = await readDeckLink(address.slice("&deck=".length));
+  keptAs = name;
+  if (isPreview) deckInAddress = address;
+  else await keep(found);
+  deck.value = found;
+}
+
 /** Follow the address: take its deck, slide and step. Rejects with a DeckError, and keeps the deck, if it is damaged. */
 export async function readAddress(): Promise<void> {
   const [name = "", ...rest] = location.hash.slice(1).split("&");
-  const wanted = rest.find((one) => one.startsWith("deck="))?.slice("deck=".length) ?? "";
+  const wanted = rest.map((one) => `&${one}`).find((one) => /^&(kept|deck)=/.test(one)) ?? "";
   let problem: unknown = null;
-  if (wanted !== letters && presenting.peek()) {
+  if (wanted !== deckInAddress && presenting.peek()) {
     try {
-      deck.value = wanted ? await readDeckLink(wanted) : WHOLE_LECTURE;
-      letters = wanted;
+      await readDeckOf(wanted);
     } catch (error) {
       problem = error;
     }
@@ -172,6 +208,7 @@ export async function readAddress(): Promise<void> {
     place.value = endOf(slides.peek(), true);
   }
   if (problem) throw problem;
+  if (wanted && presenting.peek() && wanted !== deckInAddress) writeAddress();
 }
 
 /** Start presenting at a section of the text, or end and write the section of the slide into the address. */

@@ -6,7 +6,7 @@ import { Button } from "../../../../ui/Button";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
 import { LECTURE_PARTS } from "../../lessons";
-import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
+import { changeDeck, deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
 import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
 import { allShown, hasPart, numberOf, only, onlyPart, reordered } from "./deckOrder";
@@ -21,7 +21,7 @@ async function change(
   index = slides.indexOf(deck.peek().slides[place.peek().index] as Slide),
 ): Promise<void> {
   const title = deck.peek() === WHOLE_LECTURE ? `${WHOLE_LECTURE.title}, my deck` : deck.peek().title;
-  await takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
+  await changeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
 
 /** How long a row is at hand before its picture is shown, ms: the pointer passes over many. */
@@ -151,7 +151,7 @@ async function copyLink(of: Deck): Promise<void> {
   const link = await deckLink(of);
   try {
     await navigator.clipboard.writeText(link);
-    toast("The link is copied. It holds the whole deck.");
+    toast("The link is copied. It holds the whole deck, with its notes and hidden slides.");
   } catch {
     window.prompt("The link of the deck:", link);
   }
@@ -189,7 +189,7 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
           maxLength={LONGEST_TITLE}
           onChange={({ currentTarget }) => {
             const name = currentTarget.value.trim();
-            if (name) void takeDeck({ ...deck.peek(), title: name }, place.peek());
+            if (name) void changeDeck({ ...deck.peek(), title: name }, place.peek());
             else currentTarget.value = title;
           }}
         />
