@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { Point, Pose } from "../wire/protocol";
 import { amanatidesWoo } from "./amanatidesWoo";
 import { bresenham } from "./bresenham";
-import { emptyGrid, type GridGeometry, INITIAL_CONFIG, type MappingConfig } from "./occupancyGrid";
+import { emptyStatistics, type GridGeometry, INITIAL_CONFIG, type MappingConfig } from "./occupancyGrid";
 import { beamModel, cellIncrement, INITIAL_PARAMETERS } from "./sensorModel";
 import { evidenceOfBeam, occupancyGridMapping } from "./textbook";
 import vectors from "./textbook.vectors.json";
@@ -46,7 +46,7 @@ describe("the lecture's textbook", () => {
 
   it.each(vectors.maps)("makes the mapper's map with $config", ({ config, cells }) => {
     const settings = { ...INITIAL_CONFIG, ...config } as MappingConfig;
-    const grid = emptyGrid(GEOMETRY, settings.log_odds_prior);
+    const grid = emptyStatistics(GEOMETRY, settings.log_odds_prior);
     vectors.poses.forEach((pose, i) => {
       const scan = {
         ranges: Float32Array.from(vectors.scans[i] ?? [], reading),

@@ -7,7 +7,15 @@ import type { Point, Pose } from "../wire/protocol";
 import { amanatidesWoo } from "./amanatidesWoo";
 import { bresenham } from "./bresenham";
 import { type Cell, toLattice } from "./lattice";
-import { type GridGeometry, indexOf, type LaserScan, type MappingConfig, type OccupancyGrid } from "./occupancyGrid";
+import { probability } from "./logOdds";
+import {
+  type GridGeometry,
+  indexOf,
+  type LaserScan,
+  type MappingConfig,
+  type OccupancyGrid,
+  statisticsOf,
+} from "./occupancyGrid";
 import { smoothRamp } from "./sensorModel";
 
 /** The evidence of one beam for a cell, log-odds. */
@@ -18,7 +26,11 @@ export interface Evidence {
 
 const f32 = Math.fround;
 
-export function bayesFilter(logOdds: number, evidence: number, config: MappingConfig): number {
+export function bayesFilter(
+  logOdds: number,
+  evidence: number,
+  config: Pick<MappingConfig, "clamp" | "log_odds_min" | "log_odds_max">,
+): number {
   const sum = f32(logOdds + f32(evidence));
   if (!config.clamp) return sum;
   return Math.min(Math.max(sum, f32(config.log_odds_min)), f32(config.log_odds_max));
@@ -35,6 +47,7 @@ export function update(grid: OccupancyGrid, cell: Cell, evidence: number, config
 
 /** Update `grid` with one scan; return the number of cell updates. */
 export function occupancyGridMapping(grid: OccupancyGrid, scan: LaserScan, pose: Pose, config: MappingConfig): number {
+  if (config.prior_weight) return countHitsAndMisses(grid, scan, pose, config, config.prior_weight);
   return config.update === "per_scan"
     ? updatePerScan(grid, scan, pose, config)
     : updatePerBeam(grid, scan, pose, config);
@@ -49,6 +62,42 @@ export function updatePerBeam(grid: OccupancyGrid, scan: LaserScan, pose: Pose, 
       updates += update(grid, cell, evidence, config);
   });
   return updates;
+}
+
+/**
+ * Count for each cell the beams that end in it and those that pass it; its log-odds become those of the posterior mean
+ * (n + w·p₀) / (n + m + w) for n hits, m misses and the prior's weight w. The cells are those of fixed increments.
+ */
+function countHitsAndMisses(
+  grid: OccupancyGrid,
+  scan: LaserScan,
+  pose: Pose,
+  config: MappingConfig,
+  weight: number,
+): number {
+  const [hits, misses] = statisticsOf(grid);
+  const prior = probability(config.log_odds_prior);
+  const one = { ...config, log_odds_hit: 1, log_odds_miss: -1 };
+  const visit = (index: number, isHit: boolean): number => {
+    if (index < 0) return 0;
+    const counts = isHit ? hits : misses;
+    counts[index] = (counts[index] ?? 0) + 1;
+    const odds = ((hits[index] ?? 0) + weight * prior) / ((misses[index] ?? 0) + weight * (1 - prior));
+    grid.logOdds[index] = bayesFilter(0, Math.log(odds), config);
+    grid.observed[index] = 1;
+    return 1;
+  };
+  let visits = 0;
+  if (config.update === "per_scan")
+    inverseRangeSensorModel(grid.geometry, scan, pose, one).forEach((kind, index) => {
+      if (!Number.isNaN(kind)) visits += visit(index, kind > 0);
+    });
+  else
+    scan.ranges.forEach((_, beam) => {
+      for (const { cell, evidence } of evidenceOfBeam(grid.geometry, scan, beam, pose, one))
+        visits += visit(indexOf(grid.geometry, cell), evidence > 0);
+    });
+  return visits;
 }
 
 /** The range of a beam; with the setting no return as a hit (an error) z_max for a beam without a return. */

@@ -40,6 +40,9 @@ CONFIGS: tuple[dict[str, Any], ...] = (
     {"update": "per_scan"},
     {"update": "per_scan", "window": 0.45},
     {"update": "per_scan", "no_return": "free", "range_max": 1.9, "window": 0.3},
+    {"model": "hit_counting", "prior_weight": 3.0, "window": 0.3},
+    {"model": "hit_counting", "prior_weight": 2.0, "update": "per_scan", "no_return": "free", "range_max": 1.9},
+    {"model": "hit_counting", "prior_weight": 0.7, "log_odds_prior": -0.3, "clamp": False},
 )
 GEOMETRY: dict[str, Any] = {"resolution": 0.25, "rows": 12, "cols": 16, "origin": (-1.0, -0.5, 0.0)}
 POSES = ((0.913, 0.871, 0.613), (1.377, 0.789, -2.101), (1.377, 0.789, -2.031))

@@ -2,7 +2,7 @@ import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { cellAt } from "../../grid/lattice";
 import { probability } from "../../grid/logOdds";
-import { emptyGrid, indexOf, type OccupancyGrid } from "../../grid/occupancyGrid";
+import { emptyGrid, emptyStatistics, indexOf, type OccupancyGrid } from "../../grid/occupancyGrid";
 import { Choice } from "../../ui/Choice";
 import { bound, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
@@ -10,16 +10,9 @@ import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";
-import {
-  type Certainties,
-  noCertainties,
-  type SonarScan,
-  type SonarSettings,
-  updateCone,
-  updateMoravecElfes,
-} from "./model";
+import { coneModel, type SonarScan, type SonarSettings, updateWide } from "./model";
 import "./sonar.css";
-import { GEOMETRY, POSES, SONARS, sonarScan, WALLS } from "./world";
+import { GEOMETRY, POSES, RANGE_MAX, SONARS, sonarScan, WALLS } from "./world";
 
 const ALL = POSES.length * SONARS;
 const PROFILES = [
@@ -55,27 +48,28 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
     () =>
       computed<OccupancyGrid>(() => {
         const grid = emptyGrid(GEOMETRY);
-        for (const { pose, scan } of taken.value) updateCone(grid, scan, pose, settings.value);
+        const model = coneModel("sonar_cone", settings.value, RANGE_MAX);
+        for (const { pose, scan } of taken.value) updateWide(grid, scan, pose, model);
         return grid;
       }),
     [taken, settings],
   );
   const certain = useMemo(
     () =>
-      computed<Certainties>(() => {
-        const map = noCertainties(GEOMETRY);
-        for (const { pose, scan } of taken.value) updateMoravecElfes(map, scan, pose, settings.value);
-        return map;
+      computed(() => {
+        const grid = emptyStatistics(GEOMETRY);
+        const model = coneModel("moravec_elfes", settings.value, RANGE_MAX);
+        for (const { pose, scan } of taken.value) updateWide(grid, scan, pose, model);
+        return grid;
       }),
     [taken, settings],
   );
-  const shown = useMemo(() => computed(() => certain.value.grid), [certain]);
   const last = taken.value.at(-1);
   const index = indexOf(GEOMETRY, cellAt(GEOMETRY, probe.value[0], probe.value[1]));
   const l = bayes.value.logOdds[index] ?? 0;
   const seen = bayes.value.observed[index] === 1;
-  const { occupied, empty } = certain.value;
-  const isLast = (certain.value.grid.observed[index] ?? 0) === 1;
+  const [occupied, empty] = certain.value.statistics;
+  const isLast = (certain.value.observed[index] ?? 0) === 1;
   const panels = [
     {
       name: "Bayes filter, cell by cell",
@@ -84,7 +78,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
     },
     {
       name: "Moravec and Elfes, 1985",
-      grid: shown,
+      grid: certain,
       text: isLast
         ? `occupied ${written(occupied[index] ?? 0, 2)}, empty ${written(empty[index] ?? 0, 2)}`
         : "not observed",

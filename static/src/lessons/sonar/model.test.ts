@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { emptyGrid } from "../../grid/occupancyGrid";
+import { emptyStatistics } from "../../grid/occupancyGrid";
 import type { Pose } from "../../wire/protocol";
-import { noCertainties, type SonarSettings, updateCone, updateMoravecElfes } from "./model";
+import { coneModel, type SonarSettings, updateWide } from "./model";
 import vectors from "./sonar.vectors.json";
-import { GEOMETRY, POSES, sonarScan } from "./world";
+import { GEOMETRY, POSES, RANGE_MAX, sonarScan } from "./world";
 
 const LATTICE = { ...vectors.geometry, origin: vectors.geometry.origin as unknown as Pose };
 const scanOf = (i: number) => ({
@@ -17,19 +17,17 @@ const scanOf = (i: number) => ({
 
 describe("wide beams", () => {
   it.each(vectors.maps)("make the mapper's map: $model, $settings", ({ model, settings, cells, statistics }) => {
-    const all = settings as SonarSettings;
-    const certain = noCertainties(LATTICE);
-    const grid = model === "moravec_elfes" ? certain.grid : emptyGrid(LATTICE);
+    const values = coneModel(model as "sonar_cone" | "moravec_elfes", settings as SonarSettings, 2.5);
+    const grid = emptyStatistics(LATTICE);
     vectors.poses.forEach((pose, i) => {
-      if (model === "moravec_elfes") updateMoravecElfes(certain, scanOf(i), pose as unknown as Pose, all);
-      else updateCone(grid, scanOf(i), pose as unknown as Pose, all);
+      updateWide(grid, scanOf(i), pose as unknown as Pose, values);
     });
     const seen = [...grid.observed.keys()].filter((index) => grid.observed[index] === 1);
     expect(seen).toEqual(cells.map(([index]) => index));
     for (const [index, value] of cells) expect(grid.logOdds[index as number]).toBeCloseTo(value as number, 4);
     statistics.forEach(([occupied, empty], k) => {
-      expect(certain.occupied[seen[k] as number]).toBeCloseTo(occupied as number, 5);
-      expect(certain.empty[seen[k] as number]).toBeCloseTo(empty as number, 5);
+      expect(grid.statistics[0][seen[k] as number]).toBeCloseTo(occupied as number, 5);
+      expect(grid.statistics[1][seen[k] as number]).toBeCloseTo(empty as number, 5);
     });
   });
 
@@ -41,14 +39,15 @@ describe("wide beams", () => {
   });
 
   it("only ever grow in certainty, as Moravec and Elfes combine them", () => {
-    const map = noCertainties(GEOMETRY);
+    const grid = emptyStatistics(GEOMETRY);
     const settings: SonarSettings = { opening: 0.5236, window: 0.2, profile: "flat", no_return: "ignore" };
-    let [occupied, empty] = [map.occupied.slice(), map.empty.slice()];
+    let before = grid.statistics.map((certainties) => certainties.slice());
     for (const pose of POSES.slice(0, 3)) {
-      updateMoravecElfes(map, sonarScan(pose, settings.opening), pose, settings);
-      expect(map.occupied.every((value, i) => value >= (occupied[i] ?? 0))).toBe(true);
-      expect(map.empty.every((value, i) => value >= (empty[i] ?? 0))).toBe(true);
-      [occupied, empty] = [map.occupied.slice(), map.empty.slice()];
+      updateWide(grid, sonarScan(pose, 0.5236), pose, coneModel("moravec_elfes", settings, RANGE_MAX));
+      grid.statistics.forEach((certainties, k) => {
+        expect(certainties.every((value, i) => value >= (before[k]?.[i] ?? 0))).toBe(true);
+      });
+      before = grid.statistics.map((certainties) => certainties.slice());
     }
   });
 });

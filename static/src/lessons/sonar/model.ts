@@ -6,7 +6,13 @@
 
 import { toLattice } from "../../grid/lattice";
 import { logOdds } from "../../grid/logOdds";
-import { emptyGrid, type GridGeometry, INITIAL_CONFIG, type OccupancyGrid } from "../../grid/occupancyGrid";
+import {
+  type GridGeometry,
+  INITIAL_CONFIG,
+  type MappingConfig,
+  type OccupancyGrid,
+  statisticsOf,
+} from "../../grid/occupancyGrid";
 import { halfWindow, INITIAL_PARAMETERS, increment, type SensorModelParameters } from "../../grid/sensorModel";
 import { bayesFilter } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
@@ -62,12 +68,11 @@ function cellsInCone(geometry: GridGeometry, pose: Pose, bearing: number, openin
   return cells;
 }
 
-/** The settings as parameters of the sensor model of section 4, which computes the evidence. */
-const asProfile = (
+/** The settings as parameters of the sensor model, which computes the evidence. */
+export const coneModel = (
   model: "sonar_cone" | "moravec_elfes",
   settings: SonarSettings,
-  scan: SonarScan,
-  geometry: GridGeometry,
+  range_max: number,
 ): SensorModelParameters => ({
   ...INITIAL_PARAMETERS,
   model,
@@ -75,55 +80,75 @@ const asProfile = (
   window: settings.window,
   cone_profile: settings.profile,
   no_return: settings.no_return,
+  range_max,
+});
+
+/** Limits of the log-odds. */
+type Limits = Pick<MappingConfig, "clamp" | "log_odds_min" | "log_odds_max">;
+
+/** The model for a scan, whose range limits it, on a grid, whose cell is the least window. */
+const modelFor = (values: SensorModelParameters, scan: SonarScan, { geometry }: OccupancyGrid) => ({
+  ...values,
   range_max: scan.range_max,
   resolution: geometry.resolution,
 });
 
 const isReading = (scan: SonarScan, z: number): boolean => scan.range_min <= z && z <= scan.range_max;
-const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
-  z > scan.range_max && settings.no_return === "free";
+const isFree = (scan: SonarScan, z: number, { no_return }: SensorModelParameters): boolean =>
+  z > scan.range_max && no_return === "free";
+
+/** Add a scan to a map by the method of the model. */
+export function updateWide(
+  grid: OccupancyGrid,
+  scan: SonarScan,
+  pose: Pose,
+  model: SensorModelParameters,
+  config: Limits = INITIAL_CONFIG,
+): void {
+  const values = modelFor(model, scan, grid);
+  if (values.model === "moravec_elfes") updateMoravecElfes(grid, scan, pose, values, config);
+  else updateCone(grid, scan, pose, values, config);
+}
 
 /** Bayes filter: every cell of the cone up to z + w/2 gets its evidence, reading by reading. */
-export function updateCone(grid: OccupancyGrid, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
-  const values = asProfile("sonar_cone", settings, scan, grid.geometry);
+function updateCone(
+  grid: OccupancyGrid,
+  scan: SonarScan,
+  pose: Pose,
+  values: SensorModelParameters,
+  config: Limits,
+): void {
   scan.ranges.forEach((z, k) => {
     const half = halfWindow(z, values);
     const reading = isReading(scan, z);
-    const free = isFree(scan, z, settings);
+    const free = isFree(scan, z, values);
     if (!reading && !free) return;
-    for (const { index, s, theta } of cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening)) {
+    for (const { index, s, theta } of cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, values.opening)) {
       if (reading ? s > Math.min(z + half, scan.range_max) : s >= scan.range_max) continue;
-      grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, increment(s, z, values, theta), INITIAL_CONFIG);
+      grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, increment(s, z, values, theta), config);
       grid.observed[index] = 1;
     }
   });
 }
 
-/** The two grids of Moravec and Elfes (1985): certainty that a cell is occupied, and certainty that it is empty. */
-export interface Certainties {
-  readonly grid: OccupancyGrid;
-  readonly occupied: Float32Array;
-  readonly empty: Float32Array;
-}
-
-export function noCertainties(geometry: GridGeometry): Certainties {
-  const grid = emptyGrid(geometry);
-  const count = grid.logOdds.length;
-  return { grid, occupied: new Float32Array(count), empty: new Float32Array(count) };
-}
-
 /**
- * First the empty certainties of all readings; then the occupied ones, cancelled and normalised, reading by reading.
+ * The two certainties of Moravec and Elfes (1985), which the grid keeps: first the empty ones of all readings; then the
+ * occupied ones, cancelled and normalised, reading by reading.
  */
-export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
-  const { grid, occupied, empty } = map;
-  const values = asProfile("moravec_elfes", settings, scan, grid.geometry);
+function updateMoravecElfes(
+  grid: OccupancyGrid,
+  scan: SonarScan,
+  pose: Pose,
+  values: SensorModelParameters,
+  config: Limits,
+): void {
+  const [occupied, empty] = statisticsOf(grid);
   const cones = Array.from(scan.ranges, (z, k) => ({
     z,
-    cells: cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, settings.opening),
+    cells: cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, values.opening),
   }));
   for (const { z, cells } of cones) {
-    if (!isReading(scan, z) && !isFree(scan, z, settings)) continue;
+    if (!isReading(scan, z) && !isFree(scan, z, values)) continue;
     const end = isReading(scan, z) ? z - halfWindow(z, values) : scan.range_max;
     for (const { index, s, theta } of cells) {
       if (s >= end) continue;
@@ -150,16 +175,16 @@ export function updateMoravecElfes(map: Certainties, scan: SonarScan, pose: Pose
       grid.observed[index] = 1;
     }
   }
-  show(map);
+  show(grid, config);
 }
 
 /** Log-odds for display: ℓ of p = (1 + v)/2, where v is the greater of the two certainties, negative for empty. */
-function show({ grid, occupied, empty }: Certainties): void {
+function show(grid: OccupancyGrid, config: Limits): void {
+  const [occupied, empty] = statisticsOf(grid);
   grid.observed.forEach((seen, index) => {
     if (seen !== 1) return;
     const [occ, emp] = [occupied[index] ?? 0, empty[index] ?? 0];
     const value = occ >= emp ? occ : -emp;
-    const shown = logOdds((1 + value) / 2);
-    grid.logOdds[index] = Math.min(INITIAL_CONFIG.log_odds_max, Math.max(INITIAL_CONFIG.log_odds_min, shown));
+    grid.logOdds[index] = bayesFilter(0, logOdds((1 + value) / 2), config);
   });
 }

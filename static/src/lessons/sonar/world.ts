@@ -18,7 +18,7 @@ export const WALLS: readonly Wall[] = [
 ];
 
 export const SONARS = 16;
-const RANGE_MAX = 3;
+export const RANGE_MAX = 3;
 /** Number of rays cast in a cone to find its nearest surface. */
 const RAYS = 25;
 

@@ -1,11 +1,12 @@
 import type { ComponentType } from "preact";
 import { cellAt } from "../../grid/lattice";
-import { bearingOf, evidenceOfBeam } from "../../grid/textbook";
+import { halfWindow } from "../../grid/sensorModel";
 import { written } from "../../ui/numbers";
+import type { Pose } from "../../wire/protocol";
 import { DragHandle } from "../common/DragHandle";
 import { Beams, Walls } from "../common/Scene";
+import type { StageTransform } from "../common/Stage";
 import { castRay } from "../common/world";
-import { sonarScan } from "../sonar/world";
 import { CellCounts, CellLines, CellValues } from "./CellMarks";
 import {
   cellSide,
@@ -21,7 +22,7 @@ import { CORNERS, FLOOR, LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, sightings, TABLE
 import { FIELD, LOOP_GEOMETRY, visitOf } from "./loop";
 import { readingOf } from "./reading";
 import type { Mark, MarkProps } from "./scene";
-import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
+import { believed, conesAt, scanAt } from "./sensing";
 import { STRETCH } from "./wall";
 
 /** The loop of table 9.1: the perceptual field outlined, and the cell that is visited now. */
@@ -129,11 +130,10 @@ const ReadingCells = (props: MarkProps) => <Beam {...props} step={pipelineStep.v
 function Beam({ transform, scene, shown, step }: BeamProps) {
   const reading = readingOf(scene, shown, pipelineBeam.value);
   if (!reading) return null;
-  const { pose, scan, beam, end, range } = reading;
+  const { pose, end, range, cells } = reading;
   const { resolution } = shown.map.geometry;
-  const cells = evidenceOfBeam(shown.map.geometry, scan, beam, pose, scene.config);
   const half = scene.config.window / 2;
-  const angle = pose[2] + bearingOf(scan, beam);
+  const angle = pose[2] + reading.bearing;
   const at = (z: number): string =>
     `${transform.x(pose[0] + z * Math.cos(angle))} ${transform.y(pose[1] + z * Math.sin(angle))}`;
   return (
@@ -218,23 +218,47 @@ function NewestScan({ transform, scene, shown }: MarkProps) {
   return <Beams transform={transform} pose={from} scan={scanAt(pose, at, scene.conditions)} />;
 }
 
+/** The arc at a distance from the sensor across a cone, right to left. */
+function arcOf(transform: StageTransform, pose: Pose, bearing: number, opening: number, range: number): string {
+  const r = range * transform.metre;
+  const point = (off: number): string => {
+    const angle = pose[2] + bearing + off;
+    return `${transform.x(pose[0]) + r * Math.cos(angle)} ${transform.y(pose[1]) - r * Math.sin(angle)}`;
+  };
+  return `${point(-opening / 2)}A${r} ${r} 0 0 0 ${point(opening / 2)}`;
+}
+
 /** The cones of the newest sonar scan, each with its arc. */
-function Cones({ transform, scene, shown }: MarkProps) {
+function Cones({ transform, scene: { poses, conditions, cone }, shown }: MarkProps) {
   const at = shown.count - 1;
-  const pose = scene.poses[at];
-  if (!pose) return null;
-  const scan = sonarScan(pose, SONAR.opening, wallsAt(at, scene.conditions), SONAR_REACH);
-  const [x, y] = [transform.x(pose[0]), transform.y(pose[1])];
-  const wedges = Array.from(scan.ranges, (range, k) => {
-    if (!Number.isFinite(range)) return "";
-    const r = range * transform.metre;
-    const point = (off: number): string => {
-      const angle = pose[2] + (scan.bearings[k] ?? 0) + off;
-      return `${x + r * Math.cos(angle)} ${y - r * Math.sin(angle)}`;
-    };
-    return `M${x} ${y}L${point(-SONAR.opening / 2)}A${r} ${r} 0 0 0 ${point(SONAR.opening / 2)}Z`;
-  });
+  const pose = poses[at];
+  if (!pose || !cone) return null;
+  const scan = conesAt(pose, at, conditions, cone);
+  const from = `M${transform.x(pose[0])} ${transform.y(pose[1])}L`;
+  const wedges = Array.from(scan.ranges, (range, k) =>
+    Number.isFinite(range) ? `${from}${arcOf(transform, pose, scan.bearings[k] ?? 0, cone.opening, range)}Z` : "",
+  );
   return <path class="world-stage-cones" d={wedges.join("")} />;
+}
+
+/** The cone next to the chosen beam, with the window of its arc. */
+function Cone({ transform, scene, shown }: MarkProps) {
+  const reading = readingOf(scene, shown, pipelineBeam.value);
+  const { cone } = scene;
+  if (!reading || !cone) return null;
+  const { pose, bearing, range, end } = reading;
+  const half = halfWindow(range, { ...cone, resolution: scene.resolution });
+  const arc = (r: number): string => arcOf(transform, pose, bearing, cone.opening, Math.max(0, r));
+  return (
+    <>
+      <path class="world-stage-cones" d={`M${transform.x(pose[0])} ${transform.y(pose[1])}L${arc(range + half)}Z`} />
+      <path class="world-stage-arc" d={`M${arc(range - half)}M${arc(range + half)}`} />
+      <circle class="world-stage-end" cx={transform.x(end[0])} cy={transform.y(end[1])} r={6} />
+      <text class="world-stage-label beam" x={transform.x(end[0]) + 10} y={transform.y(end[1]) - 10}>
+        z = {written(range, 2)} m
+      </text>
+    </>
+  );
 }
 
 /** Corners that were seen, each with a circle whose radius is σ/√n after n sightings. */
@@ -309,6 +333,7 @@ const DRAWN: Readonly<Record<Mark, ComponentType<MarkProps>>> = {
   noise: Noise,
   odometry: Odometry,
   cones: Cones,
+  cone: Cone,
   "low-table": () => null,
   values: CellValues,
 };

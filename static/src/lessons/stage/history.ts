@@ -1,6 +1,14 @@
 /** The map of a scene after each of its scans, made step by step and kept, so that going back costs nothing. */
 
-import { copyOf, emptyGrid, type GridGeometry, type MappingConfig, type OccupancyGrid } from "../../grid/occupancyGrid";
+import {
+  copyOf,
+  emptyGrid,
+  emptyStatistics,
+  type GridGeometry,
+  type MappingConfig,
+  type OccupancyGrid,
+} from "../../grid/occupancyGrid";
+import type { SensorModelParameters } from "../../grid/sensorModel";
 import type { Pose } from "../../wire/protocol";
 import { addScan, type Conditions } from "./sensing";
 
@@ -9,12 +17,19 @@ export interface Plan {
   readonly geometry: GridGeometry;
   readonly conditions: Conditions;
   readonly config: MappingConfig;
+  /** The model of a ring of sonars; null for the lidar. */
+  readonly cone: SensorModelParameters | null;
   /** True poses of the scans, the oldest first. */
   readonly poses: readonly Pose[];
 }
 
 /** What a plan depends on besides its poses. */
-const keyOf = ({ geometry, conditions, config }: Plan): string => JSON.stringify([geometry, conditions, config]);
+const keyOf = ({ geometry, conditions, config, cone }: Plan): string =>
+  JSON.stringify([geometry, conditions, config, cone]);
+
+/** Whether the map keeps two numbers for each cell. */
+const hasStatistics = ({ config, cone }: Plan): boolean =>
+  Boolean(config.prior_weight) || cone?.model === "moravec_elfes";
 
 export class MapHistory {
   readonly key: string;
@@ -23,7 +38,8 @@ export class MapHistory {
 
   constructor(plan: Plan) {
     this.key = keyOf(plan);
-    this.#maps = [emptyGrid(plan.geometry, plan.config.log_odds_prior)];
+    const empty = hasStatistics(plan) ? emptyStatistics : emptyGrid;
+    this.#maps = [empty(plan.geometry, plan.config.log_odds_prior)];
   }
 
   /** Number of scans in the newest map. */
@@ -54,7 +70,7 @@ export class MapHistory {
       const pose = plan.poses[this.count];
       if (!pose) break;
       const map = copyOf(this.after(this.count));
-      addScan(map, pose, this.count, plan.conditions, plan.config, plan.poses);
+      addScan(map, pose, this.count, plan.conditions, plan.config, plan.cone, plan.poses);
       this.#maps.push(map);
       this.#poses = plan.poses.slice(0, this.count + 1);
       if (isTimeUp()) break;

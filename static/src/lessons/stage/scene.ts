@@ -3,6 +3,7 @@
 import type { ComponentType } from "preact";
 import { cellAt } from "../../grid/lattice";
 import { INITIAL_CONFIG, indexOf, type MappingConfig, type OccupancyGrid } from "../../grid/occupancyGrid";
+import type { SensorModelParameters } from "../../grid/sensorModel";
 import type { Point, Pose } from "../../wire/protocol";
 import { cellParameters } from "../common/parameters";
 import type { StageTransform } from "../common/Stage";
@@ -25,6 +26,7 @@ export type Mark =
   | "noise" // the distribution of a range at the wall
   | "odometry" // the poses that the map is made with
   | "cones" // the newest sonar readings
+  | "cone" // one of them
   | "low-table"
   | "values"; // numbers in large cells
 
@@ -34,6 +36,8 @@ export interface Scene {
   readonly resolution: number;
   readonly conditions: Conditions;
   readonly config: MappingConfig;
+  /** The model of a ring of sonars, which maps in place of the lidar; null for the lidar. */
+  readonly cone: SensorModelParameters | null;
   /** A point of the cell whose history is drawn. */
   readonly cell: Point;
   readonly marks: readonly Mark[];
@@ -87,6 +91,7 @@ interface SceneParts {
   readonly resolution?: number;
   readonly conditions?: Partial<Conditions>;
   readonly config?: Partial<MappingConfig>;
+  readonly cone?: SensorModelParameters | null;
   readonly cell?: Point;
   readonly marks?: readonly Mark[];
   readonly trinary?: boolean;
@@ -113,6 +118,7 @@ export function scene(parts: SceneParts): Scene {
     resolution: parts.resolution ?? 0.1,
     conditions: { ...USUAL, ...parts.conditions },
     config: { ...INITIAL_CONFIG, log_odds_hit, log_odds_miss, clamp, log_odds_min, log_odds_max, ...parts.config },
+    cone: parts.cone ?? null,
     cell: ownCell.value ?? parts.cell ?? WALL_CELL,
     marks: parts.marks ?? [],
     trinary: parts.trinary ?? false,
@@ -127,10 +133,11 @@ export function scene(parts: SceneParts): Scene {
   };
 }
 
-export const planOf = ({ resolution, conditions, config, poses }: Scene): Plan => ({
+export const planOf = ({ resolution, conditions, config, cone, poses }: Scene): Plan => ({
   geometry: geometryOf(resolution, FLOOR.width, FLOOR.height),
   conditions,
   config,
+  cone,
   poses,
 });
 

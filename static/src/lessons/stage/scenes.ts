@@ -2,7 +2,8 @@
 
 import { computed } from "@preact/signals";
 import { probability } from "../../grid/logOdds";
-import { beamModel, type SensorModelParameters } from "../../grid/sensorModel";
+import { statisticsOf } from "../../grid/occupancyGrid";
+import { beamModel, isCone, type SensorModelParameters } from "../../grid/sensorModel";
 import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
 import { parameters } from "../common/parameters";
@@ -30,7 +31,7 @@ import { CORNERS, DRIVE, LOW_TABLE_HEIGHT, POLISHED, sightings, TABLE, WALLS } f
 import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
-import { scanAt, USUAL } from "./sensing";
+import { rangeAt, SONAR, USUAL } from "./sensing";
 import { lookOfWall, STRETCH } from "./wall";
 
 const DEGREE = Math.PI / 180;
@@ -93,10 +94,33 @@ export const ALGORITHM = {
 /** Scans of the drive at the section on the sensor model; the newest has the reading of the curve. */
 const MODEL_SCANS = 28;
 
-/** The measured range of the stage's beam at the section on the sensor model, metres. */
-export const modelBeam = computed(
-  () => scanAt(DRIVE[MODEL_SCANS - 1] ?? [0, 0, 0], MODEL_SCANS - 1, USUAL).ranges[pipelineBeam.value] ?? null,
-);
+/** The parameters of the section on the sensor model; its cones measure beams without a return as the lidar does. */
+const modelValues = computed(() => parameters.value as SensorModelParameters & Readonly<Record<string, unknown>>);
+const modelCone = computed(() => (isCone(modelValues.value) ? { ...modelValues.value, no_return: "ignore" } : null));
+
+/** The measured range of the stage's beam, or cone, at the section on the sensor model, metres. */
+export const modelBeam = computed(() => {
+  const at = MODEL_SCANS - 1;
+  const { range } = rangeAt(DRIVE[at] ?? [0, 0, 0], at, USUAL, modelCone.value, pipelineBeam.value);
+  return Number.isFinite(range) ? range : null;
+});
+
+/** What the stage shows of each model. */
+function modelInWords(values: SensorModelParameters, now: Shown): string {
+  const { hit, miss } = beamModel(values);
+  switch (values.model) {
+    case "sonar_cone":
+      return `The cone of the curve on the map, one of 16 sonars on the same drive: ${signed(miss)} for the cells before the window, ${signed(hit)} on the whole arc in it${values.cone_profile === "gaussian" ? ", less away from the axis" : ""}. Walls become thick.`;
+    case "moravec_elfes":
+      return "The cone of the curve on the map, one of 16 sonars on the same drive. The map shows the greater of the two certainties of each cell; one echo is shared out over the arc, so it makes no cell certain.";
+    case "hit_counting": {
+      const [hits, misses] = statisticsOf(now.map).map((counts) => counts[now.index] ?? 0) as [number, number];
+      return `The beam of the curve on the map. Every cell counts its beams: in the marked one ${plural(hits, "beam")} ended and ${misses} passed, so p = ${written(probability(now.map.logOdds[now.index] ?? 0), 2)}. Each further beam changes it less.`;
+    }
+    default:
+      return `The beam of the curve on the map: ${signed(miss)} for the cells before the window, ${values.model === "smooth_ramp" ? `a ramp up to ${signed(hit)}` : signed(hit)} in it, nothing behind it. Every beam of the map uses these numbers.`;
+  }
+}
 
 export const SCENES = {
   start: () =>
@@ -143,22 +167,26 @@ export const SCENES = {
       caption: "In every cell: p, and below it ℓ. Each scan only adds to ℓ; p is computed to be shown.",
     }),
   model: () => {
-    const values = parameters.value as SensorModelParameters & Readonly<Record<string, unknown>>;
-    const { range_max, window } = values;
-    const ramp = values.model === "smooth_ramp" ? { sigma: values.sigma, growth: values.sigma_growth } : null;
-    const isAdded = ramp !== null || values.model === "step_window" || values.model === "fixed_increments";
-    const { hit, miss } = beamModel(isAdded ? values : { ...values, model: "fixed_increments" });
+    const values = modelValues.value;
+    const { model, range_max, window } = values;
+    const { hit, miss } = beamModel(values);
     const set = modelReading.value;
     const range = set === null || set <= range_max ? set : Number.POSITIVE_INFINITY;
     return scene({
       scans: MODEL_SCANS,
-      marks: ["lines", "beam"],
+      marks: ["lines", modelCone.value ? "cone" : "beam"],
       view: { x: 5.9, y: 2.6, width: 3.4, height: 3 },
       conditions: { reading: range === null ? null : { scan: MODEL_SCANS - 1, beam: pipelineBeam.value, range } },
-      config: { window, range_max, ramp, log_odds_hit: hit, log_odds_miss: miss },
-      caption: isAdded
-        ? `The beam of the curve on the map: ${signed(miss)} for the cells before the window, ${ramp ? `a ramp up to ${signed(hit)}` : signed(hit)} in it, nothing behind it. Every beam of the map uses these numbers.`
-        : `This map adds the fixed increments, ${signed(miss)} and ${signed(hit)}: the chosen model does not add up the evidence of single beams.`,
+      config: {
+        window,
+        range_max,
+        ramp: model === "smooth_ramp" ? { sigma: values.sigma, growth: values.sigma_growth } : null,
+        prior_weight: model === "hit_counting" ? values.prior_weight : null,
+        log_odds_hit: hit,
+        log_odds_miss: miss,
+      },
+      cone: modelCone.value,
+      caption: (now) => modelInWords(values, now),
     });
   },
   window: () =>
@@ -204,7 +232,7 @@ export const SCENES = {
   sonar: () =>
     scene({
       scans: 32,
-      conditions: { sensor: "sonar" },
+      cone: SONAR,
       marks: ["cones"],
       caption:
         "The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: walls become thick and doors narrow.",

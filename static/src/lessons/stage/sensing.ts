@@ -3,16 +3,16 @@
 import { compose } from "../../grid/lattice";
 import type { GridGeometry, LaserScan, MappingConfig, OccupancyGrid } from "../../grid/occupancyGrid";
 import { seeded } from "../../grid/random";
-import { occupancyGridMapping } from "../../grid/textbook";
+import type { SensorModelParameters } from "../../grid/sensorModel";
+import { bearingOf, occupancyGridMapping } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
 import { allRound, castRay, scanFrom, type Wall } from "../common/world";
-import { type SonarSettings, updateCone } from "../sonar/model";
-import { sonarScan } from "../sonar/world";
+import { coneModel, type SonarScan, updateWide } from "../sonar/model";
+import { SONARS, sonarScan } from "../sonar/world";
 import { LOW_TABLE, POLISHED, TABLE, WALLS, walker } from "./floor";
 
 /** What differs from an exact lidar with known poses in a world that stands still. */
 export interface Conditions {
-  readonly sensor: "lidar" | "sonar";
   readonly beams: number;
   /** Largest range that the lidar measures, metres. */
   readonly reach: number;
@@ -34,7 +34,6 @@ export interface Conditions {
 }
 
 export const USUAL: Conditions = {
-  sensor: "lidar",
   beams: 240,
   reach: 12,
   noise: 0.01,
@@ -49,9 +48,12 @@ export const USUAL: Conditions = {
 
 /** Angle to the normal beyond which a polished surface reflects a beam away: as in the lab. */
 const SPECULAR = Math.PI / 6;
-/** Opening of the sonars' cones and their largest range, metres. */
-export const SONAR: SonarSettings = { opening: Math.PI / 6, window: 0.2, profile: "flat", no_return: "ignore" };
-export const SONAR_REACH = 3.5;
+/** The sonars of the section on them. */
+export const SONAR = coneModel(
+  "sonar_cone",
+  { opening: Math.PI / 6, window: 0.2, profile: "flat", no_return: "ignore" },
+  3.5,
+);
 
 export function wallsAt(index: number, conditions: Conditions): readonly Wall[] {
   return [
@@ -127,22 +129,47 @@ export function believed(pose: Pose, index: number, conditions: Conditions, driv
   return now;
 }
 
-/** Add one scan to a map. */
+/** The sonar whose axis is next to a beam of the lidar. */
+const sonarNextTo = (beam: number, conditions: Conditions): number =>
+  Math.round((beam * SONARS) / conditions.beams) % SONARS;
+
+/** The same of a ring of sonars; the reading that replaces another one is that of the sonar next to its beam. */
+export function conesAt(pose: Pose, index: number, conditions: Conditions, model: SensorModelParameters): SonarScan {
+  const scan = sonarScan(pose, model.opening, wallsAt(index, conditions), model.range_max);
+  const { reading } = conditions;
+  if (reading?.scan === index) scan.ranges[sonarNextTo(reading.beam, conditions)] = reading.range;
+  return scan;
+}
+
+/** Range, and bearing in the sensor's frame, of a beam of a scan, with wide beams of the sonar next to it. */
+export function rangeAt(
+  pose: Pose,
+  index: number,
+  conditions: Conditions,
+  cone: SensorModelParameters | null,
+  beam: number,
+): { readonly range: number; readonly bearing: number } {
+  if (cone) {
+    const [scan, k] = [conesAt(pose, index, conditions, cone), sonarNextTo(beam, conditions)];
+    return { range: scan.ranges[k] ?? Number.NaN, bearing: scan.bearings[k] ?? 0 };
+  }
+  const scan = scanAt(pose, index, conditions);
+  return { range: scan.ranges[beam] ?? Number.NaN, bearing: bearingOf(scan, beam) };
+}
+
+/** Add one scan to a map; with the model of a cone, that of a ring of sonars. */
 export function addScan(
   grid: OccupancyGrid,
   truePose: Pose,
   index: number,
   conditions: Conditions,
   config: MappingConfig,
+  cone: SensorModelParameters | null,
   drive: readonly Pose[],
 ): void {
   const pose = compose(believed(truePose, index, conditions, drive), [0, 0, conditions.mountYaw]);
-  if (conditions.sensor === "sonar") {
-    const scan = sonarScan(truePose, SONAR.opening, wallsAt(index, conditions), SONAR_REACH);
-    updateCone(grid, scan, pose, SONAR);
-    return;
-  }
-  occupancyGridMapping(grid, scanAt(truePose, index, conditions), pose, config);
+  if (cone) updateWide(grid, conesAt(truePose, index, conditions, cone), pose, cone, config);
+  else occupancyGridMapping(grid, scanAt(truePose, index, conditions), pose, config);
 }
 
 export const geometryOf = (resolution: number, width: number, height: number): GridGeometry => ({

@@ -1,21 +1,25 @@
-import { describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it } from "vitest";
 import { emptyGrid, INITIAL_CONFIG } from "../../grid/occupancyGrid";
+import { cellIncrement, type SensorModelParameters } from "../../grid/sensorModel";
 import { occupancyGridMapping, updatePerScan } from "../../grid/textbook";
+import { parameters, setParameter } from "../common/parameters";
 import { between, projection, type View } from "./camera";
-import { wallNoise, wallWindow } from "./controls";
+import { pipelineBeam, wallNoise, wallWindow } from "./controls";
 import { DRIVE, FLOOR, sightings } from "./floor";
 import { historyOf } from "./history";
 import { FIELD, LOOP_CELLS, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { backToPath, isOffPath, onPath } from "./path";
+import { readingOf } from "./reading";
 import { nowOf } from "./scene";
-import { SCENES, type SceneId } from "./scenes";
-import { believed, geometryOf, scanAt, USUAL } from "./sensing";
+import { modelBeam, SCENES, type SceneId } from "./scenes";
+import { believed, conesAt, geometryOf, scanAt, USUAL } from "./sensing";
 import { lookOfWall } from "./wall";
 
 const plan = (count: number) => ({
   geometry: geometryOf(0.2, FLOOR.width, FLOOR.height),
   conditions: USUAL,
   config: INITIAL_CONFIG,
+  cone: null,
   poses: DRIVE.slice(0, count),
 });
 
@@ -53,6 +57,42 @@ describe("the map of a scene", () => {
       expect(now.index, id).toBeGreaterThanOrEqual(0);
       expect(scene.caption(now), id).not.toMatch(/undefined|NaN/);
     }
+  });
+});
+
+describe("the section on the sensor model", () => {
+  const MODELS = ["step_window", "fixed_increments", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting"];
+  afterEach(backToPath);
+
+  it.each(MODELS)("maps with %s what its curve has along the beam", (model) => {
+    setParameter("model", model);
+    const scene = SCENES.model();
+    expect(readingOf(scene, nowOf(scene), pipelineBeam.value)?.range).toBeCloseTo(modelBeam.value ?? Number.NaN, 6);
+    expect(scene.caption(nowOf(scene))).not.toMatch(/undefined|NaN/);
+    // One scan from the middle of a row of cells, which the beam follows.
+    const z = 3.04;
+    const conditions = { ...scene.conditions, beams: 1, reading: { scan: 0, beam: 0, range: z } };
+    const { map } = nowOf({ ...scene, poses: [[0.6, 1.75, 0]], conditions });
+    const first = 17 * map.geometry.cols + 6;
+    const values = parameters.value as unknown as SensorModelParameters;
+    for (let i = 0; i < 45; i++) {
+      const empty = map.statistics?.[1][first + i] ?? 0;
+      const gained = model === "moravec_elfes" ? -empty : map.logOdds[first + i];
+      const expected = cellIncrement(i, z, values);
+      // Of the arc of Moravec and Elfes the curve has the certainty before it is shared out.
+      if (model !== "moravec_elfes" || expected < 0) expect(gained, `cell ${i}`).toBeCloseTo(expected, 5);
+    }
+  });
+
+  it("shares one echo out over its arc, as Moravec and Elfes do", () => {
+    setParameter("model", "moravec_elfes");
+    const scene = SCENES.model();
+    const { map } = nowOf({ ...scene, poses: [[6, 1.75, 0]] });
+    const echoes = conesAt([6, 1.75, 0], 0, scene.conditions, scene.cone as SensorModelParameters).ranges;
+    const occupied = map.statistics?.[0].reduce((sum, value) => sum + value, 0);
+    // Arcs that overlap have a little less: Occ + O − Occ · O.
+    expect(occupied).toBeGreaterThan(0.8 * echoes.filter(Number.isFinite).length);
+    expect(occupied).toBeLessThanOrEqual(echoes.filter(Number.isFinite).length);
   });
 });
 

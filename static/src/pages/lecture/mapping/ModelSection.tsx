@@ -22,9 +22,6 @@ const DESCRIPTIONS: Readonly<Record<string, string>> = {
     "Counts how often a beam ended in a cell and how often one passed it; the curve shows the change by the first visit.",
 };
 
-/** The models with which the stage maps. */
-const ON_STAGE: readonly string[] = ["step_window", "fixed_increments", "smooth_ramp"];
-
 const MODELS = Object.keys(DESCRIPTIONS).map((value) => ({ value, label: readable(value) }));
 
 export function ModelSection(head: SectionHead) {
@@ -105,11 +102,7 @@ export function ModelSection(head: SectionHead) {
         As numbers to add these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
         {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (<em>fixed increments</em>). The
         curve belongs to one beam of the stage.{" "}
-        <span class="no-print">
-          {ON_STAGE.includes(model)
-            ? "Drag any part of it: the beam, its cells and the whole map follow."
-            : "Drag any part of it: its cells follow."}
-        </span>
+        <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>
       </p>
     </Section>
   );
