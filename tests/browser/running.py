@@ -60,6 +60,15 @@ def running_server(
 
     ``program`` is another command that takes the same arguments.
     """
+    with running_service(data_dir, *arguments, environment=environment, program=program) as (address, _):
+        yield address
+
+
+@contextmanager
+def running_service(
+    data_dir: Path, *arguments: str, environment: dict[str, str] | None = None, program: Sequence[str] = ()
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """As :func:`running_server`; yield the address, and the process."""
     data_dir.mkdir(parents=True, exist_ok=True)
     log = data_dir / "server.log"
     gridbloom = program or [str(Path(sys.executable).with_name("gridbloom"))]
@@ -71,7 +80,7 @@ def running_server(
             command, stdout=output, stderr=subprocess.STDOUT, env=os.environ | (environment or {})
         )
     try:
-        yield _ready_address(process, log, told)
+        yield _ready_address(process, log, told), process
     finally:
         process.terminate()
         try:

@@ -1,3 +1,5 @@
+import { useEffect } from "preact/hooks";
+import { isStalled, sayers } from "../ui/browser/awaited";
 import { Working } from "../ui/Working";
 import { NO_ANSWER } from "../wire/ask";
 import { starting } from "./worldSession";
@@ -14,8 +16,14 @@ interface StartingProps {
 
 /** A note while the server makes a new world, or does not answer. */
 export function Starting({ meanwhile, trouble = null }: StartingProps) {
+  useEffect(() => {
+    sayers.value++;
+    return () => {
+      sayers.value--;
+    };
+  }, []);
   const work = starting.value;
-  const problem = trouble ?? (work?.isAnswered === false ? NO_ANSWER : null);
+  const problem = trouble ?? (work && isStalled.value ? NO_ANSWER : null);
   const isInside = meanwhile !== undefined;
   if (problem)
     return (

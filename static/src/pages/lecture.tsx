@@ -239,7 +239,7 @@ function Page() {
       <Blank />
       <ClassPointer />
       {!isPreview && <ClassHost />}
-      <Toasts />
+      <Toasts meanwhile="The lecture works without it; a class goes on by itself." />
     </>
   );
 }

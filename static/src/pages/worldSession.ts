@@ -20,17 +20,8 @@ interface Replay {
 /** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
-/** A request for a world that is under way. */
-interface WorldStart extends Work {
-  /** Whether the server answers meanwhile: if not, it is not making the world either. */
-  readonly isAnswered: boolean;
-}
-
 /** How long a request for a world has been under way; null at first, and while there is none. */
-export const starting = signal<WorldStart | null>(null);
-
-/** A server that has not answered for this long is named as one that does not answer. */
-const PROBE_MS = 1000;
+export const starting = signal<Work | null>(null);
 
 /** A request that takes longer shows its progress. */
 const SHOWN_AFTER_MS = 300;
@@ -64,30 +55,16 @@ export async function createWorld(story?: Story, isPaused = false): Promise<stri
   }
 }
 
-/** Wait for a request, and show in {@link starting} how long it has taken and whether the server answers. */
+/** Wait for a request, and show in {@link starting} how long it has taken. */
 async function timed<T>(request: () => Promise<T>): Promise<T> {
   const began = performance.now();
-  let isAsked = false;
-  let isAnswered = true;
   const clock = setInterval(() => {
-    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null, isAnswered };
+    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null };
   }, SHOWN_AFTER_MS);
-  const probe = setInterval(() => {
-    isAnswered = !isAsked;
-    if (isAsked) return;
-    isAsked = true;
-    void fetch("/livez", { cache: "no-store" })
-      .catch(() => undefined)
-      .then(() => {
-        isAsked = false;
-        isAnswered = true;
-      });
-  }, PROBE_MS);
   try {
     return await request();
   } finally {
     clearInterval(clock);
-    clearInterval(probe);
     starting.value = null;
   }
 }

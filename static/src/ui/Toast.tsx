@@ -1,5 +1,6 @@
 import { signal } from "@preact/signals";
 import { Button } from "./Button";
+import { hasStalled } from "./browser/awaited";
 
 interface ToastData {
   readonly id: number;
@@ -23,8 +24,13 @@ export function toast(text: string, kind: "note" | "error" = "note"): void {
   setTimeout(() => drop(id), kind === "error" ? 9000 : 5000);
 }
 
-/** The container of the message: once on each page. */
-export function Toasts() {
+interface ToastsProps {
+  /** What goes on without the server, in a sentence. */
+  readonly meanwhile?: string;
+}
+
+/** The container of the message: once on each page. Below it stands that the server does not answer, while that is so. */
+export function Toasts({ meanwhile = "What is shown stays, and the page goes on by itself." }: ToastsProps) {
   const now = shown.value;
   return (
     <div class="toasts" role="status" aria-live="polite">
@@ -32,6 +38,11 @@ export function Toasts() {
         <div class={`toast ${now.kind}`} key={now.id}>
           <span>{now.text}</span>
           <Button icon="close" label="Dismiss" onClick={() => drop(now.id)} />
+        </div>
+      )}
+      {hasStalled.value && (
+        <div class="toast error">
+          <span>The server does not answer. {meanwhile}</span>
         </div>
       )}
     </div>

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { type ComponentType, createElement, type FunctionComponent } from "preact";
 import { useEffect } from "preact/hooks";
+import { awaited } from "./browser/awaited";
 
 const RETRY_MS = 3000;
 
@@ -12,7 +13,7 @@ export function lazy<Props extends object>(load: () => Promise<ComponentType<Pro
     if (isAsked) return;
     isAsked = true;
     try {
-      found.value = { part: await load() };
+      found.value = { part: await awaited(load()) };
     } catch {
       isAsked = false;
       setTimeout(() => void ask(), RETRY_MS);

@@ -1,5 +1,6 @@
 /** Requests to the service: queries, bodies and answers have the types that are generated from its routes. */
 
+import { awaited } from "../ui/browser/awaited";
 import type { Answers, Bodies, Queries } from "./http";
 
 /** The names in the braces of an address. */
@@ -66,7 +67,7 @@ export async function refusalIn(answer: Response): Promise<string> {
 export async function fetched(address: string, options: RequestInit = {}): Promise<Response> {
   let answer: Response;
   try {
-    answer = await fetch(address, options);
+    answer = await awaited(fetch(address, options));
   } catch {
     throw new RequestError(NO_ANSWER, null);
   }

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { ComponentType } from "preact";
+import { awaited } from "../../ui/browser/awaited";
 import { type Scene, scene } from "./scene";
 
 const LATER_IDS = [
@@ -37,7 +38,7 @@ const RETRY_MS = 3000;
 /** Fetch the code, again and again while the server does not answer. */
 export async function fetchLater(load: () => Promise<NonNullable<typeof later.value>>): Promise<void> {
   try {
-    later.value = await load();
+    later.value = await awaited(load());
   } catch {
     setTimeout(() => void fetchLater(load), RETRY_MS);
   }

@@ -1,6 +1,7 @@
 /** The upload of files: some at a time, each in as many connections as it takes. */
 
 import { signal } from "@preact/signals";
+import { awaited } from "../../../ui/browser/awaited";
 import { addressOf, answerIn, ask, isPassing, refusalIn } from "../../../wire/ask";
 import { arrived, EVERYTHING, refresh, wanted } from "./library";
 
@@ -92,7 +93,7 @@ function sendNext(): void {
 async function sendAll(key: number, name: string, file: File, opens: boolean): Promise<void> {
   let most = 0;
   for (let tries = 0, offset = 0; ; ) {
-    const answer = isCancelled(key) ? null : await send(key, name, file, offset);
+    const answer = isCancelled(key) ? null : await awaited(send(key, name, file, offset));
     if (!answer || isCancelled(key)) {
       if (answer) await ask("DELETE /api/logs/uploads/{key}", { key: name }).catch(() => undefined);
       return;

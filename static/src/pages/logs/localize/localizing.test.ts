@@ -63,7 +63,7 @@ it("asks for the map again, while the group is open, until the server answers", 
   const hide = localizing.show();
   void localizing.loadMap();
   await refuse("GET map");
-  expect(open.size).toBe(0);
+  expect(open.has("GET map")).toBe(false);
   await vi.advanceTimersByTimeAsync(3000);
   await refuse("GET map");
   await vi.advanceTimersByTimeAsync(3000);
@@ -74,7 +74,7 @@ it("asks for the map again, while the group is open, until the server answers", 
   hide();
   await refuse("GET map");
   await vi.advanceTimersByTimeAsync(3000);
-  expect(open.size).toBe(0);
+  expect(open.has("GET map")).toBe(false);
 });
 
 it.each([
