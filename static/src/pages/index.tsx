@@ -127,10 +127,10 @@ function Hero() {
 /** The colours of the map. */
 function Legend() {
   return (
-    <ul class="map-legend" title="RViz and map.pgm draw free cells white and unknown ones grey.">
+    <ul class="map-legend">
       <li class="occupied">occupied</li>
-      <li class="free">free</li>
-      <li class="undecided">unknown</li>
+      <li class="free">free (white in RViz)</li>
+      <li class="undecided">unknown (grey in RViz)</li>
       <li class="unobserved">never seen</li>
     </ul>
   );
@@ -327,7 +327,7 @@ function Page() {
         <div class="prose">
           <h2>Your robot’s log</h2>
           <p>
-            Open a log of a real robot and watch its map fill in. When a slider moves, the whole map is computed again
+            Open a log of a real robot and watch its map fill in. Move a slider, and the whole map is computed again
             from every reading.
           </p>
         </div>

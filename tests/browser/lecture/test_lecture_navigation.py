@@ -57,9 +57,9 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
         for name in ("hit", "short", "max range", "random")
     ]
     assert abs(sum(shares) - 1) < 0.002
-    supposed = stage.get_by_role("slider", name="Supposed pose of the scan")
+    assumed = stage.get_by_role("slider", name="Assumed pose of the scan")
     off = first_number(caption, "Here log q = −")
-    supposed.focus()
+    assumed.focus()
     for _ in range(5):
         page.keyboard.press("ArrowLeft")
     for _ in range(3):

@@ -48,7 +48,7 @@ function ScanningRobot({ transform }: MarkProps) {
         transform={transform}
         at={[pose[0], pose[1]]}
         label="Robot"
-        sentence="Moves the robot; all poses are weighed again by its scan."
+        sentence="Moves the robot; all poses are weighted again by its scan."
         text={inWords(pose)}
         step={0.25}
         onMove={([x, y]) => {
@@ -70,7 +70,7 @@ export const particlesScene = (): Scene =>
     },
     drawing: ScanningRobot,
     caption: () =>
-      `${weighed.value.poses.length.toLocaleString("en")} poses, weighed by one scan of ${weighed.value.points.length} beams (size: weight), worth ${written(effectiveNumber(weighed.value.weights), 0)} of equal weight: several places fit so few beams.`,
+      `${weighed.value.poses.length.toLocaleString("en")} poses, weighted by one scan of ${weighed.value.points.length} beams (size: weight), worth ${written(effectiveNumber(weighed.value.weights), 0)} of equal weight: several places fit so few beams.`,
     task: "Drag the robot.",
   });
 
@@ -88,7 +88,7 @@ function SupposedRobot({ transform }: MarkProps) {
       <DragHandle
         transform={transform}
         at={[pose[0], pose[1]]}
-        label="Supposed pose of the scan"
+        label="Assumed pose of the scan"
         sentence="Moves the pose from which the scan is laid over the likelihood field; the ring is where it was taken."
         text={`${inWords(pose)}, ${scoreOf(pose)}`}
         step={0.05}

@@ -29,7 +29,7 @@ export function Lifetime() {
       />
       <Slider
         label="Taken away since"
-        sentence="Seconds since the table was taken away; 0: it stands there."
+        sentence="Seconds since the table was taken away; 0: it is still there."
         value={since.value}
         initial={GONE_FOR}
         low={0}

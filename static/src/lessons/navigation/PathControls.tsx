@@ -75,7 +75,7 @@ export function PathControls() {
         )}
         <Slider
           label="Part of the search"
-          sentence="How much of the search is shown; the path comes at its end."
+          sentence="How much of the search is shown; the path appears at its end."
           value={Math.round(100 * progress.value)}
           initial={100}
           low={0}

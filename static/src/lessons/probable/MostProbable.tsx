@@ -81,7 +81,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
               transform={transform}
               at={[says.value, Y]}
               label="Position by odometry"
-              sentence="Moves the position that the odometry says, along the corridor."
+              sentence="Moves the position that the odometry gives, along the corridor."
               text={`${written(says.value, 2)} m`}
               step={0.1}
               onMove={([x]) => {

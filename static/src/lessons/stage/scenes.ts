@@ -79,7 +79,7 @@ export const ALGORITHM = {
     scene({
       scans: 30,
       marks: ["beams"],
-      caption: "The loops exchanged: beam by beam, over the cells of each. The map after 30 scans.",
+      caption: "The loops swapped: beam by beam, over the cells of each. The map after 30 scans.",
     }),
   reading: () =>
     scene({

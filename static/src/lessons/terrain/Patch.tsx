@@ -92,14 +92,14 @@ export function Patch() {
       <div class="figure-controls patch-limits">
         <Slider
           label="Greatest safe slope"
-          sentence="A slope that makes a smooth patch just safe."
+          sentence="The slope at which a smooth patch is just safe."
           unit="°"
           {...bound(slope)}
           {...SLOPE}
         />
         <Slider
           label="Greatest safe roughness"
-          sentence="A roughness that makes a level patch just safe."
+          sentence="The roughness at which a level patch is just safe."
           unit="m"
           {...bound(roughness)}
           {...ROUGHNESS}

@@ -179,7 +179,7 @@ export function Profiles(props: ProfilesProps) {
             </ValueHandle>
             <ValueHandle
               label="Maximum weight"
-              sentence="Weight at which a voxel’s mean goes on as a moving one."
+              sentence="Weight at which a voxel’s mean becomes a moving average."
               axis="y"
               tone="tone-robot"
               value={limit}

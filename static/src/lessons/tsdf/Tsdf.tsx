@@ -105,7 +105,7 @@ export function Tsdf() {
           />
           <Slider
             label="Maximum weight"
-            sentence="Weight at which a voxel’s mean goes on as a moving one, so that the surface can still change."
+            sentence="Weight at which a voxel’s mean becomes a moving average, so that the surface can still change."
             value={maxWeight.value}
             initial={FIRST.maxWeight}
             low={1}
@@ -127,7 +127,7 @@ export function Tsdf() {
           />
           <SwitchChip
             label="Store free space too"
-            title="Voxels farther before the wall than the truncation are stored, with the truncation as their distance."
+            title="Voxels farther in front of the wall than the truncation are stored too, with the truncation as their distance."
             checked={isCarved.value}
             onChange={(on) => {
               isCarved.value = on;

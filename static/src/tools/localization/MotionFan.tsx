@@ -144,8 +144,7 @@ export function MotionFan({ values }: { readonly values: Values }) {
         </g>
       </svg>
       <figcaption>
-        Drag where the odometry says that the robot went, and how it turned. The dots are {SAMPLES} samples of where it
-        may be.
+        Drag where the odometry puts the robot, and its heading. The dots are {SAMPLES} samples of where it may be.
       </figcaption>
     </figure>
   );

@@ -75,7 +75,7 @@ function SurfacePanel({ store }: { readonly store: Store }) {
       <h3>The same beam, two beliefs</h3>
       <p class="map3d-note">
         20 readings of a wall, as occupied cells and as signed distances. Drag the truncation or the maximum weight: the
-        surface is made again.
+        surface is computed again.
       </p>
       <SurfaceProfile resolution={Number(values.value.voxel)} values={values.value} set={set} />
       <Facts store={store} />

@@ -98,7 +98,7 @@ const SCENES: readonly Scene[] = [
       },
       {
         label: "Take the table away",
-        look: "The path goes around nothing: each cell has to be seen free until the misses outweigh all the hits. Where no beam passes, the robot never drives again.",
+        look: "The path goes around nothing: each cell must be measured as free until the misses outweigh all the hits. Where no beam passes, the robot never drives again.",
         run: takeAway,
       },
     ],
@@ -109,7 +109,7 @@ const SCENES: readonly Scene[] = [
     steps: [
       {
         label: "Send it into unseen space",
-        look: "The path crosses the void, also walls that no scan has seen. Switch “Drive through unknown” off: now there is none.",
+        look: "The path crosses unknown space, even walls that no scan has seen. Switch “Drive through unknown” off: now there is no path.",
         run: (store) => set(store, { values: { allow_unknown: true }, goal: UNSEEN, clamp: true }),
       },
     ],

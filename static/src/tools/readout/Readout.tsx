@@ -165,7 +165,7 @@ function MapLegend({ store, isShown }: { readonly store: Store; readonly isShown
       </ul>
       <p>
         <span class="for-mouse">Point at</span>
-        <span class="for-finger">Tap</span> a cell for its numbers.
+        <span class="for-finger">Tap</span> a cell for its numbers. RViz draws free cells white.
       </p>
     </div>
   );

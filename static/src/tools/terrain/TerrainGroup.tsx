@@ -22,7 +22,7 @@ export function FileTerrain({ store }: { readonly store: Store }) {
     },
     [store],
   );
-  if (!hasPoints) return <p class="quiet">An octree has no points: a terrain is made of a cloud.</p>;
+  if (!hasPoints) return <p class="quiet">An octree has no points: terrain is computed from a cloud.</p>;
   return (
     <div class="volume-above volume-terrain stack">
       <h2 class="visually-hidden">Terrain</h2>

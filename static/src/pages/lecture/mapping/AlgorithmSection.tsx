@@ -40,8 +40,8 @@ export function AlgorithmSection(head: SectionHead) {
         <>
           <p>
             The inverse sensor model of this loop is <b>table 9.2</b>: it takes the beam whose direction is nearest to
-            the cell’s and compares the cell’s distance with that reading. A loop over all cells is slow, since most lie
-            outside the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan, and over
+            the cell’s and compares the cell’s distance with that reading. Looping over all cells is slow, since most
+            lie outside the field. Programs swap the loops: over the <b class="noun-beam">beams</b> of a scan, then over
             the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>

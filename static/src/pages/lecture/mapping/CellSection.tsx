@@ -138,7 +138,7 @@ function Derivation() {
       <Line
         why={
           <>
-            The same for the free cell ¬m<sub>i</sub>; then divide. The factors that are hard to know cancel. What
+            The same for the free cell ¬m<sub>i</sub>; then divide. The factors that are hard to know cancel out. What
             remains: the odds from the new reading, times the odds before it, divided by the prior odds.
           </>
         }
@@ -275,9 +275,9 @@ export function CellSection(head: SectionHead) {
         <>
           <LastUpdate />
           <p>
-            Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: the cell does not
-            change, so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor,
-            two of p = 0.7 by 7/3 · 7/3, and the logarithm makes that a sum.
+            Why is adding enough? This is the <b>binary Bayes filter for a static state</b>: the cell does not change,
+            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor, two of p
+            = 0.7 by 7/3 · 7/3, and the logarithm makes that a sum.
           </p>
           <Derivation />
           <p>

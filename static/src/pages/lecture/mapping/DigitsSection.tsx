@@ -39,7 +39,7 @@ export function DigitsSection(head: SectionHead) {
       after={
         <>
           <p>
-            A product of probabilities fails too: a thousand of {(1 - pHit).toFixed(2)} make 10
+            A product of probabilities fails too: a thousand factors of {(1 - pHit).toFixed(2)} make 10
             <sup>{POWER(1 - pHit)}</sup>, less than the smallest positive 32-bit number, 1.4 · 10⁻⁴⁵, and{" "}
             <b>underflow</b> to 0. Their logarithms add up to {written(1000 * Math.log(1 - pHit), 0)}.
           </p>

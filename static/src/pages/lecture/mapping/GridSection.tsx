@@ -21,14 +21,13 @@ export function GridSection(head: SectionHead) {
       after={
         <>
           <p>
-            The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that a beam
+            The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that the beam
             passes, the others become more probable. In the grid they keep their probability.{" "}
             <span class="no-print">Press a cell to change what the narrow beam measured.</span>
           </p>
           <p>
-            In return the map fits into memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup>{" "}
-            numbers, the grid 10,000. With narrow laser beams little is lost: few cells can have caused the same
-            reading.
+            In return the map fits in memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup> numbers,
+            the grid 10,000. With narrow laser beams little is lost: few cells can have caused the same reading.
           </p>
         </>
       }
@@ -51,7 +50,7 @@ export function GridSection(head: SectionHead) {
       </p>
       <MapProduct />
       <p>
-        The poses, the robot’s positions and headings, are taken as known (until <SectionLink to="odometry" />
+        The poses, the robot’s positions and headings, are assumed known (until <SectionLink to="odometry" />
         ). The figure shows what the third assumption loses: walls are connected, and the grid ignores it.
       </p>
       <p>

@@ -99,7 +99,7 @@ export function ModelSection(head: SectionHead) {
         counts as no return.
       </p>
       <p>
-        As numbers to add these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
+        As log-odds to add, these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
         {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (<em>fixed increments</em>). The
         curve belongs to one beam of the stage.{" "}
         <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>

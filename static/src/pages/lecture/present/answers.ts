@@ -59,7 +59,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     right: 2,
     answer: "Open space: free, as in table 9.2. Glass or a polished wall: free would erase it, so it is ignored.",
     notes:
-      "Drag the robot in front of the glass and compare the three maps, which are made from the same scans. Ask what a driver that writes the max range would do.",
+      "Drag the robot in front of the glass and compare the three maps, which are made from the same scans. Ask what happens with a driver that reports the max range.",
   },
   mount: {
     // REP 105: T_map_laser = T_map_base T_base_laser; computed by the figure (lessons/mount/model.ts).
@@ -111,7 +111,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   resolution: {
     // Arithmetic: (10 / 1) squared.
     right: 1,
-    answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
+    answer: "Memory grows with the square: 100 times. Cells of 1 cm show the noise, cells of 10 cm narrow the door.",
     notes: "Compare the door and the pillar in the three maps, then the memory and the number of updates.",
   },
   polished: {
@@ -129,7 +129,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   "low-table": {
     // Geometry: a planar scan has one height.
     right: 1,
-    answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
+    answer: "A cell has no height: what lies below the plane of the laser appears in no reading.",
     notes: "Drag the laser up and down past the height of the table, and watch the map.",
   },
   odometry: {

@@ -35,7 +35,7 @@ export function OctreeSection(head: SectionHead) {
     >
       <p>
         The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
-        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b>, voxels, has both.{" "}
+        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b>, voxels, shows both.{" "}
         <span class="no-print">Move the cut, then make the cells finer and compare the memory.</span>
       </p>
     </Section>
@@ -82,7 +82,7 @@ export function TsdfSection(head: SectionHead) {
             surface.
           </p>
           <p>
-            Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
+            Behind the <b>truncation</b> nothing is updated; in a thinner wall readings from both sides fall into the
             same voxels. The weight stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
           </p>
           <div class="actions no-print">
@@ -96,7 +96,7 @@ export function TsdfSection(head: SectionHead) {
       <p>
         An occupancy map says whether something is in a cell. A <b>truncated signed distance function (TSDF)</b> says
         how far away the surface is: positive in front of it, negative behind, 0 on it. The figure shows one beam and
-        what both store of it. <span class="no-print">Drag the wall through a cell.</span>
+        what each map stores of it. <span class="no-print">Drag the wall through a cell.</span>
       </p>
     </Section>
   );

@@ -96,7 +96,7 @@ export function LowTableSection(head: SectionHead) {
       }
     >
       <p>
-        A planar laser measures at the height of its mount. A table below it is in no reading: the map is right about
+        A planar laser measures at the height of its mount. A lower table appears in no reading: the map is right about
         what the laser saw, and wrong about where the robot can drive.{" "}
         <span class="no-print">
           Drag the <b class="noun-beam">laser</b> up and down.

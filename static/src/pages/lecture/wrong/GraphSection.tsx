@@ -20,8 +20,8 @@ export function GraphSection(head: SectionHead) {
       <p>
         A matcher corrects one pose and leaves the earlier ones; a <b>pose graph</b> corrects all together. Its nodes
         are poses; each measured motion between two of them is a spring, at rest where the poses agree with it. The
-        odometry makes a chain: nothing contradicts it, so all springs rest, however wrong it is. Where the robot comes
-        back to a place, a <b>loop</b> joins two nodes far apart.{" "}
+        odometry makes a chain: nothing contradicts it, so all springs are at rest, however wrong it is. Where the robot
+        comes back to a place, a <b>loop</b> joins two nodes far apart.{" "}
         <span class="no-print">Drag a pose and let it go, then close the loop.</span>
       </p>
     </Section>

@@ -55,7 +55,7 @@ export function MatchingSection(head: SectionHead) {
       after={
         <>
           <p>
-            The <b class="noun-beam">colour</b> is the score of every position at the present heading; segments join
+            The <b class="noun-beam">colour</b> is the score of every position at the current heading; segments join
             each point to the nearest one. <b>Point to point</b> makes them short; <b>point to line</b> only their part
             across the wall, so a scan slides along it. Both need a start in the <b class="noun-miss">blue</b> part of
             the second picture. The <b>correlative</b> method tries every pose of its window.
@@ -82,7 +82,7 @@ export function MatchingSection(head: SectionHead) {
       }
     >
       <p>
-        To correct a pose, the scan is laid over another scan or over the map.{" "}
+        To correct a pose, the scan is aligned with another scan or with the map.{" "}
         <span class="no-print">
           Drag the <b class="noun-robot">scan</b> until it snaps; the outer handle turns it.
         </span>
