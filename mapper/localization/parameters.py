@@ -94,7 +94,7 @@ class LocalizationConfig:
     alpha5: float = _alpha("α5", "Variance of a sideways distance for each squared metre of driving; omni uses it.")
     update_min_d: float = number(
         "Distance of updates", "filter", 0.25,
-        "A scan is used once the robot drove so far since the last one that was used, or turned by update_min_a.",
+        "A scan is used once the robot has driven this far since the last used one, or turned by update_min_a.",
         "m", 0.0, 10.0, 0.01,
     )
     update_min_a: float = number("Turn of updates", "filter", 0.2, "The same for turns.", "rad", 0.0, 3.15, 0.01)
@@ -109,7 +109,7 @@ class LocalizationConfig:
     )
     pf_z: float = number(
         "KLD quantile", "filter", 0.99,
-        "Quantile of the standard normal distribution, itself, as AMCL has it, at which the distance is below pf_err.",
+        "Quantile of the standard normal distribution itself, as in AMCL: 0.99 means 84 %, 2.33 means 99 %.",
         "", 0.0, 6.0, 0.01,
     )
     resample_interval: float = number(

@@ -85,7 +85,7 @@ class MatchConfig:
     )
     correspondence: str = choice(
         "Correspondence", "pairs", "bearing",
-        "The other point is looked for around the bearing in which it would be seen, or it is the nearest one.",
+        "The matching point is searched for around its expected bearing, or it is the nearest one.",
         CORRESPONDENCES, only_for=_PAIRING,
     )
     first_gate: float = number(

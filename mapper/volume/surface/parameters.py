@@ -33,7 +33,7 @@ class TsdfConfig:
     )
     max_weight: float = number(
         "Maximum weight", "tsdf", 64.0,
-        "Weight at which a voxel’s mean goes on as a moving one, so that the surface can still change.",
+        "Weight at which a voxel’s mean becomes a moving average, so that the surface can still change.",
         "", 1.0, 10000.0, 1.0,
     )
     weighting: str = choice(
@@ -46,8 +46,8 @@ class TsdfConfig:
     )
     carve: bool = flag(
         "Carve", "tsdf", True,
-        "Whether voxels of the map’s blocks farther before the surface than the truncation are updated too, as free, "
-        "so that what is seen through goes away.",
+        "Whether voxels of the map’s blocks farther in front of the surface than the truncation are updated too, as "
+        "free, so that what is seen through goes away.",
     )
     range_max: float = number(
         "Longest range", "tsdf", 0.0, "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5,
