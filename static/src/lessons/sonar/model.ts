@@ -43,18 +43,27 @@ interface ConeCell {
 
 const f32 = Math.fround;
 
-/** The cells whose centre lies in a cone, the right edge included. */
-function cellsInCone(geometry: GridGeometry, pose: Pose, bearing: number, opening: number): readonly ConeCell[] {
+/** The cells whose centre lies in a cone, the right edge included: at least all that are within `reach` metres. */
+function cellsInCone(
+  geometry: GridGeometry,
+  pose: Pose,
+  bearing: number,
+  opening: number,
+  reach: number,
+): readonly ConeCell[] {
   const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
+  const within = reach / geometry.resolution;
+  const [bottom, top] = [Math.max(0, Math.floor(row0 - within)), Math.min(geometry.rows - 1, Math.ceil(row0 + within))];
+  const [first, last] = [Math.max(0, Math.floor(col0 - within)), Math.min(geometry.cols - 1, Math.ceil(col0 + within))];
   const heading = pose[2] - geometry.origin[2] + bearing;
   const half = opening / 2;
   const [cr, sr] = [Math.cos(heading - half), Math.sin(heading - half)];
   const [cl, sl] = [Math.cos(heading + half), Math.sin(heading + half)];
   const [ca, sa] = [Math.cos(heading), Math.sin(heading)];
   const cells: ConeCell[] = [];
-  for (let row = 0; row < geometry.rows; row++) {
+  for (let row = bottom; row <= top; row++) {
     const dRow = row + 0.5 - row0;
-    for (let col = 0; col < geometry.cols; col++) {
+    for (let col = first; col <= last; col++) {
       const dCol = col + 0.5 - col0;
       if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
       const theta = Math.atan2(ca * dRow - sa * dCol, ca * dCol + sa * dRow);
@@ -123,8 +132,10 @@ function updateCone(
     const reading = isReading(scan, z);
     const free = isFree(scan, z, values);
     if (!reading && !free) return;
-    for (const { index, s, theta } of cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, values.opening)) {
-      if (reading ? s > Math.min(z + half, scan.range_max) : s >= scan.range_max) continue;
+    const reach = reading ? Math.min(z + half, scan.range_max) : scan.range_max;
+    const cells = cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, values.opening, reach);
+    for (const { index, s, theta } of cells) {
+      if (reading ? s > reach : s >= reach) continue;
       grid.logOdds[index] = bayesFilter(grid.logOdds[index] ?? 0, increment(s, z, values, theta), config);
       grid.observed[index] = 1;
     }
@@ -145,7 +156,13 @@ function updateMoravecElfes(
   const [occupied, empty] = statisticsOf(grid);
   const cones = Array.from(scan.ranges, (z, k) => ({
     z,
-    cells: cellsInCone(grid.geometry, pose, scan.bearings[k] ?? 0, values.opening),
+    cells: cellsInCone(
+      grid.geometry,
+      pose,
+      scan.bearings[k] ?? 0,
+      values.opening,
+      isReading(scan, z) ? z + halfWindow(z, values) : scan.range_max,
+    ),
   }));
   for (const { z, cells } of cones) {
     if (!isReading(scan, z) && !isFree(scan, z, values)) continue;

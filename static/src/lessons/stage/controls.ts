@@ -1,6 +1,7 @@
 /** What the reader can set on the stage, each with the lecture's value first. */
 
 import type { Point, Pose } from "../../wire/protocol";
+import type { SonarSettings } from "../sonar/model";
 import { onPath } from "./path";
 
 /** Poses of the scans that the reader has added by dragging the robot, and where it is now; null on the path. */
@@ -28,6 +29,17 @@ export const noReturnRange = onPath(3);
 export const mountError = onPath(8);
 export const driftError = onPath(0.15);
 
+/** The sonars' cone, and how the stage combines their echoes. */
+export const sonarSettings = onPath<SonarSettings>({
+  opening: Math.PI / 6,
+  window: 0.2,
+  profile: "flat",
+  no_return: "ignore",
+});
+export const sonarMethod = onPath<"sonar_cone" | "moravec_elfes">("sonar_cone");
+
+/** Counting: the beams of a scan, and how they update a cell. */
+export const countingBeams = onPath(180);
 export const countingUpdate = onPath<"per_beam" | "per_scan">("per_beam");
 /** Scans of the drive after the cupboard was removed. */
 export const scansAfter = onPath(4);

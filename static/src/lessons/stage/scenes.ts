@@ -7,9 +7,11 @@ import { beamModel, isCone, type SensorModelParameters } from "../../grid/sensor
 import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
 import { parameters } from "../common/parameters";
+import { coneModel } from "../sonar/model";
 import {
   algorithmView,
   cellSide,
+  countingBeams,
   countingUpdate,
   driftError,
   laserHeight,
@@ -23,6 +25,8 @@ import {
   pipelineBeam,
   polishedOn,
   scansAfter,
+  sonarMethod,
+  sonarSettings,
   visited,
   wallNoise,
   wallWindow,
@@ -31,7 +35,7 @@ import { CORNERS, DRIVE, LOW_TABLE_HEIGHT, POLISHED, sightings, TABLE, WALLS } f
 import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
-import { rangeAt, SONAR, USUAL } from "./sensing";
+import { rangeAt, SONAR_REACH, USUAL } from "./sensing";
 import { lookOfWall, STRETCH } from "./wall";
 
 const DEGREE = Math.PI / 180;
@@ -232,10 +236,10 @@ export const SCENES = {
   sonar: () =>
     scene({
       scans: 32,
-      cone: SONAR,
+      cone: coneModel(sonarMethod.value, sonarSettings.value, SONAR_REACH),
       marks: ["cones"],
-      caption:
-        "The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: walls become thick and doors narrow.",
+      caption: (now) =>
+        `The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: ${sonarMethod.value === "sonar_cone" ? "walls become thick and doors narrow" : "shared out over the arc, one echo makes no cell certain"}. ${plural(cellsOf(now.map, "occupied").length, "cell")} are occupied.`,
     }),
   mount: () =>
     scene({
@@ -262,6 +266,7 @@ export const SCENES = {
       scans: 64,
       resolution: 0.1,
       view: { x: 7.76, y: 3.4, width: 1.5, height: 1.1 },
+      conditions: { beams: countingBeams.value },
       config: { update: countingUpdate.value },
       marks: ["lines", "counts"],
       caption:

@@ -7,7 +7,7 @@ import type { SensorModelParameters } from "../../grid/sensorModel";
 import { bearingOf, occupancyGridMapping } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
 import { allRound, castRay, scanFrom, type Wall } from "../common/world";
-import { coneModel, type SonarScan, updateWide } from "../sonar/model";
+import { type SonarScan, updateWide } from "../sonar/model";
 import { SONARS, sonarScan } from "../sonar/world";
 import { LOW_TABLE, POLISHED, TABLE, WALLS, walker } from "./floor";
 
@@ -48,12 +48,8 @@ export const USUAL: Conditions = {
 
 /** Angle to the normal beyond which a polished surface reflects a beam away: as in the lab. */
 const SPECULAR = Math.PI / 6;
-/** The sonars of the section on them. */
-export const SONAR = coneModel(
-  "sonar_cone",
-  { opening: Math.PI / 6, window: 0.2, profile: "flat", no_return: "ignore" },
-  3.5,
-);
+/** Largest range of the sonars of the section on them, metres. */
+export const SONAR_REACH = 3.5;
 
 export function wallsAt(index: number, conditions: Conditions): readonly Wall[] {
   return [

@@ -1,21 +1,39 @@
-import { signal } from "@preact/signals";
 import type { SonarSettings } from "../../../lessons/sonar/model";
 import { Sonar } from "../../../lessons/sonar/Sonar";
+import { sonarMethod, sonarSettings } from "../../../lessons/stage/controls";
+import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
 import { Section, type SectionHead, SectionLink } from "../Section";
 
 const DEGREE = Math.PI / 180;
-const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
+const METHODS = [
+  { value: "sonar_cone", label: "Bayes filter" },
+  { value: "moravec_elfes", label: "Moravec and Elfes" },
+];
 
 export function SonarSection(head: SectionHead) {
-  const { opening, window: w } = settings.value;
+  const { opening, window: w } = sonarSettings.value;
   const set = (change: Partial<SonarSettings>): void => {
-    settings.value = { ...settings.peek(), ...change };
+    sonarSettings.value = { ...sonarSettings.peek(), ...change };
   };
   return (
     <Section
       {...head}
-      figure={<Sonar settings={settings} />}
+      figure={
+        <>
+          <Sonar settings={sonarSettings} />
+          <div class="for-stage no-print">
+            <Choice
+              label="On the stage: echoes are combined by"
+              options={METHODS}
+              value={sonarMethod.value}
+              onChange={(value) => {
+                sonarMethod.value = value === "moravec_elfes" ? value : "sonar_cone";
+              }}
+            />
+          </div>
+        </>
+      }
       sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
       after={
         <>

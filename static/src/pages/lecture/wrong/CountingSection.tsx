@@ -1,12 +1,11 @@
 import { signal } from "@preact/signals";
 import { Counting } from "../../../lessons/counting/Counting";
-import { countingUpdate } from "../../../lessons/stage/controls";
+import { countingBeams, countingUpdate } from "../../../lessons/stage/controls";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
 import { bound } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 
-const beams = signal(180);
 const scans = signal(1);
 
 const UPDATES = [
@@ -20,7 +19,7 @@ export function CountingSection(head: SectionHead) {
       {...head}
       figure={
         <>
-          <Counting beams={beams} scans={scans} />
+          <Counting beams={countingBeams} scans={scans} />
           <div class="for-stage no-print">
             <Choice
               label="On the stage: updates"
@@ -54,8 +53,8 @@ export function CountingSection(head: SectionHead) {
         <DragNumber
           label="beams of a scan"
           sentence="Number of beams in one scan, evenly spaced over 360°."
-          {...bound(beams)}
-          text={`${beams.value} beams`}
+          {...bound(countingBeams)}
+          text={`${countingBeams.value} beams`}
           tone="beam"
           low={36}
           high={720}
