@@ -40,11 +40,7 @@ export function Toasts({ meanwhile = "What is shown stays, and the page goes on 
           <Button icon="close" label="Dismiss" onClick={() => drop(now.id)} />
         </div>
       )}
-      {hasStalled.value && (
-        <div class="toast error">
-          <span>The server does not answer. {meanwhile}</span>
-        </div>
-      )}
+      {hasStalled.value && <p class="no-answer">The server does not answer. {meanwhile}</p>}
     </div>
   );
 }
