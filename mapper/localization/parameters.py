@@ -104,7 +104,7 @@ class LocalizationConfig:
     )
     pf_err: float = number(
         "KLD error", "filter", 0.05,
-        "Largest Kullback-Leibler distance of the particles from the belief that they stand for.",
+        "Largest Kullback-Leibler distance between the particles and the belief that they represent.",
         "", 0.001, 1.0, 0.005,
     )
     pf_z: float = number(

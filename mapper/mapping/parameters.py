@@ -166,7 +166,7 @@ class MappingConfig:
     )
     no_return: str = choice(
         "No return", "update", "ignore",
-        "What a beam without echo says: nothing; that all is free up to the max range; or, a mistake, a hit there.",
+        "What a beam without an echo means: nothing; free space up to the max range; or, wrongly, a hit there.",
         ("ignore", "free", "hit"),
     )
     deskew: str = choice(

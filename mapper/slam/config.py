@@ -22,7 +22,7 @@ class SlamConfig:
     )
     n_beams: float = number(
         "Beams", "scans", 360,
-        "Of scans with more beams each second, third … one is taken, so that at most this many remain.",
+        "Of scans with more beams only every second, third … is used, so that at most this many remain.",
         "", 30, 4000, 30,
     )
     node_distance: float = number(

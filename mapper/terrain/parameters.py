@@ -39,7 +39,7 @@ class GroundConfig:
         "low slope", "ground", 5.0, "A cell that lies deeper among its neighbours is an outlier.", "", 0.5, 50.0, 0.5,
     )
     passes: float = number(
-        "passes", "ground", 2.0, "How often the surface is made; after the first time of ground points.",
+        "passes", "ground", 2.0, "How often the surface is computed; after the first pass from ground points only.",
         "", 1.0, 5.0, 1.0,
     )
     extensions: float = number(

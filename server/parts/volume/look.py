@@ -37,7 +37,7 @@ class Look:
     # fmt: off
     show: str = choice(
         "Show", "look", "voxels",
-        "Occupied voxels, the points that they were made of, both, or the surface by signed distances.",
+        "Occupied voxels, the points that they were made from, both, or the surface by signed distances.",
         ("voxels", "points", "both", "surface"),
     )
     colour: str = choice(
