@@ -130,7 +130,7 @@ function Legend() {
     <ul class="map-legend">
       <li class="occupied">occupied</li>
       <li class="free">free (white in RViz)</li>
-      <li class="undecided">unknown (grey in RViz)</li>
+      <li class="undecided">unknown</li>
       <li class="unobserved">never seen</li>
     </ul>
   );
