@@ -19,6 +19,7 @@ from server.sessions import SessionBudgetError, SessionHost
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.commands import (
     AckCommand,
+    MeasureCommand,
     PingCommand,
     ResumeCommand,
     SelectCommand,
@@ -298,6 +299,8 @@ def _take(session: SessionHost, client: Client, command: Command, following: Fol
             client.subscribe(layers)
         case SelectCommand(place=place):
             session.select(client, place)
+        case MeasureCommand():
+            session.measure(client, command)
         case PingCommand(id=number):
             client.send(Pong(number, session.hub.clock()))
         case InspectCommand():

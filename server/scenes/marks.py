@@ -1,42 +1,87 @@
-"""The mark of the place that a page has selected, in the 3D views of that page alone."""
+"""What belongs to a page in its own 3D views alone: the place that it has selected, and what it measures."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+import viser
 
 from server.scenes.viser_server import ViserServer
 from server.sessions.drawings import CHOSEN
+from server.stream.commands import MeasureCommand
 
-PATH = "/selected"
+SELECTED, MEASURED = "/selected", "/measured"
 HEIGHT_M = 2.0  #: of the pole at the place: four times the highest columns of a map
 WIDTH = 5.0  #: pixels
+RULER_WIDTH = 3.0  #: pixels
+RULER = (214, 120, 20)
+LIFT_M = 0.02  #: of what is measured: on the floor it is not hidden by it
 
 Place = tuple[float, float]  #: x, y, map metres
 
 
+class Mark(NamedTuple):
+    """What a view shows of its page alone; None: nothing."""
+
+    selected: Place | None
+    measured: MeasureCommand | None
+
+
 class Marks:
-    """A pole at the selected place in each view that has one, by viser's number of its client."""
+    """A pole at the selected place, and lines with their lengths, in each view that has them."""
 
     def __init__(self, server: ViserServer) -> None:
         self._server = server
-        self._shown: dict[int, Place] = {}
+        self._shown: dict[int, Mark] = {}  #: by viser's number of its client
 
-    def show(self, places: Mapping[int, Place]) -> None:
+    def show(self, marks: Mapping[int, Mark]) -> None:
         """Draw what changed (a thread)."""
+        nothing = Mark(None, None)
         for number, client in self._server.get_clients().items():
-            place = places.get(number)
-            if place == self._shown.get(number):
-                continue
-            if place is None:
-                client.scene.remove_by_name(PATH)
-                del self._shown[number]
-                continue
-            pole = np.array([[(*place, 0.0), (*place, HEIGHT_M)]], dtype=np.float32)
-            client.scene.add_line_segments(PATH, pole, CHOSEN, thickness=WIDTH, thickness_units="screen")
-            self._shown[number] = place
+            new, old = marks.get(number, nothing), self._shown.get(number, nothing)
+            self._shown[number] = new
+            if new.selected != old.selected:
+                client.scene.remove_by_name(SELECTED)
+                if new.selected is not None:
+                    _draw_pole(client.scene, new.selected)
+            if new.measured != old.measured:
+                client.scene.remove_by_name(MEASURED)
+                if new.measured is not None:
+                    _draw_ruler(client.scene, new.measured)
 
     def forget(self, number: int) -> None:
         """Note that a client has disconnected (any thread)."""
         self._shown.pop(number, None)
+
+
+def _draw_pole(scene: viser.SceneApi, place: Place) -> None:
+    pole = np.array([[(*place, 0.0), (*place, HEIGHT_M)]], dtype=np.float32)
+    scene.add_line_segments(SELECTED, pole, CHOSEN, thickness=WIDTH, thickness_units="screen")
+
+
+def _draw_ruler(scene: viser.SceneApi, measured: MeasureCommand) -> None:
+    """Draw the lines from each point to the next with their lengths, and an upright stroke at the first point."""
+    points = [(x, y, z + LIFT_M) for x, y, z in measured.points or ()]
+    if not points:
+        return
+    scene.add_frame(MEASURED, show_axes=False)
+    sides = list(_sides(points, closed=measured.closed))
+    longest = max((math.dist(*side) for side in sides), default=1.0)
+    (x, y, z), stroke = points[0], 0.05 * longest
+    lines = np.array([*sides, ((x, y, z - stroke), (x, y, z + stroke))], dtype=np.float32)
+    scene.add_line_segments(f"{MEASURED}/lines", lines, RULER, thickness=RULER_WIDTH, thickness_units="screen")
+    for number, (a, b) in enumerate(sides):
+        text, middle = f"{math.dist(a, b):.2f} m", (np.array(a) + b) / 2
+        scene.add_label(f"{MEASURED}/{number}", text, position=middle, anchor="bottom-center")
+
+
+def _sides(
+    points: list[tuple[float, float, float]], *, closed: bool
+) -> Iterator[tuple[tuple[float, float, float], tuple[float, float, float]]]:
+    yield from pairwise(points)
+    if closed and len(points) > 2:
+        yield points[-1], points[0]

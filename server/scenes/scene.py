@@ -36,13 +36,14 @@ from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
 from server.scenes.following import Following
-from server.scenes.marks import Marks, Place
+from server.scenes.marks import Mark, Marks
 from server.scenes.panel import Panel
 from server.scenes.reading import SceneState, read_state
 from server.scenes.viser_server import ViserServer
 from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
+from server.sessions.rays import MeasureRay
 from server.sessions.scene_controls import Bounds, Sight
 from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.messages import SceneMessage
@@ -313,10 +314,16 @@ class Scene:
     # -- from the browser, on the event loop --------------------------------------------------------------------
 
     def _click(self, page: str, origin: Point, direction: Point, met: Point | None) -> None:
-        """Post the command for a click; its answer goes to the page that the view is in."""
-        command = self._session.model.on_scene_ray(origin, direction, met)
+        """Post the command for a click; its answer goes to the page that the view is in.
+
+        While that page measures, the click asks for the place that it means, and does nothing else.
+        """
+        client = self._session.hub.of_page(page)
+        measures = client is not None and client.measured is not None
+        ask = MeasureRay if measures else self._session.model.on_scene_ray
+        command = ask(origin, direction, met)
         if command is not None:
-            self._session.post(command, self._session.hub.of_page(page))
+            self._session.post(command, client)
             self._changed.set()  # it may be refused
 
     def _note_move(self, name: str, position: Point, wxyz: Quaternion) -> None:
@@ -347,7 +354,7 @@ class Scene:
                 queued = self._server.queued
                 try:
                     state = await read_state(self._session, self._drawers, self._contents.due)
-                    await asyncio.to_thread(self._draw, state, self._selected())
+                    await asyncio.to_thread(self._draw, state, self._marked())
                     self._tell()
                     if self._server.queued == queued:  # the next change need not wait
                         pause_s = min(pause_s, (time.monotonic() - state.read_at) / SHARE)
@@ -355,17 +362,16 @@ class Scene:
                     _log.exception("scene not drawn", session=short_hash(self._session.id))
             await asyncio.sleep(pause_s)
 
-    def _selected(self) -> dict[int, Place]:
-        """Return the places that the pages of viser's clients have selected, by the number of the client."""
-        clients = self._session.hub.clients
-        pages = {client.page: client.selected for client in clients if client.page and client.selected is not None}
+    def _marked(self) -> dict[int, Mark]:
+        """Return what the pages of viser's clients have selected and measure, by the number of the client."""
+        pages = {one.page: Mark(one.selected, one.measured) for one in self._session.hub.clients if one.page}
         viewers = [(number, view.viewer) for number, view in [*self._views.items()]]
         return {number: pages[one.page] for number, one in viewers if one.page in pages}
 
-    def _draw(self, state: SceneState, selected: dict[int, Place]) -> None:
+    def _draw(self, state: SceneState, marks: dict[int, Mark]) -> None:
         """Draw what changed (a thread)."""
         wait = self._contents.show(state)
-        self._marks.show(selected)
+        self._marks.show(marks)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._sight = state.controls.sight
         self._follow_robot()

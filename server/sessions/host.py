@@ -35,7 +35,7 @@ from server.sessions.computation import (
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult
-from server.stream.commands import CancelCommand
+from server.stream.commands import CancelCommand, MeasureCommand
 from server.stream.hub import Client, Hub
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, encode_text
@@ -188,6 +188,11 @@ class SessionHost:
     def select(self, client: Client, place: tuple[float, float] | None) -> None:
         """Have ``place``, map metres, marked in the 3D views of a client's page; None for none."""
         client.selected = place
+        call_each(self.listeners)
+
+    def measure(self, client: Client, measured: MeasureCommand) -> None:
+        """Have what a client's page measures drawn in its 3D views, where clicks are then answered with `place`."""
+        client.measured = None if measured.points is None else measured
         call_each(self.listeners)
 
     @property

@@ -6,7 +6,6 @@ model uses no sockets and no asyncio, only its :class:`server.sessions.hosting.M
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -20,12 +19,13 @@ from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.parts import Volumetric
+from server.sessions.rays import MeasureRay, on_floor
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
-from server.stream.messages import FrameMessage, Hello, ScanFields
+from server.stream.messages import FrameMessage, Hello, PlaceMessage, ScanFields
 from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
@@ -175,11 +175,8 @@ class SessionModel(ABC):
         volume = self.find(Volumetric)
         if volume is not None and volume.is_on and volume.is_asked:
             return volume.question(origin, direction)
-        (ox, oy, oz), (dx, dy, dz) = origin, direction
-        if dz * oz >= 0.0:
-            return None
-        x, y = ox - dx * oz / dz, oy - dy * oz / dz
-        return self.on_scene_click(x, y) if math.isfinite(x) and math.isfinite(y) else None
+        place = on_floor(origin, direction)
+        return None if place is None else self.on_scene_click(*place)
 
     def on_gizmo_moved(
         self,
@@ -206,12 +203,25 @@ class SessionModel(ABC):
         Sets ``result.changed`` if a new frame has to be published. Raises :class:`ProtocolError` or
         :class:`mapper.core.errors.MapperError` if the command is refused; nothing has changed then.
         """
+        if isinstance(command, MeasureRay):
+            self._answer_place(command, result)
+            return
         for part in self.parts:
             if isinstance(command, part.commands):
                 with self.computing(part.subject):
                     part.handle(command, result)
                 return
         raise ProtocolError("command.unknown", f"A {self.kind} session has no command {type_of(command)!r:.80}.")
+
+    def _answer_place(self, ray: MeasureRay, result: TickResult) -> None:
+        """Answer with what the click of a page that measures means; with nothing where it meets nothing."""
+        volume = self.find(Volumetric)
+        met = volume.met(ray.origin, ray.direction) if volume is not None and volume.is_on else None
+        if met is not None:
+            (x, y, z), size = met
+            result.answer(PlaceMessage(x, y, z, size))
+        elif (place := ray.met or on_floor(ray.origin, ray.direction)) is not None:
+            result.answer(PlaceMessage(place[0], place[1], None, None))
 
     def settle(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
         """Compute once what the commands of this tick requested, such as a map with other parameters."""

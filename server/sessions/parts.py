@@ -222,6 +222,13 @@ class Volumetric(ABC):
         """Return the command that asks about the voxel that a line of sight meets."""
 
     @abstractmethod
+    def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
+        """Return where a line of sight meets what is drawn of the map, metres, and the side of the voxel that is there.
+
+        The side is 0 where it is a measured point. None: it meets nothing.
+        """
+
+    @abstractmethod
     def clipped(self, handle: str, position: Point) -> Struct | None:
         """Return the command that moves a face of the clip box with its handle to ``position``; None for no handle."""
 

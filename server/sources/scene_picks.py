@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from server.sessions.drawings import Point
 from server.sessions.parts import ShownLoops
+from server.sessions.rays import on_floor
 from server.stream.messages import PickedMessage
 
 REACH = math.radians(1.0)  #: largest angle from a line of sight at which a thin thing is meant
@@ -43,19 +44,10 @@ def picked_by(pick: ScenePick, poses: NDArray[np.float64], loops: ShownLoops | N
     if scan is not None:
         x, y, yaw = poses[scan].tolist()
         return PickedMessage("pose", x, y, yaw=yaw, index=scan + 1, edge=None)
-    place = pick.met or _on_floor(origin, direction)
+    place = pick.met or on_floor(origin, direction)
     if place is None:
         return None
     return PickedMessage("cell", place[0], place[1], yaw=None, index=None, edge=None)
-
-
-def _on_floor(origin: Point, direction: Point) -> Point | None:
-    """Return where a line of sight comes down to the floor; None: nowhere."""
-    if direction[2] * origin[2] >= 0.0:
-        return None
-    share = -origin[2] / direction[2]
-    x, y = origin[0] + share * direction[0], origin[1] + share * direction[1]
-    return (x, y, 0.0) if math.isfinite(x) and math.isfinite(y) else None
 
 
 def _nearest_to_ray(ends: NDArray[np.float64], origin: Point, direction: Point, far: float) -> int | None:

@@ -40,7 +40,7 @@ from server.parts.volume.messages import (
 from server.parts.volume.sight import sensor_sight
 from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, map_limits, times_of
 from server.parts.volume.surface import VolumeSurface
-from server.parts.volume.voxel_questions import VoxelQuestions
+from server.parts.volume.voxel_questions import VoxelQuestions, place_met
 from server.sessions.drawings import Drawing, Point
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
@@ -146,6 +146,13 @@ class VolumeModel(SessionModel, Volumetric):
     def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
         """Return the command that asks about the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
+
+    def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
+        """Return where a line of sight meets the surface, a point, or a voxel, as they are shown."""
+        if self._is_surface:
+            return self._surface.met(origin, direction)
+        scans = self._source if isinstance(self._source, ScanSequence) and self._look.show != "voxels" else None
+        return place_met(self._map, self._rule(), (np.array(origin), np.array(direction)), scans)
 
     def clipped(self, handle: str, position: Point) -> VolumeLookCommand | None:
         """Return the command that moves a face of the clip box with its handle."""

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from server.stream.message_parts import DrawnSolid, Number, Point, UncheckedValues, Whole
+from server.stream.message_parts import DrawnSolid, Number, Place, Point, UncheckedValues, Whole
 
 
 class AckCommand(Struct, tag_field="type", tag="ack"):
@@ -39,6 +39,16 @@ class SelectCommand(Struct, tag_field="type", tag="select"):
     """Mark a place of the map in the 3D views of this page."""
 
     place: Annotated[Point | None, Meta(description="the place; null for none")] = None
+
+
+class MeasureCommand(Struct, tag_field="type", tag="measure"):
+    """Draw what this page measures in its 3D views, where each click is then answered with `place`."""
+
+    points: Annotated[
+        Annotated[list[Place], Meta(max_length=1000)] | None,
+        Meta(description="the points so far, map metres; null: nothing is measured"),
+    ] = None
+    closed: Annotated[bool, Meta(description="whether the last is joined to the first: a polygon")] = False
 
 
 class PlayCommand(Struct, tag_field="type", tag="play"):
@@ -155,6 +165,7 @@ COMMANDS = (
     ResumeCommand,
     SubscribeCommand,
     SelectCommand,
+    MeasureCommand,
     PlayCommand,
     PauseCommand,
     RestartCommand,

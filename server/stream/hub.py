@@ -18,6 +18,7 @@ import msgspec
 from msgspec import Struct
 
 from server.stream.codecs import TILES, join_frame
+from server.stream.commands import MeasureCommand
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.messages import FrameMessage, LayersMessage, ScanFields
@@ -196,6 +197,7 @@ class Client:
         self.follows = follows  #: whether it is a follower's of a class
         self.page = page  #: the name that the page gave itself; empty for none
         self.selected: tuple[float, float] | None = None  #: the place that is marked in its 3D views, map metres
+        self.measured: MeasureCommand | None = None  #: what its page measures; None: nothing
         self.wake = asyncio.Event()
         self.wake.set()
         self.on_wake: Callable[[], None] = self.wake.set  #: called when there may be something to :meth:`take`

@@ -290,6 +290,17 @@ class PickedMessage(Struct, tag_field="type", tag="picked"):
     edge: Annotated[int | None, Meta(description="number of the loop's edge; null for others")]
 
 
+class PlaceMessage(Struct, tag_field="type", tag="place"):
+    """Answer to a click into a 3D view of a page that measures: what is there."""
+
+    x: Annotated[float, Meta(description="x of the place in the map frame, m")]
+    y: Annotated[float, Meta(description="y of the place in the map frame, m")]
+    z: Annotated[float | None, Meta(description="height, m; null: a place of a plane map")]
+    size: Annotated[
+        float | None, Meta(description="side of the voxel there, m; 0: a measured point; null: a place of a plane map")
+    ]
+
+
 class SceneMessage(Struct, tag_field="type", tag="scene"):
     """Settings of the 3D view of the session, from when it is first opened."""
 
@@ -324,6 +335,7 @@ MESSAGES = (
     CellMessage,
     WhyMessage,
     PickedMessage,
+    PlaceMessage,
     SceneMessage,
     Pong,
 )

@@ -52,7 +52,7 @@ def log_info(source: ScanSequence | OctreeFile, log_id: str, topic: str | None, 
     )
 
 
-def rounded_place(place: Float32Array) -> tuple[float, float, float]:
+def rounded_place(place: Float32Array | Float64Array) -> tuple[float, float, float]:
     """Return a place (3,), metres, rounded as messages have it."""
     x, y, z = (round(float(value), 4) for value in place)
     return x, y, z

@@ -24,7 +24,7 @@ from server.parts.volume.look import NORMAL_COLOURS
 from server.parts.volume.messages import Map3dCommand, Map3dMessage, SurfaceMessage, VoxelCommand, VoxelRayCommand
 from server.parts.volume.parameters import HIGHEST, LOWEST, VolumeParameters
 from server.parts.volume.parameters import TABLE as MAP_3D
-from server.parts.volume.voxel_questions import VoxelQuestions
+from server.parts.volume.voxel_questions import VoxelQuestions, place_met
 from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Offers, OtherMap, Part
@@ -202,6 +202,13 @@ class VolumeView(Part, Volumetric):
     def question(self, origin: Point, direction: Point) -> VoxelRayCommand:
         """Return the command that asks about the voxel that a line of sight meets."""
         return VoxelRayCommand(origin, direction)
+
+    def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
+        """Return where a line of sight meets the surface, or the voxels, that are shown."""
+        made = self._made()
+        if self._surface is not None:
+            return self._surface.surface.met(origin, direction)
+        return place_met(made, self._rule(made), (np.array(origin), np.array(direction)), None)
 
     def clipped(self, handle: str, position: Point) -> Map3dCommand | None:
         """Return the command that moves a face of the clip box with its handle."""

@@ -27,7 +27,7 @@ from mapper.volume.surface.tsdf import CENTRE
 from server.parts.volume.look import COLOURS, HEIGHT_RAMP, Corner, Look, normal_colors, ramp_of
 from server.parts.volume.message_fields import MOST_UPDATES, rounded_place
 from server.parts.volume.messages import SurfaceMessage, SurfaceVoxelMessage, VoxelCommand, VoxelRayCommand
-from server.sessions.drawings import Surface
+from server.sessions.drawings import Point, Surface
 from server.sessions.tick import TickResult
 from server.stream.message_parts import SurfaceUpdate as SentUpdate
 from server.stream.message_parts import rows_of
@@ -249,6 +249,11 @@ class VolumeSurface:
                 ],
             )
         )
+
+    def met(self, origin: Point, direction: Point) -> tuple[Point, float] | None:
+        """Return where a line of sight meets the surface, metres, and the side of its voxels; None: nowhere."""
+        place = first_surface(self.replayed.volume, np.array(origin), np.array(direction))
+        return None if place is None else (rounded_place(place), self.config.resolution)
 
     def _key_of(self, command: VoxelCommand | VoxelRayCommand) -> Int64Array | None:
         """Return the key of the voxel that is asked about; None for none."""

@@ -19,6 +19,7 @@ from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.chosen_voxel import ChosenVoxel
 from server.parts.volume.message_fields import no_voxel, rounded_place, sent_updates
 from server.parts.volume.messages import VoxelCommand, VoxelMessage, VoxelRayCommand
+from server.sessions.drawings import Point
 from server.sessions.tick import TickResult
 from server.stream.message_parts import CellState, VoxelPoint
 from server.stream.protocol import place_of
@@ -112,6 +113,28 @@ class VoxelQuestions:
                 point=None if self._scans is None else point_in(self._scans, now.index, centre, size, line),
             )
         )
+
+
+def place_met(
+    now: AskedMap, rule: FaceRule, line: tuple[Float64Array, Float64Array], scans: ScanSequence | None
+) -> tuple[Point, float] | None:
+    """Return where a line of sight meets a drawn voxel of the map ``now`` first, metres, and the side of that voxel.
+
+    The line goes from a place (3,) along a direction (3,). With ``scans``, whose points are drawn, it is the point in
+    that voxel that is nearest to the line, and the side is 0. None: it meets none.
+    """
+    start, away = line
+    key = first_face(now.volume, rule, start, away)
+    if key is None:
+        return None
+    size = now.config.resolution
+    centre = centres_of(np.array([key]), size)[0]
+    point = None if scans is None else point_in(scans, now.index, centre, size, line)
+    if point is not None:
+        return point.place, 0.0
+    towards = np.where(away == 0.0, np.nan, away)  # a face that the line is parallel to is not met
+    entered = np.nanmax((centre - 0.5 * size * np.sign(away) - start) / towards)
+    return rounded_place(start + max(float(entered), 0.0) * away), size
 
 
 def point_in(

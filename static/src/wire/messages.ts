@@ -779,6 +779,19 @@ export interface PickedMessage {
   readonly edge: number | null;
 }
 
+/** Answer to a click into a 3D view of a page that measures: what is there. */
+export interface PlaceMessage {
+  readonly type: "place";
+  /** x of the place in the map frame, m */
+  readonly x: number;
+  /** y of the place in the map frame, m */
+  readonly y: number;
+  /** height, m; null: a place of a plane map */
+  readonly z: number | null;
+  /** side of the voxel there, m; 0: a measured point; null: a place of a plane map */
+  readonly size: number | null;
+}
+
 /** Settings of the 3D view of the session, from when it is first opened. */
 export interface SceneMessage {
   readonly type: "scene";
@@ -1126,6 +1139,15 @@ export interface SelectCommand {
   readonly type: "select";
   /** the place; null for none */
   readonly place?: Point | null;
+}
+
+/** Draw what this page measures in its 3D views, where each click is then answered with `place`. */
+export interface MeasureCommand {
+  readonly type: "measure";
+  /** the points so far, map metres; null: nothing is measured */
+  readonly points?: readonly Place[] | null;
+  /** whether the last is joined to the first: a polygon */
+  readonly closed?: boolean;
 }
 
 /** Start playing. */
@@ -1594,6 +1616,7 @@ export type ServerMessage =
   | CellMessage
   | WhyMessage
   | PickedMessage
+  | PlaceMessage
   | SceneMessage
   | Pong
   | LocalizationMessage
@@ -1614,6 +1637,7 @@ export type Command =
   | ResumeCommand
   | SubscribeCommand
   | SelectCommand
+  | MeasureCommand
   | PlayCommand
   | PauseCommand
   | RestartCommand
@@ -2050,6 +2074,12 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     yaw: oneOf(isNumber, isNull),
     index: oneOf(isInteger, isNull),
     edge: oneOf(isInteger, isNull),
+  },
+  place: {
+    x: isNumber,
+    y: isNumber,
+    z: oneOf(isNumber, isNull),
+    size: oneOf(isNumber, isNull),
   },
   scene: {
     cameras: isListOf(oneOf(isLiteral("above", "east", "north", "overview", "south", "west"), isLiteral("first person", "follow"))),

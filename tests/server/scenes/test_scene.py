@@ -28,11 +28,12 @@ from server.parts.wire import command_of
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
-from server.stream.messages import PickedMessage
+from server.stream.commands import MeasureCommand
+from server.stream.messages import PickedMessage, PlaceMessage
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
-from tests.server.scenes.viser_client import viser_client
+from tests.server.scenes.viser_client import Client, viser_client
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import SessionView, view_of
 
@@ -186,6 +187,48 @@ async def test_a_place_is_marked_in_the_views_of_the_page_that_selects_it(servic
         session.post(command_of({"type": "seek", "index": 30}))  # which both are sent
         await other.until(lambda m: m.get("name") == "/trajectory/line")
     assert not any(map(is_mark, other.seen))
+
+
+async def test_a_page_that_measures_is_told_places_and_its_own_views_show_them(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room")
+    session.post(command_of({"type": "pause"}))
+    await changed(session, lambda view: not view.playing)
+    told: list[Struct] = []
+    page = session.join(page="a" * 32)
+    page.send = told.append
+    robot = view_of(session).pose
+
+    async def click(client: Client, x: float, y: float) -> None:
+        await client.send(
+            type="ScenePointerMessage", event_type="click", ray_origin=(x, y, 5.0), ray_direction=(0.0, 0.0, -1.0),
+            screen_pos=((0.5, 0.5),), modifier=None,
+        )  # fmt: skip
+
+    def nodes(client: Client, kind: str) -> list[dict[str, Any]]:
+        return [m for m in client.seen if m["type"] == kind and str(m.get("name", "")).startswith("/measured/")]
+
+    async with (
+        viser_client(service.port, session.id, page="a" * 32) as own,
+        viser_client(service.port, session.id, page="b" * 32) as other,
+    ):
+        await own.until(lambda m: m.get("name", "").startswith("/world/"))
+        session.measure(page, MeasureCommand([]))
+        await click(own, 2.0, 1.0)
+        await eventually(lambda: bool(told))
+        assert told == [PlaceMessage(2.0, 1.0, None, None)]
+        session.measure(page, MeasureCommand([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (3.0, 4.0, 0.0)], closed=True))
+        await own.until(lambda m: m["type"] == "LabelMessage" and m["props"]["text"] == "5.00 m")
+        assert sorted(m["props"]["text"] for m in nodes(own, "LabelMessage")) == ["3.00 m", "4.00 m", "5.00 m"]
+        (lines,) = nodes(own, "LineSegmentsMessage")
+        assert lines["props"]["points"].size == 4 * 2 * 3  # three sides and the stroke at the first corner
+        session.measure(page, MeasureCommand())
+        await own.until(lambda m: m["type"] == "RemoveSceneNodeMessage" and m["name"].startswith("/measured"))
+        assert view_of(session).pose == robot
+        await click(own, 2.0, 1.0)  # as before
+        await changed(session, lambda view: view.pose[:2] == (2.0, 1.0))
+        await other.until(lambda m: m.get("name") == "/robot")
+    assert not nodes(other, "LineSegmentsMessage")
+    assert len(told) == 1
 
 
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:

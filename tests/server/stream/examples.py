@@ -21,6 +21,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "resume", "epoch_id": "0f", "layer": "map", "epoch": 3, "revision": 17},
     {"type": "subscribe", "layers": ["map", "partículas"]},
     {"type": "select", "place": [1.5, -2.0]},
+    {"type": "measure", "points": [[1.5, -2.0, 0.25], [0.0, 3.0, -1.0]], "closed": True},
     {"type": "play"},
     {"type": "step", "scans": -1},
     {"type": "parameters", "values": {"log_odds_hit": 0.85, "model": "step_window", "clamp": False}},
@@ -309,6 +310,8 @@ MESSAGES: tuple[Struct, ...] = (
     messages.CellMessage(1, 2, 3, 0.075, 0.125, False, 0.0, 0.5, "unknown", "second_map"),
     messages.PickedMessage("pose", 1.5, -2.0, yaw=0.25, index=10, edge=None),
     messages.PickedMessage("loop", 1.5, -2.0, yaw=None, index=None, edge=7),
+    messages.PlaceMessage(1.5, -2.0, 0.25, 0.05),
+    messages.PlaceMessage(1.5, -2.0, None, None),
     messages.SceneMessage(["overview", "above"], {"Map": True, "Beams": False}, 1.5, 2.0),
     messages.WhyMessage(
         1,

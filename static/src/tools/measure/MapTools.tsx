@@ -1,7 +1,7 @@
 /** Over a map: fit, full screen, the ruler and the area; the scale, the place of the pointer, and what is measured. */
 
 import { useComputed } from "@preact/signals";
-import type { RefObject } from "preact";
+import type { ComponentChildren, RefObject } from "preact";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { inHand } from "../../ui/browser/touch";
@@ -9,9 +9,11 @@ import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { IconName } from "../../ui/Icon";
 import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
+import { PlaceForm } from "../../ui/PlaceForm";
 import { measuredText, scaleBar, scaleText } from "./model";
 import "./measure.css";
 import { type MeasuringTool, measuringOf } from "./measuring";
+import { measureInScenes } from "./tool";
 
 const TOOLS: readonly (readonly [tool: MeasuringTool, icon: IconName, label: string])[] = [
   ["distance", "ruler", "Measure a distance"],
@@ -51,6 +53,7 @@ export function MapTools({ store, stage }: MapToolsProps) {
 /** The ruler and the area, to take and to put away. */
 export function MeasuringButtons({ store }: { readonly store: Store }) {
   const measuring = measuringOf(store);
+  measureInScenes(store);
   return (
     <>
       {TOOLS.map(([name, icon, label]) => (
@@ -78,22 +81,47 @@ export function Measuring({ store }: { readonly store: Store }) {
   );
 }
 
-function Measured({ store, tool }: { readonly store: Store; readonly tool: MeasuringTool }) {
+/** Over a 3D view: what is measured, and the coordinates of a place to measure to, for a keyboard. */
+export function MeasuringIn3d({ store, snaps }: { readonly store: Store; readonly snaps: boolean }) {
+  const measuring = measuringOf(store);
+  const tool = measuring.tool.value;
+  if (!tool) return null;
+  return (
+    <Measured store={store} tool={tool} snaps={snaps}>
+      <details class="measured-place">
+        <summary>Enter a place</summary>
+        <PlaceForm label="Add" onPlace={(place) => measuring.add(place, measuring.size.peek() ?? 0)} />
+      </details>
+    </Measured>
+  );
+}
+
+interface MeasuredProps {
+  readonly store: Store;
+  readonly tool: MeasuringTool;
+  /** Whether there are walls of a map to snap to. */
+  readonly snaps?: boolean;
+  readonly children?: ComponentChildren;
+}
+
+function Measured({ store, tool, snaps = true, children }: MeasuredProps) {
   const measuring = measuringOf(store);
   const points = measuring.points.value;
-  const resolution = store.map.value?.geometry.resolution ?? 0;
-  const text = inHand(measuredText(tool, points, resolution));
+  const size = measuring.size.value ?? store.map.value?.geometry.resolution ?? 0;
+  const text = inHand(measuredText(tool, points, size));
   return (
     <section class="measured" aria-label="Measured">
       <p class="number">{text}</p>
       <div class="measured-actions">
-        <SwitchChip
-          label="Snap to walls"
-          checked={measuring.snaps.value}
-          onChange={(isOn) => {
-            measuring.snaps.value = isOn;
-          }}
-        />
+        {snaps && (
+          <SwitchChip
+            label="Snap to walls"
+            checked={measuring.snaps.value}
+            onChange={(isOn) => {
+              measuring.snaps.value = isOn;
+            }}
+          />
+        )}
         <Button
           kind="quiet"
           icon="undo"
@@ -112,6 +140,7 @@ function Measured({ store, tool }: { readonly store: Store; readonly tool: Measu
         />
         <Button kind="quiet" icon="close" label="Close the ruler" onClick={() => measuring.take(null)} />
       </div>
+      {children}
       <LiveRegion text={points.length > 0 ? text : ""} />
     </section>
   );

@@ -36,6 +36,49 @@ test("what is measured says how exact it is", () => {
   expect(measuredText("area", SQUARE, 0.05)).toBe("4.00 m², around it 8.00 m ± 0.05 m");
 });
 
+test("in 3D lengths, areas and angles are those in space", () => {
+  expect(
+    lengthOf([
+      [0, 0, 0],
+      [1, 2, 2],
+      [1, 2, 0],
+    ]),
+  ).toBe(5);
+  // A roof of 3 m by the hypotenuse of 4 m and 3 m.
+  const roof = [
+    [0, 0, 0],
+    [3, 0, 0],
+    [3, 4, 3],
+    [0, 4, 3],
+  ] as const;
+  expect(areaOf(roof)).toBe(15);
+  expect(areaOf([...roof].reverse())).toBe(15);
+  expect(angleAt([0, 0, 1], [0, 0, 0], [2, 0, 0])).toBe(90);
+  expect(angleAt([1, 1, 0], [0, 0, 0], [1, 1, Math.SQRT2])).toBeCloseTo(45, 9);
+});
+
+test("in 3D the height difference is stated, and no error of measured points", () => {
+  const step = [
+    [0, 0, 0.1],
+    [0, 2, 1.6],
+  ] as const;
+  expect(measuredText("distance", step, 0)).toBe("2.50 m, height difference 1.50 m, direction 90.0°");
+  expect(measuredText("distance", [...step].reverse(), 0.05)).toBe(
+    "2.50 m ± 0.05 m, height difference −1.50 m, direction −90.0°",
+  );
+  expect(
+    measuredText(
+      "area",
+      [
+        [0, 0, 0],
+        [0, 2, 0],
+        [0, 2, 3],
+      ],
+      0.1,
+    ),
+  ).toContain("3.00 m², around it 8.61 m ± 0.10 m");
+});
+
 /** A wall of cells of 0.1 m along y from which the columns 10 to 18 are left out: a door of 0.9 m. */
 function wall(): MapPicture {
   const cells = new Cells();

@@ -6,48 +6,68 @@ import type { MapPicture } from "../../render/map/mapPicture";
 import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
 
-export const distanceOf = ([x0, y0]: Point, [x1, y1]: Point): number => Math.hypot(x1 - x0, y1 - y0);
+/** A point that is measured, m: of a map without a height, in 3D with one. */
+export type Spot = readonly [x: number, y: number, z?: number];
+
+const heightOf = ([, , z = 0]: Spot): number => z;
+
+const between = (from: Spot, to: Spot): readonly [number, number, number] => [
+  to[0] - from[0],
+  to[1] - from[1],
+  heightOf(to) - heightOf(from),
+];
+
+export const distanceOf = (from: Spot, to: Spot): number => Math.hypot(...between(from, to));
 
 /** The length of a line of points, m; of a polygon where it is closed. */
-export function lengthOf(points: readonly Point[], isClosed = false): number {
+export function lengthOf(points: readonly Spot[], isClosed = false): number {
   let sum = 0;
   for (let i = isClosed ? 0 : 1; i < points.length; i++) {
-    sum += distanceOf(points.at(i - 1) as Point, points[i] as Point);
+    sum += distanceOf(points.at(i - 1) as Spot, points[i] as Spot);
   }
   return sum;
 }
 
-/** The area of a polygon, m²: the shoelace formula. */
-export function areaOf(points: readonly Point[]): number {
-  let twice = 0;
+/**
+ * The area of a polygon, m²: the shoelace formula in each plane of two axes. Where its corners are in no plane, it is
+ * the largest area that it has when it is seen from one side, from far away.
+ */
+export function areaOf(points: readonly Spot[]): number {
+  const twice: [number, number, number] = [0, 0, 0];
   for (let i = 0; i < points.length; i++) {
-    const [[x0, y0], [x1, y1]] = [points.at(i - 1) as Point, points[i] as Point];
-    twice += x0 * y1 - x1 * y0;
+    const [[x0, y0, z0 = 0], [x1, y1, z1 = 0]] = [points.at(i - 1) as Spot, points[i] as Spot];
+    twice[0] += y0 * z1 - y1 * z0;
+    twice[1] += z0 * x1 - z1 * x0;
+    twice[2] += x0 * y1 - x1 * y0;
   }
-  return Math.abs(twice) / 2;
+  return Math.hypot(...twice) / 2;
 }
 
 /** The direction from one point to another, degrees counter-clockwise from x, −180 … 180. */
-export const headingOf = ([x0, y0]: Point, [x1, y1]: Point): number => (Math.atan2(y1 - y0, x1 - x0) * 180) / Math.PI;
+export const headingOf = ([x0, y0]: Spot, [x1, y1]: Spot): number => (Math.atan2(y1 - y0, x1 - x0) * 180) / Math.PI;
 
 /** The angle at the middle of three points, degrees 0 … 180. */
-export function angleAt(before: Point, at: Point, after: Point): number {
-  const turned = Math.abs(headingOf(at, before) - headingOf(at, after));
-  return turned > 180 ? 360 - turned : turned;
+export function angleAt(before: Spot, at: Spot, after: Spot): number {
+  const [x0, y0, z0] = between(at, before);
+  const [x1, y1, z1] = between(at, after);
+  const across = Math.hypot(y0 * z1 - y1 * z0, z0 * x1 - z1 * x0, x0 * y1 - x1 * y0);
+  return (Math.atan2(across, x0 * x1 + y0 * y1 + z0 * z1) * 180) / Math.PI;
 }
 
-/** What is measured, in words; `resolution` is the side of a cell, m. */
-export function measuredText(tool: "distance" | "area", points: readonly Point[], resolution: number): string {
-  const cell = `± ${written(resolution, 2)} m`; // each end lies within half a cell of the wall
+/** What is measured, in words; `size` is the side of a cell or a voxel, m, 0 where the points themselves are known. */
+export function measuredText(tool: "distance" | "area", points: readonly Spot[], size: number): string {
+  const cell = size > 0 ? ` ± ${written(size, 2)} m` : ""; // each end lies within half a cell of the wall
   if (tool === "area") {
     if (points.length < 3) return "Click the corners of an area.";
-    return `${written(areaOf(points), 2)} m², around it ${written(lengthOf(points, true), 2)} m ${cell}`;
+    return `${written(areaOf(points), 2)} m², around it ${written(lengthOf(points, true), 2)} m${cell}`;
   }
   const last = points.at(-1);
   const before = points.at(-2);
   if (!last || !before) return "Click two places, or two sides of a door.";
   const corner = points.at(-3);
-  const own = `${written(distanceOf(before, last), 2)} m ${cell}`;
+  const isFlat = points.every(([, , z]) => z === undefined);
+  const rise = isFlat ? "" : `, height difference ${written(heightOf(last) - heightOf(before), 2)} m`;
+  const own = `${written(distanceOf(before, last), 2)} m${cell}${rise}`;
   if (!corner) return `${own}, direction ${written(headingOf(before, last), 1)}°`;
   return `${own}, angle ${written(angleAt(corner, before, last), 1)}°, together ${written(lengthOf(points), 2)} m`;
 }

@@ -26,7 +26,7 @@ function paintMeasuring(store: Store, brush: Brush): void {
   if (tool === null) return;
   const { ctx, size, view, colours } = brush;
   const at = (point: Point): Point => toScreen(view, size, ...point);
-  const kept = measuringOf(store).points.peek();
+  const kept = measuringOf(store).onMap.peek();
   const pointer = store.probe.peek();
   const next = pointer && !measuringOf(store).isDone.peek() ? placeAt(store, pointer) : null;
   const points = next ? [...kept, next] : kept;

@@ -5,6 +5,8 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Slider } from "../../ui/Slider";
+import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
+import { measuringOf } from "../measure/measuring";
 import { savePicture } from "./picture";
 import { SceneButtons } from "./SceneButtons";
 import { fullScreen, SceneFrame } from "./SceneFrame";
@@ -46,7 +48,7 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
       <div class="scene-group" ref={group}>
         <div class="scene-picture">
           <SceneFrame store={store} session={session} class="scene" title="3D view" />
-          {children}
+          {measuringOf(store).tool.value ? <MeasuringIn3d store={store} snaps /> : children}
         </div>
         <SceneControls
           store={store}
@@ -73,6 +75,9 @@ function SceneControls({
   if (!now) return null; // all of them come at once, so that none moves when others come
   return (
     <div class="scene-controls stack-tight">
+      <div class="actions">
+        <MeasuringButtons store={store} />
+      </div>
       <SceneButtons store={store} session={session} />
       {hasColumns && (
         <Slider

@@ -3,6 +3,7 @@
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
 import { savePicture } from "../scene/picture";
 import { SceneButtons } from "../scene/SceneButtons";
 import { fullScreen, SceneFrame } from "../scene/SceneFrame";
@@ -29,8 +30,12 @@ export function VolumeStage({ session, store }: VolumeStageProps) {
           title="Map in 3D: drag to turn, pinch or scroll to zoom, click a voxel to ask about it"
         />
       )}
+      <MeasuringIn3d store={store} snaps={false} />
       <div class="volume-buttons">
         <SceneButtons store={store} session={session} />
+        <div class="actions">
+          <MeasuringButtons store={store} />
+        </div>
         {look && <ClipHandles look={look} />}
         <Button icon="download" label="Save the picture as PNG" onClick={() => savePicture(group.current)} />
         <Button icon="fit" label="Full screen" onClick={() => fullScreen(group.current)} />

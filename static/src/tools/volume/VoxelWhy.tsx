@@ -1,11 +1,9 @@
-import { useSignal } from "@preact/signals";
 import type { ComponentChild } from "preact";
-import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { NumberField } from "../../ui/NumberField";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
+import { PlaceForm } from "../../ui/PlaceForm";
 import type { SurfaceVoxelMessage, VoxelMessage } from "../../wire/protocol";
 
 const millimetres = (metres: number): string => `${written(1000 * metres, 1)} mm`;
@@ -88,7 +86,7 @@ export function VoxelWhy({ store }: { readonly store: Store }) {
   return (
     <Panel title="Why does this voxel have its value?">
       <p class="quiet">Click a voxel in the picture, or enter a place:</p>
-      <Place store={store} />
+      <PlaceForm label="Ask" onPlace={([x, y, z]) => store.send({ type: "voxel", x, y, z })} />
       <p aria-live="polite" class="quiet">
         {isComputing && "Going through the beams of all scans …"}
       </p>
@@ -166,39 +164,5 @@ function Answer({ now, centre, hasScans }: AnswerProps) {
         ))}
       </Updates>
     </div>
-  );
-}
-
-/** Coordinates to ask about, for a keyboard. */
-function Place({ store }: { readonly store: Store }) {
-  const id = useId();
-  const place = useSignal<readonly [number, number, number]>([0, 0, 0]);
-  return (
-    <form
-      class="volume-place"
-      onSubmit={(event) => {
-        event.preventDefault();
-        const [x, y, z] = place.peek();
-        store.send({ type: "voxel", x, y, z });
-      }}
-    >
-      {([0, 1, 2] as const).map((axis) => (
-        <div key={axis}>
-          <label for={id + axis}>{"xyz"[axis]} (m)</label>
-          <NumberField
-            id={id + axis}
-            class="field-text"
-            step={0.01}
-            value={place.value[axis]}
-            onChange={(value) => {
-              const next: [number, number, number] = [...place.peek()];
-              next[axis] = value;
-              place.value = next;
-            }}
-          />
-        </div>
-      ))}
-      <Button submits>Ask</Button>
-    </form>
   );
 }

@@ -155,7 +155,7 @@ function Editor({ store, state, note, onDone }: EditorProps) {
   const frame = store.frame.value;
   const pinned = store.pinned.value;
   const measuring = measuringOf(store);
-  const measured = measuring.tool.value === "area" ? measuring.points.value : [];
+  const measured = measuring.tool.value === "area" ? measuring.onMap.value : [];
   const area = note?.outline ?? (measured.length >= 3 && areaOf(measured) > 0 ? measured : null);
   // What a note has keeps its pin; what is newly pinned takes the moment, or the cell that was clicked.
   const pin: Pin = {

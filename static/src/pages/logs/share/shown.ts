@@ -52,7 +52,7 @@ export function shownOf(page: ShownPage): Shown {
       text: lines.text.peek().slice(0, MOST.text),
     },
     place: selected?.what === "cell" ? selected.place : null,
-    measured: tool && { tool, points: measuring.points.peek().slice(0, MOST.points) },
+    measured: tool && { tool, points: measuring.onMap.peek().slice(0, MOST.points) },
     utc: inUtc.peek(),
     comparison: comparison !== "" && comparison.length <= MOST.comparison ? comparison : null,
   };
