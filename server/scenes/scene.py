@@ -52,6 +52,7 @@ MAX_HZ = 15.0
 SHARE = 0.2
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
+VISERS_FIRST = (3.0, -3.0, 3.0)  #: where a browser's camera is until it has read the first one of the scene, metres
 MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
 
 _log = structlog.get_logger(__name__)
@@ -180,7 +181,8 @@ class Scene:
         """Move the camera back on a narrow screen, so that all of its bounds are in view.
 
         In a view that its page had before, the camera comes to where it was: viser's client begins with the first
-        camera again after a lost connection.
+        camera again after a lost connection. After a reload it begins where the tab has kept its camera
+        (``static/src/pages/sceneCamera.ts``), and is left there.
         """
         view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
         before = self._last_of(view.viewer)
@@ -193,7 +195,7 @@ class Scene:
             view.position, view.look_at = before.position, before.look_at
         elif before is not None and before.aim is not None:
             self._aim_client(client, before.aim.name)
-        elif client.camera.aspect < ASPECT:
+        elif client.camera.aspect < ASPECT and (view.is_at(self._first_place) or view.is_at(VISERS_FIRST)):
             self._aim_client(client, "overview")
         client.camera.on_update(self._fit)
         self._note_change()  # its page may have selected a place

@@ -1,6 +1,7 @@
 /**
  * Script of the 3D view, inserted by server/scenes/proxy.py before those of viser's client: it makes glTF files of the
- * chunks of voxels, and clips point clouds, before the client reads the messages that they are in.
+ * chunks of voxels, and clips point clouds, before the client reads the messages that they are in. The client begins
+ * with the camera that the tab has kept, which viser takes from the query of the address.
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
@@ -10,6 +11,7 @@
 import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
+import { keepCamera, keptQuery } from "./sceneCamera";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
@@ -26,12 +28,29 @@ function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>):
   }
 }
 
+/** What the tab keeps; null if the browser forbids it. */
+const storage = (() => {
+  try {
+    return sessionStorage;
+  } catch {
+    return null;
+  }
+})();
+
 window.Worker = class extends window.Worker {
   constructor(...given: ConstructorParameters<typeof Worker>) {
     super(...given);
     this.addEventListener("message", expand);
   }
+
+  override postMessage(posted: { readonly message?: unknown }, ...more: unknown[]): void {
+    if (storage) keepCamera(storage, location.pathname, posted?.message);
+    super.postMessage(posted, ...(more as [Transferable[]]));
+  }
 };
+
+const query = storage && keptQuery(storage, location);
+if (query !== null) history.replaceState(null, "", query);
 
 const WITHOUT_WEBGL =
   "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +

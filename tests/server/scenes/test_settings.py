@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from server.scenes.cameras import ASPECT, CAMERAS, FOV, ROBOT_CAMERAS, camera_at
+from server.scenes.scene import VISERS_FIRST
 from server.stream.message_parts import CameraName
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
@@ -80,10 +81,10 @@ async def test_a_view_that_connects_again_has_the_camera_that_it_had(service: Se
     moved, aim, height = (1.0, -2.0, 3.0), (1.0, 1.0, 0.5), CAMERA["image_height"]
     assert isinstance(height, int)
 
-    async def told(page: str, then: Any = None, *, is_told: bool = True) -> list[Any]:
-        """Where a view is told to look from and to: its camera is the first one, and at ``then`` before it leaves."""
+    async def told(page: str, then: Any = None, *, begins: Any = initial, is_told: bool = True) -> list[Any]:
+        """Where a view is told to look from and to: its camera is at ``begins``, and at ``then`` before it leaves."""
         async with viser_client(
-            service.port, session.id, "visitor=ann", page * 32, position=initial, look_at=middle, image_width=width
+            service.port, session.id, "visitor=ann", page * 32, position=begins, look_at=middle, image_width=width
         ) as client:
             if is_told:
                 await client.until(lambda m: m["type"] == "SetCameraLookAtMessage" and not m["initial"])
@@ -108,6 +109,8 @@ async def test_a_view_that_connects_again_has_the_camera_that_it_had(service: Se
     assert await told("a", then=moved, is_told=is_narrow) == overview
     assert await told("a") == [pytest.approx(moved), pytest.approx(aim)]
     assert await told("b", is_told=is_narrow) == overview  # another page
+    assert await told("c", begins=VISERS_FIRST, is_told=is_narrow) == overview  # which has not read the first camera
+    assert await told("d", begins=moved, is_told=False) == []  # a tab that has kept its camera
 
 
 async def test_the_plain_view_has_no_panel(service: Service) -> None:

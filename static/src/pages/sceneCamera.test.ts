@@ -1,0 +1,34 @@
+// @vitest-environment happy-dom
+import { beforeEach, expect, test } from "vitest";
+import { keepCamera, keptQuery } from "./sceneCamera";
+
+const PATH = "/scenes/abc/plain/page/";
+const at = (pathname: string, search = ""): Location => ({ pathname, search }) as Location;
+
+beforeEach(() => sessionStorage.clear());
+
+test("a view begins where the camera of its session was, in any page of the tab", () => {
+  expect(keptQuery(sessionStorage, at(PATH))).toBeNull();
+  keepCamera(sessionStorage, PATH, {
+    type: "ViewerCameraMessage",
+    position: [1.5, -2, 3],
+    look_at: [0, 0.25, 0],
+    fov: 0.8,
+  });
+  const query = new URLSearchParams(keptQuery(sessionStorage, at("/scenes/abc/plain/other/", "?darkMode")) ?? "");
+  expect(query.get("initialCameraPosition")).toBe("1.5,-2,3");
+  expect(query.get("initialCameraLookAt")).toBe("0,0.25,0");
+  expect(query.has("darkMode")).toBe(true);
+  expect(keptQuery(sessionStorage, at("/scenes/another/plain/page/"))).toBeNull();
+});
+
+test("other messages, and what is no camera, are not kept", () => {
+  keepCamera(sessionStorage, PATH, { type: "ScenePointerMessage", position: [1, 2, 3], look_at: [0, 0, 0] });
+  keepCamera(sessionStorage, PATH, { type: "ViewerCameraMessage", position: [1, 2, Number.NaN], look_at: [0, 0, 0] });
+  keepCamera(sessionStorage, PATH, undefined);
+  expect(sessionStorage.length).toBe(0);
+  for (const text of ["null", "{", '{"position":[1,2,3]}', '{"position":[1,2,"3"],"look_at":[0,0,0]}']) {
+    sessionStorage.setItem("gridbloom.camera.abc", text);
+    expect(keptQuery(sessionStorage, at(PATH))).toBeNull();
+  }
+});
