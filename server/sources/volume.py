@@ -37,6 +37,7 @@ from server.parts.volume.messages import (
     VoxelCommand,
     VoxelRayCommand,
 )
+from server.parts.volume.point_values import PointValues
 from server.parts.volume.sight import sensor_sight
 from server.parts.volume.start import bounds_of, check_resolution, first_look, first_resolution, map_limits, times_of
 from server.parts.volume.surface import VolumeSurface
@@ -97,8 +98,10 @@ class VolumeModel(SessionModel, Volumetric):
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
-        self._drawn = VolumeDrawings(source, self._low, self._high)
         scans = source if isinstance(source, ScanSequence) else None
+        points = None if other is None else other[1]
+        self._values = PointValues(scans, points if isinstance(points, ScanSequence) else None)
+        self._drawn = VolumeDrawings(source, self._low, self._high, self._values)
         self._questions = VoxelQuestions(host, self._drawn.chosen, scans)
         self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
         self._timeline = ScanTimeline(times_of(source), self._map.count)
@@ -253,7 +256,6 @@ class VolumeModel(SessionModel, Volumetric):
 
     def _message(self) -> VolumeMessage:
         volume, source = self._map.volume, self._map.source
-        scans = source if isinstance(source, ScanSequence) else None
         occupied, free = volume.count_states()
         sides = np.maximum(np.ceil((self._high - self._low) / self._map.config.resolution), 1.0)
         chunks = self._drawn.faces.chunks
@@ -261,7 +263,7 @@ class VolumeModel(SessionModel, Volumetric):
             look=look_table(self._first_look, self._look, self._low, self._high),
             low=self._low.tolist(),
             high=self._high.tolist(),
-            has_scans=scans is not None,
+            has_scans=isinstance(source, ScanSequence),
             has_free=self._has_free,
             up=self._up,
             points=int(source.starts[self._map.index]) if isinstance(source, ScanSequence) else len(source.tree.masks),
@@ -274,7 +276,8 @@ class VolumeModel(SessionModel, Volumetric):
             chunks=len(chunks),
             quads=sum(len(quads) for quads in chunks.values()),
             pending=self._drawn.pending,
-            colours=[] if scans is None else ["own colour" if name == "rgb" else name for name in scans.fields],
+            colours=self._values.names,
+            scale=self._values.scale(self._look.colour),
             compared=self._comparison.summary(),
         )
 

@@ -222,6 +222,16 @@ class LayerInfo(Part):
     ]
 
 
+class ColourScale(Part):
+    """The numbers at the ends of a scale of colours; what is beyond them has the colours of the ends."""
+
+    low: Annotated[float, Meta(description="at the beginning")]
+    high: Annotated[float, Meta(description="at the end")]
+    unit: Annotated[
+        str, Meta(description="`m`; `s` after the first scan; `scan`: its number; empty: as the file states it")
+    ]
+
+
 class VolumeChanges(Part):
     """Differences between the map of a session in 3D, B, and another one, A."""
 

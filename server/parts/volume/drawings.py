@@ -32,6 +32,7 @@ from server.parts.volume.look import (
     ramp_of,
 )
 from server.parts.volume.message_fields import outside
+from server.parts.volume.point_values import UNITS, PointValues
 from server.sessions.drawings import Drawing, Points, Voxels
 
 MOST_POINTS = 1_000_000  #: that are drawn
@@ -40,19 +41,22 @@ MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 
 DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
 PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
-NUMBERED = ("probability", "class", "normal")  #: colourings whose rectangles are not those of heights
+NUMBERED = ("probability", "class", "normal", *UNITS)  #: colourings whose rectangles are not those of heights
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
 class VolumeDrawings:
     """The drawings of a map; :meth:`work` makes them again in pieces, :meth:`current` returns what is there."""
 
-    def __init__(self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array) -> None:
+    def __init__(
+        self, source: ScanSequence | OctreeFile, low: Float64Array, high: Float64Array, values: PointValues
+    ) -> None:
         self._scans = source if isinstance(source, ScanSequence) else None
         self._low, self._high = low, high
         self.clip_box = ClipBox(low, high, outside(low, high))
         self.faces = VoxelFaces()
-        self._classes: tuple[float, Painted] | None = None  #: at a resolution
+        self._values = values
+        self._painted: tuple[tuple[float, str, int], Painted] | None = None  #: by resolution, colouring, points
         self._pending: set[ChunkKey] = set()
         self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
         self._points: Points | None = None
@@ -116,10 +120,10 @@ class VolumeDrawings:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
-        classes = self._classes_at(volume.config.resolution) if look.colour == "class" else None
+        of_points = self._painted_by(look.colour, volume.config.resolution, index)
         # Low chunks first: the ground, and what stands on it.
         for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
-            painted = painted_directions(volume, key) if look.colour == "normal" else classes
+            painted = painted_directions(volume, key) if look.colour == "normal" else of_points
             self.faces.update(volume, rule, [key], painted=painted)
             self._pending.discard(key)
             if is_over():
@@ -130,15 +134,24 @@ class VolumeDrawings:
             self._newest = None
             self._stale_points = False
 
-    def _classes_at(self, resolution: float) -> Painted:
-        """Return the classes of the voxels, as far as the file states them."""
-        if self._scans is None or "class" not in self._scans.fields:
+    def _painted_by(self, colour: str, resolution: float, index: int) -> Painted | None:
+        """Return what most points of each voxel have, as colours; None for a colouring that points have no part in.
+
+        Of times those of the first ``index`` scans count.
+        """
+        if colour != "class" and colour not in UNITS:
+            return None
+        if self._scans is None or colour not in self._values.names:
             return {}
-        if self._classes is None or self._classes[0] != resolution:
-            some = slice(None, None, max(1, -(-len(self._scans.points) // MOST_CLASSED)))
-            points, classes = self._scans.points[some], np.asarray(self._scans.fields["class"])[some].reshape(-1)
-            self._classes = resolution, voxel_classes(points, classes, resolution, len(CLASS_COLOURS))
-        return self._classes[1]
+        end = int(self._scans.starts[index]) if colour == "time" else len(self._scans.points)
+        if self._painted is None or self._painted[0] != (resolution, colour, end):
+            some = slice(0, end, max(1, -(-end // MOST_CLASSED)))
+            is_class = colour == "class"
+            numbers = self._scans.fields["class"].reshape(-1) if is_class else self._values.bands(colour)
+            most = len(CLASS_COLOURS) if is_class else COLOURS
+            painted = voxel_classes(self._scans.points[some], numbers[some], resolution, most)
+            self._painted = (resolution, colour, end), painted
+        return self._painted[1]
 
     def show_newest(self, index: int, look: Look) -> None:
         """Show the newest scan as points, while voxels are made again less often."""
@@ -162,10 +175,8 @@ class VolumeDrawings:
         colors: NDArray[np.uint8] | tuple[int, int, int] = PLAIN
         if look.colour == "own colour" and "rgb" in scans.fields:
             colors = scans.fields["rgb"][some].astype(np.uint8)
-        elif look.colour == "intensity" and "intensity" in scans.fields:
-            values = scans.fields["intensity"][some].astype(np.float64)
-            low, high = np.nanpercentile(values, [1.0, 99.0]) if len(values) else (0.0, 1.0)
-            colors = ramp_of(values, float(low), float(high), HEIGHT_RAMP)
+        elif self._values.is_banded(look.colour):
+            colors = HEIGHT_RAMP[self._values.bands(look.colour)[some]]
         elif look.colour == "class" and "class" in scans.fields:
             colors = CLASS_COLOURS[np.clip(scans.fields["class"][some].astype(np.int64), 0, len(CLASS_COLOURS) - 1)]
         else:

@@ -43,8 +43,9 @@ class Look:
     colour: str = choice(
         "Colour by", "look", "height",
         "What the colours show: height, occupancy probability, the side of a voxel, the direction that a surface "
-        "faces, or what the file states of its points.",
-        ("height", "probability", "side", "normal", "intensity", "class", "own colour"),
+        "faces, what the file states of its points, when they were measured, or how far the nearest point of the cloud "
+        "is that this one is compared with.",
+        ("height", "probability", "side", "normal", "intensity", "time", "difference", "class", "own colour"),
     )
     band: float = number("Height band", "look", 0.25, "Height of one colour.", "m", 0.05, 10.0, 0.05)
     whole: bool = flag(

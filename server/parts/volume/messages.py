@@ -8,6 +8,7 @@ from msgspec import Meta, Struct
 
 from server.stream.message_parts import (
     CellState,
+    ColourScale,
     Number,
     Parameter,
     Place,
@@ -100,6 +101,9 @@ class VolumeMessage(Struct, tag_field="type", tag="volume"):
     quads: Annotated[int, Meta(description="rectangles that are drawn")]
     pending: Annotated[int, Meta(description="chunks that are still to be drawn again")]
     colours: Annotated[list[str], Meta(description="what the points can be coloured by")]
+    scale: Annotated[
+        ColourScale | None, Meta(description="of the colours by intensity, time or difference; null: not known, others")
+    ]
     compared: Annotated[VolumeChanges | None, Meta(description="the comparison with another map; null: there is none")]
 
 

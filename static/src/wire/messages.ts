@@ -229,6 +229,16 @@ export interface Contribution {
 /** [x, y, z] in m */
 export type Place = readonly [x: number, y: number, z: number];
 
+/** The numbers at the ends of a scale of colours; what is beyond them has the colours of the ends. */
+export interface ColourScale {
+  /** at the beginning */
+  readonly low: number;
+  /** at the end */
+  readonly high: number;
+  /** `m`; `s` after the first scan; `scan`: its number; empty: as the file states it */
+  readonly unit: string;
+}
+
 /** Differences between the map of a session in 3D, B, and another one, A. */
 export interface VolumeChanges {
   /** of A */
@@ -915,6 +925,8 @@ export interface VolumeMessage {
   readonly pending: number;
   /** what the points can be coloured by */
   readonly colours: readonly string[];
+  /** of the colours by intensity, time or difference; null: not known, others */
+  readonly scale: ColourScale | null;
   /** the comparison with another map; null: there is none */
   readonly compared: VolumeChanges | null;
 }
@@ -1792,6 +1804,11 @@ const isContribution: Check = isObject({
   outweighed: optional(isFlag),
 });
 const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
+const isColourScale: Check = isObject({
+  low: isNumber,
+  high: isNumber,
+  unit: isText,
+});
 const isVolumeChanges: Check = isObject({
   title: isText,
   appeared: isInteger,
@@ -2140,6 +2157,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     quads: isInteger,
     pending: isInteger,
     colours: isListOf(isText),
+    scale: oneOf(isColourScale, isNull),
     compared: oneOf(isVolumeChanges, isNull),
   },
   surface: {

@@ -10,6 +10,7 @@ from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.drawings import VolumeDrawings
 from server.parts.volume.look import Look, normal_colors
+from server.parts.volume.point_values import PointValues
 from server.sessions.drawings import Points, Voxels
 
 
@@ -27,7 +28,8 @@ class Shown:
         scans = ScanSequence(
             "pcd", points, np.array([0, len(points)]), origin[None], np.zeros(1, np.int64), np.zeros(3)
         )
-        self.drawn = VolumeDrawings(scans, points.min(axis=0).astype(float), points.max(axis=0).astype(float))
+        low, high = points.min(axis=0).astype(float), points.max(axis=0).astype(float)
+        self.drawn = VolumeDrawings(scans, low, high, PointValues(scans))
         self.look = Look(band=1.0)
         self.drawn.note_change(self.volume, None)
 

@@ -289,7 +289,8 @@ MESSAGES: tuple[Struct, ...] = (
         4,
         120,
         2,
-        ["class"],
+        ["class", "time"],
+        parts.ColourScale(0.0, 2.5, "s"),
         parts.VolumeChanges("the map of 3 scans", 5, 6, 700, 8, 9),
     ),
     volume_messages.VoxelMessage(

@@ -44,7 +44,7 @@ export function LookGroup({ store }: { readonly store: Store }) {
 /** The colourings for what is shown. */
 export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: string): readonly string[] {
   if (show === "surface") return OF_SURFACES;
-  const ofPoints = show === "voxels" ? colours.filter((colour) => colour === "class") : colours;
+  const ofPoints = show === "voxels" ? colours.filter((colour) => colour !== "own colour") : colours;
   return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...ofPoints];
 }
 
@@ -70,7 +70,32 @@ function Key({ colour, show, now, band }: KeyProps) {
       </p>
     );
   }
-  return colour === "class" ? <Classes /> : null;
+  if (colour === "class") return <Classes />;
+  return now.scale && <Scale scale={now.scale} colour={colour} />;
+}
+
+/** What is said at the end of a scale. */
+const ENDS: Readonly<Record<string, string>> = {
+  time: " after the first",
+  difference: " and more to the nearest point of the other cloud",
+};
+
+interface ScaleProps {
+  readonly scale: NonNullable<VolumeMessage["scale"]>;
+  readonly colour: string;
+}
+
+function Scale({ scale: { low, high, unit }, colour }: ScaleProps) {
+  if (unit === "scan") return <Ramp kind="height" from={`scan ${low}`} to={`scan ${high}`} />;
+  const digits = Math.min(6, Math.max(0, 2 - Math.floor(Math.log10(Math.max(high - low, 1e-6))))); // three of them
+  const unitText = unit && ` ${unit}`;
+  return (
+    <Ramp
+      kind="height"
+      from={`${written(low, digits)}${unitText}`}
+      to={`${written(high, digits)}${unitText}${ENDS[colour] ?? ""}`}
+    />
+  );
 }
 
 /** Names and colours of the classes of ASPRS LAS 1.4; the colours are those of server/parts/volume/look.py. */

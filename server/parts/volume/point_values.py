@@ -1,0 +1,91 @@
+"""Numbers of the points of a cloud that colours show: intensity, the time of their scan, how far another cloud is."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.volume.scans.scan_sequence import ScanSequence
+from server.parts.volume.look import COLOURS
+from server.stream.message_parts import ColourScale
+
+MOST_COMPARED = 2_000_000  #: points of either cloud; of a larger one every second point is taken, or fewer
+LEAST_DIFFERENCE_M = 0.01  #: at the end of the scale, at least
+UNITS = {"intensity": "", "time": "s", "difference": "m"}
+
+
+class PointValues:
+    """What is known of each point of ``scans``, None for a map without points; ``other`` is compared with them."""
+
+    def __init__(self, scans: ScanSequence | None, other: ScanSequence | None = None) -> None:
+        self._scans, self._other = scans, other
+        self._banded: tuple[str, UInt8Array, ColourScale] | None = None  #: the numbers that were asked for last
+
+    @cached_property
+    def names(self) -> list[str]:
+        """What the points can be coloured by, besides their height."""
+        scans = self._scans
+        if scans is None:
+            return []
+        names = ["own colour" if name == "rgb" else name for name in scans.fields]
+        return names + ["time"] * (len(scans) > 1) + ["difference"] * (self._other is not None)
+
+    def is_banded(self, name: str) -> bool:
+        """Whether a colouring shows a number that the points have, in :data:`COLOURS` steps."""
+        return name in UNITS and name in self.names
+
+    def scale(self, name: str) -> ColourScale | None:
+        """Return the least and the greatest number of a colouring, once that is known."""
+        return self._banded[2] if self._banded is not None and self._banded[0] == name else None
+
+    def bands(self, name: str) -> UInt8Array:
+        """Return the steps (n,), 0 to :data:`COLOURS` − 1, of the numbers of all points; NaN is in the first step."""
+        if self._banded is None or self._banded[0] != name:
+            values, low, high = getattr(self, f"_{name}")()
+            steps = (values - low) * (COLOURS / max(high - low, 1e-9))
+            bands = np.fmin(np.fmax(steps, 0.0), COLOURS - 1.0).astype(np.uint8)
+            unit = "scan" if name == "time" and not self._has_stamps else UNITS[name]
+            self._banded = name, bands, ColourScale(low, high, unit)
+        return self._banded[1]
+
+    @property
+    def _has_stamps(self) -> bool:
+        stamps = self._given.stamps_ns
+        return bool(stamps.min() < stamps.max())
+
+    @property
+    def _given(self) -> ScanSequence:
+        if self._scans is None:
+            raise ValueError("a map without points has no numbers of them")
+        return self._scans
+
+    def _intensity(self) -> tuple[Float64Array, float, float]:
+        values = self._given.fields["intensity"].astype(np.float64)
+        low, high = np.nanpercentile(values, [1.0, 99.0]) if len(values) else (0.0, 1.0)
+        return values, float(low), float(high)
+
+    def _time(self) -> tuple[Float64Array, float, float]:
+        """Return the times of the points' scans after the first, seconds; their numbers from 1 where there are none."""
+        scans = self._given
+        times = np.arange(1.0, len(scans) + 1.0)
+        if self._has_stamps:
+            times = np.asarray((scans.stamps_ns - scans.stamps_ns.min()).astype(np.float64) * 1e-9)
+        return np.repeat(times, np.diff(scans.starts)), float(times.min()), float(times.max())
+
+    def _difference(self) -> tuple[Float64Array, float, float]:
+        """Return how far the nearest point of the other cloud is, metres; of few among many points, of the one before.
+
+        The scale ends where one in a hundred points is farther away.
+        """
+        scans, other = self._given, self._other
+        if other is None:
+            raise ValueError("there is no other cloud")
+        its = other.points[:: max(1, -(-len(other.points) // MOST_COMPARED))]
+        tree = KDTree(its.astype(np.float64) + (other.offset - scans.offset))
+        step = max(1, -(-len(scans.points) // MOST_COMPARED))
+        far, _ = tree.query(scans.points[::step].astype(np.float64))
+        high = float(np.percentile(far, 99.0)) if len(far) else 0.0
+        return np.repeat(far, step)[: len(scans.points)], 0.0, max(high, LEAST_DIFFERENCE_M)
