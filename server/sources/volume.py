@@ -194,10 +194,11 @@ class VolumeModel(SessionModel, Volumetric):
 
     @property
     def footprint(self) -> Footprint:
-        """The voxels of the map, of the one that it is compared with, and the points."""
+        """The voxels of the map, of the one that it is compared with, and the points, also as they are drawn."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
         of_parts = sum(part.cells for part in self.parts_on)
-        return Footprint(self._map.n_cells + self._comparison.n_cells + points + of_parts + self._surface.cells)
+        drawn = self._surface.cells + self._drawn.n_cells
+        return Footprint(self._map.n_cells + self._comparison.n_cells + points + of_parts + drawn)
 
     @property
     def progress(self) -> tuple[int, int]:

@@ -25,7 +25,6 @@ from server.parts.volume.look import (
     CUTS,
     HEIGHT_RAMP,
     NORMAL_COLOURS,
-    PLAIN,
     REMOVED,
     SIDE_COLOURS,
     Look,
@@ -35,7 +34,10 @@ from server.parts.volume.message_fields import outside
 from server.parts.volume.point_values import UNITS, PointValues
 from server.sessions.drawings import Drawing, Points, Voxels
 
-MOST_POINTS = 1_000_000  #: that are drawn
+MOST_POINTS = 5_000_000  #: that are drawn,
+MOST_WHILE_CHANGING = 1_000_000  #: and before the last scan is in the map: all are sent again with each scan
+IN_A_DRAWING = 1_000_000  #: points of one drawing: 15 MB in one message
+IN_ORDER = 100_000  #: points from which on they are in random order, so that a browser may draw the first of them alone
 MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
@@ -59,7 +61,7 @@ class VolumeDrawings:
         self._painted: tuple[tuple[float, str, int], Painted] | None = None  #: by resolution, colouring, points
         self._pending: set[ChunkKey] = set()
         self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
-        self._points: Points | None = None
+        self._points: list[Points] = []
         self._stale_points = True
         self._newest: Points | None = None
         self.chosen = ChosenVoxel()
@@ -71,6 +73,11 @@ class VolumeDrawings:
     def pending(self) -> int:
         """Number of chunks to be computed again."""
         return len(self._pending)
+
+    @property
+    def n_cells(self) -> int:
+        """Numbers of 4 bytes of the points that are drawn."""
+        return sum(points.nbytes for points in self._points) // 4
 
     @property
     def is_stale(self) -> bool:
@@ -166,13 +173,20 @@ class VolumeDrawings:
     def _point_size(self, look: Look) -> float:
         return look.point_size * float(np.clip(np.linalg.norm(self._high - self._low) / 1500.0, 0.004, 0.2))
 
-    def _drawn_points(self, index: int, look: Look) -> Points | None:
+    def _drawn_points(self, index: int, look: Look) -> list[Points]:
+        """Return the points of the first ``index`` scans, each drawing with a random sample of them.
+
+        The browser draws the first of each while the camera moves (``static/src/render/voxels/pointBudget.ts``).
+        """
         if self._scans is None or look.show in ("voxels", "surface"):
-            return None
-        scans = self._scans
-        some = np.arange(0, int(scans.starts[index]), max(1, -(-int(scans.starts[index]) // MOST_POINTS)))
+            return []
+        scans, end = self._scans, int(self._scans.starts[index])
+        most = MOST_POINTS if index == len(scans) else MOST_WHILE_CHANGING
+        some = np.arange(0, end, max(1, -(-end // most)))
+        if len(some) > IN_ORDER:
+            some = np.random.default_rng(0).permutation(some)
         points = np.ascontiguousarray(scans.points[some])
-        colors: NDArray[np.uint8] | tuple[int, int, int] = PLAIN
+        colors: NDArray[np.uint8]
         if look.colour == "own colour" and "rgb" in scans.fields:
             colors = scans.fields["rgb"][some].astype(np.uint8)
         elif self._values.is_banded(look.colour):
@@ -182,7 +196,17 @@ class VolumeDrawings:
         else:
             low = float(self._low[2])
             colors = ramp_of(points[:, 2], low, low + COLOURS * look.band, HEIGHT_RAMP)
-        return Points(name="points", label="Points", points=points, colors=colors, size=self._point_size(look))
+        size = self._point_size(look)
+        return [
+            Points(
+                name=f"points-{start // IN_A_DRAWING}" if start else "points",
+                label="Points",
+                points=points[start : start + IN_A_DRAWING],
+                colors=colors[start : start + IN_A_DRAWING],
+                size=size,
+            )
+            for start in range(0, max(len(points), 1), IN_A_DRAWING)
+        ]
 
     # -- a comparison -----------------------------------------------------------------------------------------------
 
@@ -210,8 +234,7 @@ class VolumeDrawings:
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
-        if self._points is not None:
-            found.append(replace(self._points, clip=(look.low, look.high)))
+        found += [replace(points, clip=(look.low, look.high)) for points in self._points]
         if self._newest is not None:
             found.append(self._newest)
         return [*found, *self.clip_box.drawings(look), *self.chosen.drawings, *self._changes]

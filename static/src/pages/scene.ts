@@ -5,10 +5,13 @@
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
+ * While the camera moves, clouds are drawn with as many points as the browser draws quickly enough.
+ *
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
 
 import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds";
+import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 import { keepCamera, keptQuery } from "./sceneCamera";
@@ -19,6 +22,16 @@ interface SceneMessage extends NodeMessage {
 }
 
 const clouds = new ClippedClouds();
+const budget = new PointBudget();
+
+/** When the present animation frame began, ms: the same in all of it. */
+const frameTime = (): number => Number(document.timeline.currentTime ?? performance.now());
+
+// Three.js draws a cloud by one call, which draws the first of its points alone while the camera moves.
+const { drawArrays } = WebGL2RenderingContext.prototype;
+WebGL2RenderingContext.prototype.drawArrays = function draw(mode, first, count): void {
+  drawArrays.call(this, mode, first, mode === this.POINTS ? budget.take(count, frameTime()) : count);
+};
 
 function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>): void {
   clouds.take(data?.messages ?? []);
@@ -43,7 +56,8 @@ window.Worker = class extends window.Worker {
     this.addEventListener("message", expand);
   }
 
-  override postMessage(posted: { readonly message?: unknown }, ...more: unknown[]): void {
+  override postMessage(posted: { readonly message?: { readonly type?: string } }, ...more: unknown[]): void {
+    if (posted?.message?.type === "ViewerCameraMessage") budget.moved(frameTime());
     if (storage) keepCamera(storage, location.pathname, posted?.message);
     super.postMessage(posted, ...(more as [Transferable[]]));
   }

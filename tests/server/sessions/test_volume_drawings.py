@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.scans.scan_sequence import ScanSequence
+from server.parts.volume import drawings
 from server.parts.volume.drawings import VolumeDrawings
 from server.parts.volume.look import Look, normal_colors
 from server.parts.volume.point_values import PointValues
@@ -17,25 +19,25 @@ from server.sessions.drawings import Points, Voxels
 class Shown:
     """A room of a floor and a wall, whose chunks are made again one by one."""
 
-    def __init__(self) -> None:
+    def __init__(self, scans: int = 1) -> None:
         a, b = np.meshgrid(np.linspace(0.01, 9.9, 200), np.linspace(0.01, 9.9, 200))
         floor = np.column_stack([a.ravel(), b.ravel(), np.full(a.size, 0.05)])
         wall = np.column_stack([np.full(a.size, 9.95), a.ravel(), b.ravel()])
-        points = np.concatenate([floor, wall]).astype(np.float32)
+        self.points = points = np.concatenate([floor, wall]).astype(np.float32)
         self.volume = OccupancyVolume(VolumeConfig(resolution=0.1))
         origin = np.array([5.0, 5.0, 5.0])
         self.volume.insert_scan(points, origin)
-        scans = ScanSequence(
-            "pcd", points, np.array([0, len(points)]), origin[None], np.zeros(1, np.int64), np.zeros(3)
-        )
+        starts = np.linspace(0, len(points), scans + 1).astype(np.int64)
+        origins = np.tile(origin, (scans, 1))
+        sequence = ScanSequence("pcd", points, starts, origins, np.zeros(scans, np.int64), np.zeros(3))
         low, high = points.min(axis=0).astype(float), points.max(axis=0).astype(float)
-        self.drawn = VolumeDrawings(scans, low, high, PointValues(scans))
+        self.drawn = VolumeDrawings(sequence, low, high, PointValues(sequence))
         self.look = Look(band=1.0)
         self.drawn.note_change(self.volume, None)
 
-    def work(self, pieces: int | None = None) -> Voxels:
+    def work(self, pieces: int | None = None, index: int = 1) -> Voxels:
         while self.drawn.pending and pieces != 0:
-            self.drawn.work(self.volume, 1, self.look, has_free=True, is_over=lambda: True)
+            self.drawn.work(self.volume, index, self.look, has_free=True, is_over=lambda: True)
             pieces = None if pieces is None else pieces - 1
         return next(one for one in self.drawn.current(self.volume, self.look) if isinstance(one, Voxels))
 
@@ -98,3 +100,36 @@ def test_a_cut_leaves_the_points_as_they_are_and_moves_their_clip_box() -> None:
     assert after.colors is before.colors
     assert after.clip is not None
     assert (after.clip[0][2], after.clip[1][2]) == (-1.0, 2.5)
+
+
+def test_a_large_cloud_is_drawn_in_pieces_that_begin_with_samples_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawings, "IN_A_DRAWING", 30_000)
+    monkeypatch.setattr(drawings, "IN_ORDER", 10_000)
+    shown = Shown()  # a floor of 40,000 points, then a wall of as many
+    shown.choose(show="points")
+    shown.work()
+    pieces = [one for one in shown.drawn.current(shown.volume, shown.look) if isinstance(one, Points)]
+    assert [len(piece.points) for piece in pieces] == [30_000, 30_000, 20_000]
+    assert len({piece.name for piece in pieces}) == 3
+    assert {(piece.label, piece.clip) for piece in pieces} == {("Points", (shown.look.low, shown.look.high))}
+    every = np.concatenate([piece.points for piece in pieces])
+    assert len(np.unique(every, axis=0)) == len(np.unique(shown.points, axis=0))
+    colors = np.concatenate([np.asarray(piece.colors) for piece in pieces])
+    assert len(np.unique(colors[every[:, 2] < 0.1], axis=0)) == 1, "each point has kept its colour"
+    for piece in pieces:
+        on_wall = piece.points[:2000, 0] > 9.94
+        assert 0.45 < on_wall.mean() < 0.55
+
+
+def test_fewer_points_are_drawn_before_the_last_scan(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawings, "MOST_WHILE_CHANGING", 100)
+    shown = Shown(scans=2)
+    shown.choose(show="points")
+
+    def drawn(index: int) -> int:
+        shown.drawn.note_change(shown.volume, None)
+        shown.work(index=index)
+        return sum(len(one.points) for one in shown.drawn.current(shown.volume, shown.look) if isinstance(one, Points))
+
+    assert drawn(1) == 100
+    assert drawn(2) == 80_000
