@@ -1,9 +1,11 @@
 /** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
 
+import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { kept } from "../../ui/browser/kept";
 import { Slider } from "../../ui/Slider";
 import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
 import { measuringOf } from "../measure/measuring";
@@ -25,9 +27,23 @@ interface SceneProps {
   readonly children?: ComponentChildren;
 }
 
+/** In a lower view the controls are folded until somebody unfolds them: they would take half of it, px. */
+const LOW = 360;
+
+/** Whether the controls are unfolded, as it was chosen last; null: where there is room for them. */
+const unfolded = kept<boolean | null>(
+  "gridbloom.3d.controls",
+  null,
+  (value): value is boolean | null => value === null || typeof value === "boolean",
+);
+
 export function Scene({ store, session, hasColumns = true, actions, children }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
+  const isLow = useSignal(false);
+  useLayoutEffect(() => {
+    isLow.value = (place.current?.parentElement?.clientHeight ?? LOW) < LOW;
+  }, []);
   useEffect(() => {
     const free = (): void => {
       if (!document.fullscreenElement) place.current?.style.removeProperty("min-height");
@@ -55,6 +71,7 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
           session={session}
           hasColumns={hasColumns}
           actions={actions}
+          isUnfolded={unfolded.value ?? !isLow.value}
           onFullScreen={enlarge}
           onPicture={() => savePicture(group.current)}
         />
@@ -63,23 +80,46 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
   );
 }
 
-function SceneControls({
+interface SceneControlsProps extends Omit<SceneProps, "children"> {
+  readonly isUnfolded: boolean;
+  readonly onFullScreen: () => void;
+  readonly onPicture: () => void;
+}
+
+function SceneControls({ store, isUnfolded, ...more }: SceneControlsProps) {
+  if (!store.part("scene").message.value) return null; // all of them come at once, so that none moves when others come
+  return (
+    <div class="scene-controls stack-tight">
+      <div class="actions">
+        <MeasuringButtons store={store} />
+        <Button
+          icon={isUnfolded ? "unfold" : "up"}
+          pressed={isUnfolded}
+          onClick={() => {
+            unfolded.value = !isUnfolded;
+          }}
+        >
+          Controls
+        </Button>
+      </div>
+      {isUnfolded && <Unfolded store={store} {...more} />}
+    </div>
+  );
+}
+
+function Unfolded({
   store,
   session,
   hasColumns,
   actions,
   onFullScreen,
   onPicture,
-}: SceneProps & { readonly onFullScreen: () => void; readonly onPicture: () => void }) {
+}: Omit<SceneControlsProps, "isUnfolded">) {
   const now = store.part("scene").message.value;
-  if (!now) return null; // all of them come at once, so that none moves when others come
   return (
-    <div class="scene-controls stack-tight">
-      <div class="actions">
-        <MeasuringButtons store={store} />
-      </div>
+    <>
       <SceneButtons store={store} session={session} />
-      {hasColumns && (
+      {hasColumns && now && (
         <Slider
           label="Height of the columns"
           sentence="Height of the map’s columns, relative to the default."
@@ -104,6 +144,6 @@ function SceneControls({
           In a tab of its own
         </Button>
       </div>
-    </div>
+    </>
   );
 }
