@@ -15,6 +15,7 @@ import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 import { keepCamera, keptQuery } from "./sceneCamera";
+import { addGestures } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
@@ -62,6 +63,8 @@ window.Worker = class extends window.Worker {
     super.postMessage(posted, ...(more as [Transferable[]]));
   }
 };
+
+addGestures(window);
 
 const query = storage && keptQuery(storage, location);
 if (query !== null) history.replaceState(null, "", query);
