@@ -22,7 +22,7 @@ import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
 import "./views.css";
 
-const PickingScene = lazy(async () => (await import("../../../tools/scene/PickingScene")).PickingScene);
+const SolidView = lazy(async () => (await import("./SolidView")).SolidView);
 
 interface LogOfView {
   readonly store: Store;
@@ -54,7 +54,7 @@ const VIEWS: readonly View[] = [
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
   { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
-  { kind: "3d", title: "3D", isOwners: true, content: (log) => <PickingScene {...log} /> },
+  { kind: "3d", title: "3D", isOwners: true, content: (log) => <SolidView {...log} /> },
   {
     kind: "second",
     title: "Second map",
