@@ -38,6 +38,7 @@ from tests.bench.limits import mapping_limit, page_faults
 from tests.bench.localization import localization
 from tests.bench.matching import matching
 from tests.bench.opening import opening
+from tests.bench.orbit import orbit
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms, versions
 from tests.bench.reading import reading
 from tests.bench.reports import reports
@@ -253,6 +254,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
+    "orbit": orbit,
     "hard": hard,
     "fleet": fleet,
 }

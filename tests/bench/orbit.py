@@ -1,0 +1,100 @@
+"""``python -m tests.bench orbit``: frames/s of a 3D view of 5 million points in Chromium, while one turns it."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Browser
+
+from tests.bench.feel import new_page
+from tests.browser.looking import await_true, until
+from tests.browser.running import running_chromium, running_server
+
+POINTS = 5_000_000
+TURNS_S = 6.0  #: of turning, of which the first half lets the number of points settle
+SIDE_M = 60.0
+
+# Points are drawn by calls of drawArrays; the view's script may draw fewer of them.
+_COUNTING = """(draws_all) => {
+  const native = WebGL2RenderingContext.prototype.drawArrays;
+  const draw = function (mode, first, count) {
+    if (mode === this.POINTS) {
+      const now = document.timeline.currentTime;
+      const last = window.drawn.at(-1);
+      if (last && last[0] === now) last[1] += count;
+      else window.drawn.push([now, count]);
+    }
+    native.call(this, mode, first, count);
+  };
+  window.drawn = [];
+  if (draws_all) {
+    Object.defineProperty(WebGL2RenderingContext.prototype, "drawArrays", { get: () => draw, set: () => {} });
+  } else WebGL2RenderingContext.prototype.drawArrays = draw;
+}"""
+
+
+def _cloud(path: Path) -> None:
+    """Write hills with a wall as a binary PCD of :data:`POINTS` points."""
+    random = np.random.default_rng(1)
+    points = random.uniform(0.0, SIDE_M, (POINTS, 3))
+    points[:, 2] = 2.0 * np.sin(points[:, 0] / 7.0) * np.cos(points[:, 1] / 9.0)
+    points[::10, 1], points[::10, 2] = SIDE_M / 2, random.uniform(0.0, 8.0, POINTS // 10)
+    head = (
+        "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+        f"WIDTH {POINTS}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {POINTS}\nDATA binary\n"
+    )
+    path.write_bytes(head.encode() + points.astype("<f4").tobytes())
+
+
+def _turned(browser: Browser, server: str, *, draws_all: bool) -> tuple[float, float, int, float]:
+    """Return frames/s and the longest frame, ms, while turned, the points in one, and the time until all are drawn."""
+    page = new_page(browser)
+    page.add_init_script(f"if (location.pathname.startsWith('/scenes/')) ({_COUNTING})({str(draws_all).lower()})")
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card").get_by_role("button", name="Open in 3D").click()
+    await_true(page, "() => window.gridbloom?.connection.store.part('volume').message.peek()?.pending === 0")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'volume_look', values: { show: 'points' } })")
+    view = page.locator("iframe.volume-scene")
+    frame = view.element_handle().content_frame()
+    assert frame is not None
+    until("all points are drawn", lambda: frame.evaluate("() => drawn.at(-1)?.[1] ?? 0") == POINTS)
+    box = view.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 3
+    page.mouse.move(x, y)
+    page.mouse.down()
+    began = frame.evaluate("() => document.timeline.currentTime")
+    now, step = began, 0
+    while now < began + 1000.0 * TURNS_S:
+        step += 1
+        page.mouse.move(x + 150 * np.sin(step / 20), y + 60 * np.sin(step / 33))
+        now = frame.evaluate("() => document.timeline.currentTime")
+    page.mouse.up()
+    half = began + 500.0 * TURNS_S
+    frames = [one for one in frame.evaluate("() => drawn") if half <= one[0] <= now]
+    times = np.array([one[0] for one in frames])
+    until("all points are drawn again", lambda: frame.evaluate("() => drawn.at(-1)[1]") == POINTS)
+    again = next(one[0] for one in frame.evaluate("() => drawn") if one[0] > now - 1.0 and one[1] == POINTS)
+    page.context.close()
+    rate = 1000.0 * (len(times) - 1) / float(times[-1] - times[0])
+    return rate, float(np.diff(times).max()), int(np.median([one[1] for one in frames])), again - now
+
+
+def orbit() -> None:
+    """Print the frames/s while all points are drawn in each frame, and while the view decides how many."""
+    with tempfile.TemporaryDirectory() as folder:
+        logs = Path(folder) / "logs"
+        logs.mkdir()
+        _cloud(logs / "hills.pcd")
+        with (
+            running_server(Path(folder), "--logs-dir", str(logs)) as server,
+            running_chromium() as browser,
+        ):
+            for draws_all, name in ((True, "all of them in each frame"), (False, "as many as are drawn quickly")):
+                rate, longest, points, settled = _turned(browser, server, draws_all=draws_all)
+                print(
+                    f"{POINTS:,} points, {name}: {rate:.1f} frames/s, {points:,} points, longest frame "
+                    f"{longest:.0f} ms, all points {settled:.0f} ms after the turning"
+                )
