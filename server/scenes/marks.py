@@ -18,7 +18,7 @@ SELECTED, MEASURED = "/selected", "/measured"
 HEIGHT_M = 2.0  #: of the pole at the place: four times the highest columns of a map
 WIDTH = 5.0  #: pixels
 RULER_WIDTH = 3.0  #: pixels
-RULER = (214, 120, 20)
+RULER = (110, 40, 200)
 LIFT_M = 0.02  #: of what is measured: on the floor it is not hidden by it
 
 Place = tuple[float, float]  #: x, y, map metres

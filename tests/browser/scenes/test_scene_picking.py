@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import Locator, Page, WebSocket, expect
 
 from tests.browser.drifting import drifting_ring
 from tests.browser.looking import SECONDS, await_true, frame, map_bytes, settled_digest, until
 
 Press = Callable[[float, float], object]
+Button = Literal["left", "middle", "right"]
 Places = NDArray[np.float64]  # (n, 3), metres in the map
 
 OCCUPIED = 120  # byte of p = 0.64: a cell is drawn as a column from 0.65
@@ -98,16 +100,21 @@ class View:
         (x, y, _), cell = held["origin"], held["resolution"]
         return np.column_stack([x + (cols + 0.5) * cell, y + (rows + 0.5) * cell, np.full(len(rows), COLUMN_M)]), cell
 
-    def pick(self, place: Places, press: Press) -> tuple[dict[str, Any], float]:
-        """Press where a place (3,) is seen; return what is picked there, and how many metres a pixel is there."""
+    def press(self, place: Places, press: Press) -> float:
+        """Press where a place (3,) is seen; return how many metres a pixel is there."""
         box = self.page.frame_locator("iframe.scene").locator("canvas[data-engine]").bounding_box()
         assert box is not None
         camera = self.cameras[-1]
         there, beside = camera.seen(np.array([place, place + np.array([1.0, 0.0, 0.0])]), box["width"], box["height"])
-        self.page.evaluate(f"() => {{ window.pickedBefore = ({PICKED})(); }}")
         press(box["x"] + there[0] - 0.5, box["y"] + there[1] - 0.5)  # a press means the middle of its pixel
+        return float(1.0 / np.linalg.norm(beside - there))
+
+    def pick(self, place: Places, press: Press) -> tuple[dict[str, Any], float]:
+        """Press where a place (3,) is seen; return what is picked there, and how many metres a pixel is there."""
+        self.page.evaluate(f"() => {{ window.pickedBefore = ({PICKED})(); }}")
+        pixel = self.press(place, press)
         await_true(self.page, f"() => ({PICKED})() !== window.pickedBefore")
-        return self.page.evaluate(PICKED), float(1.0 / np.linalg.norm(beside - there))
+        return self.page.evaluate(PICKED), pixel
 
     def says(self, words: str) -> None:
         """Wait until the view says what is selected."""
@@ -175,6 +182,89 @@ def test_a_cell_a_pose_and_a_loop_are_picked_with_the_mouse(page: Page, server: 
     assert (picked["what"], picked["edge"]) == ("loop", edges[alone])
     np.testing.assert_allclose((picked["x"], picked["y"]), loops[alone], atol=1e-3)
     expect(page.get_by_role("region", name="Selected loop")).to_contain_text("Residual")
+
+
+RULER = np.array([110, 40, 200])
+
+
+def measured(view: View, pane: Locator, press: Press) -> None:
+    """Measure from one column to another in the 3D view, against where they are on the map."""
+    page = view.page
+    pane.get_by_role("button", name="Measure a distance").click()
+    said = pane.get_by_role("region", name="Measured")
+    said.get_by_role("switch", name="Snap to walls").click()  # off
+    places, cell = view.occupied()
+    ends = places[[0, -1]]
+    undo = said.get_by_role("button", name="Remove the last point")
+    view.press(ends[0], press)
+    expect(undo).to_be_enabled()
+    view.press(ends[1], press)
+    expect(said).to_contain_text("direction")
+    length = float(np.linalg.norm(ends[0] - ends[1]))
+    said_m = float(re.findall(r"(\d+\.\d\d) m ± 0\.\d\d m, direction", said.inner_text())[0])
+    assert said_m == pytest.approx(length, abs=2.0 * cell)
+    assert page.evaluate("() => gridbloom.connection.store.explainedPoint.peek()") is None
+
+    def is_drawn() -> bool:
+        with Image.open(io.BytesIO(page.locator("iframe.scene").screenshot(scale="css"))) as picture:
+            pixels = np.asarray(picture.convert("RGB")).astype(int)
+        return int((np.abs(pixels - RULER).max(axis=2) < 30).sum()) > 50
+
+    until("the line in the view", is_drawn)
+    pane.get_by_role("button", name="Close the ruler").click()
+    until("the line is gone", lambda: not is_drawn())
+
+
+def test_a_distance_is_measured_in_3d(page: Page, server: str) -> None:
+    view = View(page)
+    opened(page, server)
+    view.open()
+    measured(view, page.get_by_role("region", name="3D", exact=True), page.mouse.click)
+
+
+@pytest.mark.parametrize("context", ["tablet"], indirect=True)
+def test_a_distance_is_measured_in_3d_with_a_finger(page: Page, server: str) -> None:
+    view = View(page)
+    opened(page, server)
+    view.open()
+    measured(view, page.get_by_role("region", name="3D", exact=True), page.touchscreen.tap)
+
+
+def test_the_camera_stays_where_it_was_when_the_page_is_loaded_again(page: Page, server: str) -> None:
+    view = View(page)
+    opened(page, server)
+    view.open()
+    box = page.locator("iframe.scene").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def dragged(button: Button, *, shift: bool = False) -> tuple[Camera, Camera]:
+        """The cameras before and after a drag to the right."""
+        before = view.cameras[-1]
+        if shift:
+            page.keyboard.down("Shift")
+        page.mouse.move(x, y)
+        page.mouse.down(button=button)
+        page.mouse.move(x + 60, y, steps=6)
+        page.mouse.up(button=button)
+        if shift:
+            page.keyboard.up("Shift")
+        until("the camera has moved", lambda: not np.allclose(view.cameras[-1].position, before.position, atol=0.05))
+        return before, view.cameras[-1]
+
+    before, after = dragged("left")
+    assert not np.allclose(before.turn, after.turn, atol=0.05), "it turns"
+    moving: tuple[tuple[Button, bool], ...] = (("right", False), ("middle", False), ("left", True))
+    for button, shift in moving:
+        before, after = dragged(button, shift=shift)
+        assert np.allclose(before.turn, after.turn, atol=1e-3), "it moves as it is"
+    settled = view.cameras[-1]
+    view.cameras.clear()
+    page.reload()
+    until("the view is there again", lambda: bool(view.cameras))
+    for camera in view.cameras:
+        np.testing.assert_allclose(camera.position, settled.position, atol=1e-2)
+        np.testing.assert_allclose(camera.turn, settled.turn, atol=1e-3)
 
 
 @pytest.mark.parametrize("context", ["tablet"], indirect=True)

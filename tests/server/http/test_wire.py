@@ -74,6 +74,9 @@ async def messages_of_a_log(service: Service) -> set[str]:
         assert clicked is not None
         sessions.loop.call_soon_threadsafe(lambda: session.post(clicked, *session.hub.clients))
         await watcher.answer("picked")
+        measured = MeasureRay((1.0, 1.0, 5.0), (0.0, 0.0, -1.0), None)
+        sessions.loop.call_soon_threadsafe(lambda: session.post(measured, *session.hub.clients))
+        await watcher.answer("place")
         await asyncio.to_thread(service.http.post, f"/scenes/{session_id}/settings", json={"height": 2.0})
         await watcher.answer("scene")
         return set(watcher.newest)
