@@ -52,7 +52,7 @@ MAX_HZ = 15.0
 SHARE = 0.2
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
-VISERS_FIRST = (3.0, -3.0, 3.0)  #: where a browser's camera is until it has read the first one of the scene, metres
+VISERS_FIRST = (3.0, 3.0, 3.0)  #: where a browser's camera is until it has read the first one of the scene, metres
 MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
 
 _log = structlog.get_logger(__name__)

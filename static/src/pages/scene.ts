@@ -14,7 +14,7 @@ import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds"
 import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
-import { keepCamera, keptQuery } from "./sceneCamera";
+import { FirstCamera, keepCamera, keptQuery } from "./sceneCamera";
 import { addGestures } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
@@ -22,6 +22,7 @@ interface SceneMessage extends NodeMessage {
   readonly props?: { glb_data?: unknown; points?: unknown; colors?: unknown };
 }
 
+const firstCamera = new FirstCamera();
 const clouds = new ClippedClouds();
 const budget = new PointBudget();
 
@@ -35,6 +36,7 @@ WebGL2RenderingContext.prototype.drawArrays = function draw(mode, first, count):
 };
 
 function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>): void {
+  firstCamera.take(data?.messages ?? []);
   clouds.take(data?.messages ?? []);
   for (const { props } of data?.messages ?? []) {
     const file = props?.glb_data;

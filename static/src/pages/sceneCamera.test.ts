@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { beforeEach, expect, test } from "vitest";
-import { keepCamera, keptQuery } from "./sceneCamera";
+import { FirstCamera, keepCamera, keptQuery } from "./sceneCamera";
 
 const PATH = "/scenes/abc/plain/page/";
 const at = (pathname: string, search = ""): Location => ({ pathname, search }) as Location;
@@ -31,4 +31,18 @@ test("other messages, and what is no camera, are not kept", () => {
     sessionStorage.setItem("gridbloom.camera.abc", text);
     expect(keptQuery(sessionStorage, at(PATH))).toBeNull();
   }
+});
+
+test("the messages about the first camera are passed on together, the newest of each", () => {
+  const first = new FirstCamera();
+  const up = { type: "SetCameraUpDirectionMessage", initial: true };
+  const position = { type: "SetCameraPositionMessage", initial: true };
+  const newer = { ...position };
+  const lookAt = { type: "SetCameraLookAtMessage", initial: true };
+  const told = { ...position, initial: false };
+  const other = { type: "FrameMessage" };
+  const batches = [[up, other], [position], [told, newer, lookAt, other], [up]];
+  for (const batch of batches) first.take(batch);
+  expect(batches).toEqual([[other], [], [told, other, up, newer, lookAt], [up]]);
+  expect(batches[2]?.[3]).toBe(newer);
 });

@@ -36,3 +36,31 @@ export function keepCamera(storage: Storage, path: string, message: unknown): vo
   if (type !== "ViewerCameraMessage" || !isVector(position) || !isVector(look_at)) return;
   storage.setItem(keyOf(path), JSON.stringify({ position, look_at }));
 }
+
+/** The messages of viser's server that say where a camera is at first. */
+const FIRST = ["SetCameraPositionMessage", "SetCameraLookAtMessage", "SetCameraUpDirectionMessage"];
+
+interface CameraMessage {
+  readonly type?: string;
+  readonly initial?: boolean;
+}
+
+/**
+ * Gives viser's client the messages about its first camera together. It moves the camera there when the first of them
+ * has come: what comes in a later batch changes nothing, and the camera stays at a place that nobody chose.
+ */
+export class FirstCamera {
+  readonly #held = new Map<string, CameraMessage>();
+
+  /** Take them out of a batch until all of them are known. */
+  take(messages: CameraMessage[]): void {
+    if (this.#held.size === FIRST.length) return;
+    for (const message of [...messages]) {
+      const { type = "", initial } = message;
+      if (!initial || !FIRST.includes(type)) continue;
+      messages.splice(messages.indexOf(message), 1);
+      this.#held.set(type, message);
+    }
+    if (this.#held.size === FIRST.length) messages.push(...this.#held.values());
+  }
+}

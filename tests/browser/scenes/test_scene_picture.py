@@ -43,7 +43,6 @@ def shows_any(pixels: NDArray[np.int64]) -> bool:
     return shows_grid(pixels) or shows_x(pixels)
 
 
-@pytest.mark.long  # now and then the picture has the colour of the x axis before: the cause is not found
 def test_the_axes_and_the_grid_are_switched_on_and_saved_in_a_file(page: Page, open_lab: Callable[..., Page]) -> None:
     open_lab("room")
     panel = open_group(page, "3D view")

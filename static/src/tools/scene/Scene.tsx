@@ -8,7 +8,6 @@ import { Button } from "../../ui/Button";
 import { kept } from "../../ui/browser/kept";
 import { Slider } from "../../ui/Slider";
 import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
-import { measuringOf } from "../measure/measuring";
 import { savePicture } from "./picture";
 import { SceneButtons } from "./SceneButtons";
 import { fullScreen, SceneFrame } from "./SceneFrame";
@@ -28,7 +27,7 @@ interface SceneProps {
 }
 
 /** In a lower view the controls are folded until somebody unfolds them: they would take half of it, px. */
-const LOW = 360;
+const LOW = 400;
 
 /** Whether the controls are unfolded, as it was chosen last; null: where there is room for them. */
 const unfolded = kept<boolean | null>(
@@ -64,7 +63,7 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
       <div class="scene-group" ref={group}>
         <div class="scene-picture">
           <SceneFrame store={store} session={session} class="scene" title="3D view" />
-          {measuringOf(store).tool.value ? <MeasuringIn3d store={store} snaps /> : children}
+          {children}
         </div>
         <SceneControls
           store={store}
@@ -102,6 +101,7 @@ function SceneControls({ store, isUnfolded, ...more }: SceneControlsProps) {
           Controls
         </Button>
       </div>
+      <MeasuringIn3d store={store} snaps />
       {isUnfolded && <Unfolded store={store} {...more} />}
     </div>
   );
