@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from playwright.sync_api import BrowserContext, Page, expect
 
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
+from tests.browser.logs.test_log_path import place
 from tests.browser.looking import await_true, frame, map_bytes, open_group, until
 from tests.browser.pages.test_axe import violations
 from tests.browser.visits import WatchedPage
@@ -89,6 +92,12 @@ def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_
     page.set_input_files("input[type=file]", tmp_path / "two.mcap")
     await_true(page, OPEN)
     until("all costs", lambda: np.array_equal(shown(page, 8, 32), first))
+    page.get_by_role("toolbar", name="Map tools").get_by_role("button", name="Measure a distance").click()
+    for at in ((2.0, 2.75), (3.97, 2.75)):  # the one lethal cell begins at x = 4.0 m; beside it is an inscribed one
+        page.mouse.click(*place(page, *at))
+    text = page.get_by_role("region", name="Measured").locator(".number").inner_text()
+    assert float(re.findall(r"(\d\.\d\d) m ± 0\.10 m", text)[0]) == pytest.approx(2.0, abs=0.015)
+    page.get_by_role("button", name="Close the ruler").click()
     seek(page, 2)
     until("the second", lambda: map_bytes(page)["cols"] == 65)
     until("its costs", lambda: np.array_equal(shown(page, 70, 65), second))

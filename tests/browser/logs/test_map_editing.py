@@ -43,6 +43,26 @@ def state(page: Page, x: float, y: float) -> str:
     return str(page.locator("[data-state]").get_attribute("data-state"))
 
 
+def test_an_edited_map_is_measured(page: Page, server: str, tmp_path: Path) -> None:
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", written(tmp_path))
+    await_true(page, f"() => window.gridbloom && {_EDITS} && {_STORE}.map.peek()")
+    tools = page.get_by_role("toolbar", name="Map tools")
+    tools.get_by_role("button", name="Measure a distance").click()
+    expect(page.get_by_role("radio", name="Move", exact=True)).to_be_checked()  # the brush is put away
+    for at in ((0.12, 3.05), (8.88, 3.02)):
+        page.mouse.click(*place(page, *at))
+    measured = page.get_by_role("region", name="Measured")
+    # From the middle of one wall's cell to that of the other: cells 0 and 89 of 0.1 m.
+    expect(measured).to_contain_text("8.90 m ± 0.10 m")
+    page.mouse.move(*place(page, 2.0, 3.0))
+    expect(page.locator(".map-point")).to_contain_text(re.compile(r"x (1\.9|2\.0)\d  y (2\.9|3\.0)\d m"))
+    page.get_by_role("radio", name="Line", exact=True).check(force=True)
+    expect(measured).to_have_count(0)
+    drag(page, *(place(page, *one) for one in ((2.0, 3.05), (6.0, 3.05))))
+    edited(page, 1)
+
+
 def taken(page: Page, button: str, folder: Path) -> Path:
     """Take a file away."""
     with page.expect_download() as download:

@@ -99,6 +99,17 @@ test("the sides of a door snap to the borders of its cells", () => {
   expect(snapped(map, [1.45, 0.5], 0.3)).toBeNull();
 });
 
+test("in a recorded costmap points snap to what is lethal, not to what is near it", () => {
+  const cells = new Cells();
+  const costs = Array.from({ length: TILE * TILE }, (_, k) => [0, 100, 253, 254, 253][Math.min(4, k % TILE)] ?? 0);
+  const sent = Uint8Array.from(costs, (cost) => (cost + 1) ^ 0x80);
+  cells.setTile(0, 0, sent);
+  const geometry = { resolution: 0.1, rows: TILE, cols: TILE, origin: [0, 0, 0], low: 0, high: 254 };
+  const map = { cells, style: "recorded_costs", geometry: geometry as unknown as MapPicture["geometry"] };
+  expect(snapped(map, [0.23, 1.05], 0.2)?.[0]).toBeCloseTo(0.3, 9);
+  expect(snapped(map, [0.44, 1.05], 0.2)?.[0]).toBeCloseTo(0.4, 9);
+});
+
 test("the bar of the scale is a round length that fits", () => {
   expect([0.01, 0.02, 0.05, 0.0011].map((scale) => scaleBar(scale, 120))).toEqual([1, 2, 5, 0.1]);
   expect([1000, 2, 0.5, 0.05].map(scaleText)).toEqual(["1 km", "2 m", "50 cm", "5 cm"]);

@@ -2,6 +2,7 @@
 
 import { thresholds } from "../../grid/cellValues";
 import { cellAt, contains, fromLattice, toLattice } from "../../grid/lattice";
+import { byteOfCost } from "../../render/map/costColours";
 import type { MapPicture } from "../../render/map/mapPicture";
 import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
@@ -72,6 +73,13 @@ export function measuredText(tool: "distance" | "area", points: readonly Spot[],
   return `${own}, angle ${written(angleAt(corner, before, last), 1)}°, together ${written(lengthOf(points), 2)} m`;
 }
 
+/** Cost of a cell of Nav2's costmaps in which the robot's centre is certainly in collision, but which is no obstacle. */
+const INSCRIBED = 253;
+
+/** The byte above which a cell holds a surface: it is occupied, or in a recorded costmap lethal. */
+export const surfacesAbove = ({ style, geometry }: MapPicture): number =>
+  style === "recorded_costs" ? byteOfCost(INSCRIBED) : thresholds(geometry).above;
+
 /**
  * The nearest place, within `reach` metres of a point, on a border between an occupied cell and one that is not; null
  * where there is none. These are the only places at which the map says that a surface is.
@@ -79,7 +87,7 @@ export function measuredText(tool: "distance" | "area", points: readonly Spot[],
 export function snapped(map: MapPicture, point: Point, reach: number): Point | null {
   const { geometry, cells } = map;
   const { resolution } = geometry;
-  const { above } = thresholds(geometry);
+  const above = surfacesAbove(map);
   const [u, v] = toLattice(geometry, point[0], point[1]);
   const centre = cellAt(geometry, point[0], point[1]);
   const around = Math.ceil(reach / resolution);

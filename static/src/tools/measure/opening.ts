@@ -1,9 +1,9 @@
 /** The free width between two walls that face each other, such as the jambs of a door. */
 
-import { thresholds } from "../../grid/cellValues";
 import { cellAt, contains, fromLattice, toLattice } from "../../grid/lattice";
 import type { MapPicture } from "../../render/map/mapPicture";
 import type { Point } from "../../wire/protocol";
+import { surfacesAbove } from "./model";
 
 /** The side of an occupied cell towards one that is not, in cells: its middle, and its direction. */
 interface Border {
@@ -78,8 +78,8 @@ function nearestOn(border: Border, { u, v }: { readonly u: number; readonly v: n
   return { ...on, far: Math.hypot(on.u - u, on.v - v) };
 }
 
-function isOccupied({ geometry, cells }: MapPicture, row: number, col: number): boolean {
-  return contains(geometry, { row, col }) && cells.at(row, col) > thresholds(geometry).above;
+function isOccupied(map: MapPicture, row: number, col: number): boolean {
+  return contains(map.geometry, { row, col }) && map.cells.at(row, col) > surfacesAbove(map);
 }
 
 interface Place {

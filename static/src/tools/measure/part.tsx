@@ -14,14 +14,14 @@ import { placeAt } from "./tool";
 const POINT_PX = 4;
 let font = "";
 
-function watchMeasuring(store: Store): void {
+export function watchMeasuring(store: Store): void {
   const measuring = measuringOf(store);
   const { pointer, pinned } = store;
   if (measuring.tool.value === null) return;
   void [measuring.points.value, measuring.isDone.value, measuring.snaps.value, pointer.value, pinned.value];
 }
 
-function paintMeasuring(store: Store, brush: Brush): void {
+export function paintMeasuring(store: Store, brush: Brush): void {
   const tool = measuringOf(store).tool.peek();
   if (tool === null) return;
   const { ctx, size, view, colours } = brush;

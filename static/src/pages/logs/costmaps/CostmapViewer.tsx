@@ -4,6 +4,7 @@ import type { Picture } from "../../../render/picture/Picture";
 import type { SharedView } from "../../../render/view";
 import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/costmap/CostFiles";
+import { MapTools } from "../../../tools/measure/MapTools";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
@@ -142,6 +143,7 @@ interface CostmapViewerProps {
 /** The costmaps of a recording, one after the other. */
 export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewerProps) {
   const picture = useRef<Picture | null>(null);
+  const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const openGroup = useSignal("costmap");
@@ -202,7 +204,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
         <h1>{hello?.title ?? "…"}</h1>
         {guest && <GuestNote />}
       </header>
-      <div class="viewer-stage">
+      <div class="viewer-stage" ref={stage}>
         <div class="viewer-map">
           <BeliefView
             store={store}
@@ -210,6 +212,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
               picture.current = made;
             }}
           />
+          <MapTools store={store} stage={stage} />
           <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the costmaps …" />
         </div>
         <Transport store={store} unit="costmap" />

@@ -11,6 +11,10 @@ import { paintEditing, watchEditing, ZONES, zonesOver } from "../../../tools/map
 import { mapEditingOf } from "../../../tools/mapediting/state";
 import { key, stroke } from "../../../tools/mapediting/strokes";
 import { Tools, WholeMap } from "../../../tools/mapediting/Tools";
+import { MapTools } from "../../../tools/measure/MapTools";
+import { measuringOf } from "../../../tools/measure/measuring";
+import { paintMeasuring, watchMeasuring } from "../../../tools/measure/part";
+import { measuringTool } from "../../../tools/measure/tool";
 import { LinkedPicture } from "../../../tools/picture/LinkedPicture";
 import { mapSurface } from "../../../tools/picture/mapSurface";
 import { Button } from "../../../ui/Button";
@@ -33,13 +37,25 @@ interface MapViewProps {
 function MapView({ store, onPicture }: MapViewProps) {
   const failure = useMemo(() => signal(""), []);
   const shown = useRef(0);
+  const [editing, measuring] = [mapEditingOf(store), measuringOf(store)];
+  const ruler = useMemo(() => measuringTool(store), [store]);
   useEffect(() => store.layers.subscribe(ZONES), [store]);
   useEffect(() => store.layers.subscribe(SPEED_LIMITS), [store]);
   useSignalEffect(() => {
     // A turn, a crop or another origin puts the map elsewhere.
     const epoch = store.map.value?.geometry.epoch ?? 0;
-    if (shown.current !== 0 && epoch !== shown.current) store.viewHeld.value = false;
+    if (shown.current !== 0 && epoch !== shown.current) {
+      store.viewHeld.value = false;
+      measuring.clear();
+    }
     shown.current = epoch;
+  });
+  // One tool has the clicks: the ruler puts the brush away, and the brush the ruler.
+  useSignalEffect(() => {
+    if (measuring.tool.value !== null) editing.choose(null);
+  });
+  useSignalEffect(() => {
+    if (editing.tool.value !== null) measuring.take(null);
   });
   return (
     <LinkedPicture
@@ -49,9 +65,10 @@ function MapView({ store, onPicture }: MapViewProps) {
         store.pinned.value = store.pinned.peek() ? null : point;
       }}
       tool={{
-        draws: () => mapEditingOf(store).tool.peek() !== null,
+        draws: () => editing.tool.peek() !== null,
         stroke: (from, to, isDone) => stroke(store, from, to, isDone),
-        key: (pressed) => key(store, pressed),
+        tap: ruler.tap,
+        key: (pressed) => ruler.key(pressed) || key(store, pressed),
       }}
       {...(onPicture ? { onPicture } : {})}
       setUp={(canvas, invalidate) => {
@@ -62,6 +79,7 @@ function MapView({ store, onPicture }: MapViewProps) {
           () => [{ map: store.map.peek() }, ...zonesOver(store)],
           (brush) => {
             paintEditing(store, brush);
+            paintMeasuring(store, brush);
             return false;
           },
         );
@@ -70,6 +88,7 @@ function MapView({ store, onPicture }: MapViewProps) {
           watch: () => {
             void [store.map.value, store.mapVersion.value, store.probe.value, pictureColours.value];
             watchEditing(store);
+            watchMeasuring(store);
           },
           paint: surface.paint,
         };
@@ -138,6 +157,7 @@ interface MapEditorProps {
 /** A map that is edited: painted, cropped, turned, and kept as a new map. */
 export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
   const picture = useRef<Picture | null>(null);
+  const stage = useRef<HTMLDivElement>(null);
   const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const openGroup = useSignal("edit");
@@ -178,7 +198,7 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
         <h1>{hello?.title ?? "…"}</h1>
         <UndoRedo store={store} />
       </header>
-      <div class="viewer-stage">
+      <div class="viewer-stage" ref={stage}>
         <div class="viewer-map">
           <MapView
             store={store}
@@ -186,6 +206,7 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
               picture.current = made;
             }}
           />
+          <MapTools store={store} stage={stage} />
           <ViewerStatus hello={hello} trouble={trouble.value} opening="Opening the map …" />
           {store.working.value && (
             <p class="viewer-over" role="status">
