@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from msgspec import Struct
     from numpy.typing import NDArray
 
-    from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
+    from mapper.core.array_types import Float32Array, Float64Array, Int8Array, UInt8Array
     from mapper.costmap import SpeedFilter, SpeedLimit
     from mapper.diagnosis import Diagnosis
     from mapper.io.contents.model import Series
@@ -254,6 +254,17 @@ class Volumetric(ABC):
     @abstractmethod
     def above(self) -> OccupancyGrid | None:
         """The map from above, of a band of heights; None where nothing is known there."""
+
+
+class DepthSensing(ABC):
+    """A robot that can have a depth camera."""
+
+    @abstractmethod
+    def newest_depths(self) -> tuple[Float32Array, float] | None:
+        """Return its newest image (rows, cols), metres ahead, 0 for no return, and its range, metres (any thread).
+
+        None without a depth camera, and before its first image.
+        """
 
 
 class EditedFiles(ABC):

@@ -26,6 +26,7 @@ TIMES = 40  # of each other hand movement
 MOVES = 200  # of each drag
 OPENED = 8  # of the page
 FOUR_VIEWS = "?views=four:world,map,3d,second:50:50"
+PLOTTED = "?views=four:world,map,plots,frames:50:50"
 RUNNING_S = 4.0
 PLAYED_S = 20  #: of a log in four views
 PARTICLES = 10_000  # as many as the lab draws at most
@@ -400,6 +401,7 @@ def feel() -> None:
             rows += [
                 ("lab running at 1440 × 900", f"{running(browser, server):.0f} frames/s", "30", "60", ""),
                 ("the same with four views", f"{running(browser, server, FOUR_VIEWS):.0f} frames/s", "60", "60", ""),
+                ("the same with plots and frames", f"{running(browser, server, PLOTTED):.0f} frames/s", "60", "60", ""),
                 (f"the same with {PARTICLES:,} particles", f"{particle_rate:.0f} frames/s", "60", "60", ""),
                 ("main thread of that page", f"{100 * busy:.0f} %", "below 100 %", "", ""),
                 ("a log playing in four views", f"{beside_rate:.0f} frames/s", "30", "60", ""),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from msgspec import Struct
 
-from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
 from mapper.io.clouds.ply_writing import points_ply
@@ -28,7 +28,7 @@ from server.parts.volume.voxel_questions import VoxelQuestions, place_met
 from server.sessions.drawings import Drawing, GridColumns, Point, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Offers, OtherMap, Part
-from server.sessions.parts import Volumetric
+from server.sessions.parts import DepthSensing, Volumetric
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback
 from server.stream.commands import RestartCommand, WorldCommand
@@ -55,7 +55,7 @@ _WHOLE_WORLD = {row.name: row.initial for row in MAP_3D if row.name.startswith((
 _AT_FIRST = VolumeParameters().look
 
 
-class VolumeView(Part, Volumetric):
+class VolumeView(Part, Volumetric, DepthSensing):
     """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
 
     Faces of voxels are made only while a 3D view asks for them.
@@ -220,6 +220,12 @@ class VolumeView(Part, Volumetric):
     def _clip_box(made: LabVolume) -> ClipBox:
         x0, y0, x1, y1 = made.world.bounds
         return ClipBox(np.array([x0, y0, LOWEST]), np.array([x1, y1, HIGHEST]))
+
+    def newest_depths(self) -> tuple[Float32Array, float] | None:
+        """Return the newest image of the 3D sensor, where that is a depth camera."""
+        scan = self._map.scans[-1] if self._map is not None and self._map.scans else None
+        image = None if scan is None else scan.depth_image()
+        return None if scan is None or image is None else (image.depth, scan.sensor.reach)
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""

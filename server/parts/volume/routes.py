@@ -1,7 +1,8 @@
-"""``/api/sessions/{id}/volume.*``, ``surface.*``: the map in 3D of a session as an octree of OctoMap, and as a mesh."""
+"""``/api/sessions/{id}/volume.*``, ``surface.*``, ``depth.png``: the map in 3D of a session as files, its camera."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Literal
 
@@ -17,7 +18,8 @@ from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.sessions.parts import Volumetric
+from server.parts.volume.depth_picture import depth_png
+from server.sessions.parts import DepthSensing, Volumetric
 
 MEDIA = {"pgm": "image/x-portable-graymap", "yaml": "application/yaml"}
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -73,6 +75,19 @@ async def above_file(
         return Content(file_name(stem, kind), pgm_pieces(image.shape, image.bands()))
 
     return Download(downloads, requester_of(request, session), make, MEDIA[kind])
+
+
+@router.get("/{session_id}/depth.png", **file_answer("image/png"))
+@guests_may(GuestRight.LINKED_SESSION)
+async def depth_picture(sessions: Sessions, session_id: str) -> Response:
+    """Return the newest image of the simulated depth camera: the nearer the lighter, black where nothing returned."""
+    session = sessions.get(session_id)
+    seen = session.model.find(DepthSensing)
+    found = None if seen is None else seen.newest_depths()
+    if found is None:
+        raise MapperError("session.no_depth", "The robot of this session has no depth camera, or no image of it yet.")
+    data = await asyncio.to_thread(depth_png, *found)
+    return Response(data, media_type="image/png", headers={"Cache-Control": "private, no-store"})
 
 
 def _download(

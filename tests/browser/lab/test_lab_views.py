@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
+import numpy as np
+import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, centre, open_group, until, without_canvas_in_3d
+from tests.browser.looking import (
+    await_map,
+    centre,
+    frame,
+    map_bytes,
+    open_group,
+    settled_digest,
+    until,
+    without_canvas_in_3d,
+)
 from tests.browser.pages.test_axe import violations
 
 
@@ -57,6 +69,47 @@ def test_a_phone_shows_world_and_belief_at_once_and_other_views_as_pages(page: P
     views.nth(0).get_by_role("button", name="Go to view 3").click()
     expect(views.nth(2)).to_be_in_viewport(ratio=0.9)
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_plots_and_frames_of_the_lab_are_views_that_follow_its_scans(page: Page, open_lab: Callable[..., Page]) -> None:
+    open_lab()
+    page.get_by_label("View 1").select_option("Plots")
+    plots = page.locator(".lab-plot")
+    expect(plots).to_have_count(4)
+    step = "(values) => gridbloom.connection.store.send(values)"
+    page.evaluate(step, {"type": "faults", "values": {"drift": True}})
+    page.evaluate(step, {"type": "step", "scans": 30})
+    settled_digest(page)
+
+    def stated(plot: str) -> float:
+        words = re.search(r"([\d.]+) (bit|cells|m|m/s)$", page.locator(f"[data-plot='{plot}'] .number").inner_text())
+        return float(words[1]) if words else -1.0
+
+    seen = map_bytes(page)
+    cells = np.frombuffer(seen["bytes"], np.uint8)
+    cells = cells[cells > 0]
+    odds = np.exp(seen["low"] + (cells - 1) / 254.0 * (seen["high"] - seen["low"]))
+    p = odds / (1.0 + odds)
+    entropy = float(-(p * np.log2(p) + (1.0 - p) * np.log2(1.0 - p)).sum())
+    until("the map's entropy", lambda: abs(stated("Entropy of the map") - entropy) < 0.01)
+    now = frame(page)
+    error = math.dist(now["pose"][:2], now["believed_pose"][:2])
+    assert error > 0.01
+    until("the error of the belief", lambda: abs(stated("Error of the belief") - error) < 0.006)
+    assert violations(page, ".lab-stage") == []
+    page.get_by_label("View 1").select_option("Camera")
+    page.get_by_role("button", name="Give the robot a depth camera").click()
+    page.evaluate(step, {"type": "step", "scans": 5})
+    image = page.get_by_role("img", name="Depth image")
+    until("an image of 4 : 3", lambda: image.evaluate("one => one.naturalWidth === 96 && one.naturalHeight === 72"))
+    assert violations(page, ".lab-stage") == []
+    now = frame(page)
+    page.get_by_label("View 1").select_option("Frames")
+    rows = page.locator(".lab-frames tbody tr")
+    for row, pose in ((0, now["believed_pose"]), (1, now["pose"])):
+        cells_of = [float(text.replace("−", "-")) for text in rows.nth(row).locator("td").all_inner_texts()]
+        assert cells_of == pytest.approx([pose[0], pose[1], math.degrees(pose[2])], abs=0.06)
+    assert violations(page, ".lab-stage") == []
 
 
 def test_a_distance_is_measured_on_the_belief(page: Page, open_lab: Callable[..., Page]) -> None:

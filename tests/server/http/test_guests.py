@@ -84,6 +84,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
     ("GET", "/api/sessions/{session_id}/surface.{kind}"),
     ("GET", "/api/sessions/{session_id}/selection.ply"),
+    ("GET", "/api/sessions/{session_id}/depth.png"),
     ("GET", "/api/sessions/{session_id}/above.{kind}"),
 }
 NEVER = {

@@ -13,14 +13,17 @@ import numpy as np
 import pyoctomap
 import pytest
 import trimesh
+from PIL import Image
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
+from mapper.sensors.scan import LaserScan
 from mapper.simulation.space import cast
 from mapper.volume.mesh.faces import triangles_of
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume import live_volume as lab_volume
+from server.parts.volume.depth_picture import depth_png
 from server.parts.volume.look import normal_colors
 from server.parts.volume.part import VolumeView
 from server.parts.wire import command_of
@@ -343,6 +346,31 @@ async def test_what_is_not_seen_again_is_forgotten(lab: Lab) -> None:
     lab.do(type="map3d", values={"half_life": 0.0})
     lab.catch_up()
     assert lab.map.volume.n_known >= before
+
+
+async def test_its_depth_camera_sees_what_the_flat_lidar_measures_ahead(registry: SessionRegistry) -> None:
+    session = await new_simulation(registry, "me", "office", 3, playing=False)  # whose walls are higher than the camera
+    async with session.locked():
+        lab = Lab(session.model)
+        lab.do(type="auto", value=False)
+        assert lab.view.newest_depths() is None
+        lab.do(type="map3d", values={"sensor": "depth_camera", "noise": 0.0, "tilt": 0.0, "reach": 20.0})
+        x, y, _ = lab.model.robot_state().pose
+        for yaw in (3.14, -1.57):  # towards walls
+            lab.do(type="teleport", x=x, y=y, yaw=yaw)
+            lab.pass_time(0.5)
+            found, scan = lab.view.newest_depths(), lab.model.robot_state().scan
+            assert found is not None
+            assert isinstance(scan, LaserScan)
+            depths, reach = found
+            assert (depths.shape, reach) == ((72, 96), 20.0)
+            bearings = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+            ahead = scan.ranges[np.abs(bearings) < 0.02].mean()
+            assert depths[35:37, 47:49].mean() == pytest.approx(ahead, abs=0.08)
+    grey = np.asarray(Image.open(io.BytesIO(depth_png(depths, reach)))).ravel()
+    order = np.argsort(depths.ravel())
+    assert ((grey == 0) == (depths.ravel() == 0.0)).all()
+    assert (np.diff(grey[order][(depths.ravel() > 0.0)[order]].astype(int)) <= 0).all()
 
 
 async def test_other_programs_read_its_files(lab: Lab, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@
  */
 
 import { wrapped } from "../../grid/angles";
+import { between } from "../../grid/poses";
 import type { Pose } from "../../wire/protocol";
 import type { Symmetric } from "../matching/symmetric";
 
@@ -46,13 +47,6 @@ const STOP = 1e-5;
 const SHRINK = 0.25;
 /** Radians: of one step, where the linearisation holds. */
 const GREATEST_TURN = 0.5;
-
-/** T_a_b of T_o_a and T_o_b: the motion from the one to the other. */
-export function between(a: Pose, b: Pose): Pose {
-  const [c, s] = [Math.cos(a[2]), Math.sin(a[2])];
-  const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-  return [c * dx + s * dy, -s * dx + c * dy, wrapped(b[2] - a[2])];
-}
 
 const node = (poses: readonly Pose[], k: number): Pose => poses[k] as Pose;
 

@@ -1,13 +1,14 @@
 /** A drive round a block and back into its first corridor: what the odometry measured of it, and two loops. */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { between } from "../../grid/poses";
 import { seeded } from "../../grid/random";
 import { bearingOf } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { poseRound, rmsDistance } from "../common/drive";
 import { allRound, box, chained, scanFrom, type Wall } from "../common/world";
 import type { Symmetric } from "../matching/symmetric";
-import { between, type GraphEdge } from "./solver";
+import type { GraphEdge } from "./solver";
 
 export const GEOMETRY: GridGeometry = { resolution: 0.1, rows: 84, cols: 128, origin: [-1.4, -1.2, 0] };
 

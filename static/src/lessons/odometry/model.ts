@@ -8,12 +8,12 @@ import {
   type LaserScan,
   type OccupancyGrid,
 } from "../../grid/occupancyGrid";
+import { between } from "../../grid/poses";
 import { normal, seeded } from "../../grid/random";
 import { occupancyGridMapping } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { poseRound, rmsDistance } from "../common/drive";
 import { allRound, box, chained, scanFrom, type Wall } from "../common/world";
-import { between } from "../graph/solver";
 import { iterate, type PointScan, placed, pointsOf, type SurfaceScan, withNormals } from "../matching/model";
 
 export const GEOMETRY: GridGeometry = { resolution: 0.2, rows: 46, cols: 66, origin: [-1.6, -1.6, 0] };

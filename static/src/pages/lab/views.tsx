@@ -21,8 +21,11 @@ import type { Preset } from "../../ui/stage/LayoutChoice";
 import { type Layout, layoutOf } from "../../ui/stage/layout";
 import type { StageView } from "../../ui/stage/Stage";
 import type { Live } from "../classSession";
+import { Camera } from "./Camera";
+import { LabFrames } from "./LabFrames";
 
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
+const LabPlots = lazy(async () => (await import("./plots/LabPlots")).LabPlots);
 const CorrectMap = lazy(async () => (await import("./CorrectMap")).CorrectMap);
 
 export interface LabPictures {
@@ -66,6 +69,33 @@ const VIEWS: readonly View[] = [
       </Plate>
     ),
   },
+  {
+    kind: "picture",
+    title: "Camera",
+    content: ({ session }, head) => (
+      <Plate title="Camera" head={head}>
+        {session && <Camera store={session.store} session={session.id} />}
+      </Plate>
+    ),
+  },
+  {
+    kind: "plots",
+    title: "Plots",
+    content: ({ session }, head) => (
+      <Plate title="Plots" head={head}>
+        {session && <LabPlots store={session.store} />}
+      </Plate>
+    ),
+  },
+  {
+    kind: "frames",
+    title: "Frames",
+    content: ({ session }, head) => (
+      <Plate title="Frames" head={head}>
+        {session && <LabFrames store={session.store} />}
+      </Plate>
+    ),
+  },
 ];
 
 export const KINDS: readonly string[] = VIEWS.map(({ kind }) => kind);
@@ -77,8 +107,9 @@ export const PRESETS: readonly Preset[] = [
   ["World and belief", WORLD_AND_MAP],
   ["Belief", layoutOf("one", ["map"])],
   ["Belief and 3D", layoutOf("beside", ["map", "3d"])],
+  ["Belief and plots", layoutOf("beside", ["map", "plots"])],
   ["Two maps", layoutOf("beside", ["map", "second"])],
-  ["Everything", layoutOf("four", KINDS)],
+  ["Four views", layoutOf("four", KINDS.slice(0, 4))],
 ];
 
 /** The layout that this browser used last, as text. */
