@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -70,7 +69,7 @@ def test_drift_and_first_finding_are_shown_and_choose_and_order_the_maps(page: P
     expect(cards.get_by_role("link")).to_have_attribute("href", "/logs.html?log=id-c")
 
 
-def test_the_page_of_the_command_orders_and_finds_its_maps(page: Page, tmp_path: Path) -> None:
+def test_the_page_of_the_command_orders_and_finds_its_maps(page: Page, server: str) -> None:
     def one(name: str, drift_m: float | None, *sentences: str) -> Result:
         findings = tuple(FleetFinding("walls.drift", sentence, possible=True) for sentence in sentences)
         facts = MapFacts(
@@ -79,11 +78,9 @@ def test_the_page_of_the_command_orders_and_finds_its_maps(page: Page, tmp_path:
         )  # fmt: skip
         return Result(name, f"/logs/{name}", 1.0, 1, facts)
 
-    file = tmp_path / "index.html"
-    file.write_text(
-        page_of([one("a.log", 0.1, "The poses drift."), one("b.log", 2.0), one("c.log", None)], 3, running=False)
-    )
-    page.goto(file.as_uri())
+    text = page_of([one("a.log", 0.1, "The poses drift."), one("b.log", 2.0), one("c.log", None)], 3, running=False)
+    page.route("**/fleet-of-the-command", lambda route: route.fulfill(content_type="text/html", body=text))
+    page.goto(f"{server}/fleet-of-the-command")
     names = page.locator(".wall > li:visible .text a")
     expect(names).to_have_text(["a.log", "b.log", "c.log"])
     page.get_by_role("combobox", name="Order").select_option("most drift first")
