@@ -185,11 +185,16 @@ class Catalogue:
         return record
 
     def save(self, record: Record) -> None:
-        """Store a changed record. If it cannot be written, the change is lost at the next start."""
+        """Store a changed record, unless it is of an upload that was deleted: its bytes are gone.
+
+        If it cannot be written, the change is lost at the next start.
+        """
+        if record.source == "upload" and record.id not in self._records:
+            return
         self._records[record.id] = record
         # Of the folder's logs only results that take long are kept: the rest is read again.
         if record.source == "upload" or record.state == "ready":
-            asyncio.ensure_future(self._store.put(record)).add_done_callback(_ignore_error)
+            asyncio.ensure_future(self._store.change(record)).add_done_callback(_ignore_error)
 
     async def finish(self, record: Record, lease: Lease) -> None:
         """Store what came of a job, unless the log was deleted, and end the job's lease.

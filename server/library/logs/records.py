@@ -159,6 +159,9 @@ class Records(Protocol):
     def get(self, record_ids: Collection[str]) -> Awaitable[Sequence[Record]]:
         """Return the records of these ids that there are."""
 
+    def change(self, record: Record) -> Awaitable[None]:
+        """Do what :meth:`writing` returns: a reading may end while its log is being deleted."""
+
     def writing(self, record: Record) -> Callable[[Any], None]:
         """Return what writes a record in a transaction, unless it is that of an upload that was deleted."""
 

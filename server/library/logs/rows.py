@@ -43,6 +43,10 @@ class LogRows:
         wanted = select(logs).where(logs.c.id.in_(record_ids))
         return self._database.run(lambda connection: [_record(row) for row in connection.execute(wanted)])
 
+    def change(self, record: Record) -> asyncio.Future[None]:
+        """Do what :meth:`writing` returns."""
+        return self._database.run(self.writing(record))
+
     def writing(self, record: Record) -> Callable[[Connection], None]:
         """Return what writes the row of a record in a transaction, unless it is that of an upload that was deleted."""
         return lambda connection: (_change_log if record.source == "upload" else upsert_log)(connection, record)

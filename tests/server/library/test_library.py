@@ -6,8 +6,9 @@ import asyncio
 import gzip
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -138,6 +139,25 @@ async def test_delete_while_the_log_is_queued_or_read(
     # The reader is fit for the next log.
     record = await library.put("ann", "y", in_pieces(carmen(3)))
     assert (await library.load("ann", record.id)).n_scans == 3
+
+
+async def test_no_reading_that_ends_during_a_deletion_or_after_it_brings_the_record_back(library: Library) -> None:
+    record = await library.put("ann", "run.log", in_pieces(carmen(5)))
+    await library.load("ann", record.id)
+    catalogue = library._catalogue
+    ready, store = library.get("ann", record.id), catalogue._store
+    forget = store.delete
+
+    def read_meanwhile(log_id: str) -> Awaitable[None]:
+        asked = forget(log_id)
+        catalogue.save(ready)
+        return asked
+
+    with patch.object(store, "delete", read_meanwhile):
+        await library.delete("ann", record.id)
+    catalogue.save(ready)
+    assert catalogue.get(record.id) is None
+    assert await store.load() == []
 
 
 # -- what can go wrong in reading ----------------------------------------------------------------------------------
