@@ -285,7 +285,7 @@ def beside_views(browser: Browser, server: str, folder: Path) -> tuple[Laps, flo
     await_map(page)
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     until("the log to stand", lambda: not frame(page)["playing"])
-    page.get_by_label("Layout", exact=True).select_option(label="Diagnosis")
+    page.get_by_label("Layout", exact=True).select_option(label="Moment")
     page.get_by_role("region", name="Pictures").get_by_role("img").wait_for()
     page.get_by_role("region", name="Plots", exact=True).locator("canvas").first.wait_for()
     open_group(page, "Settings")

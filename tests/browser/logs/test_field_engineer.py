@@ -195,7 +195,7 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
     expect(event).to_contain_text(re.compile(r"Pushed 0\.(39|40|41) m right"))
     by.press(event.get_by_role("button"))
     until("the moment of the push", lambda: abs(frame(page)["stamp"] - PUSHED_S) <= 1.0 / RATE_HZ)
-    by.choose(page.get_by_label("Layout", exact=True), "Diagnosis")
+    by.choose(page.get_by_label("Layout", exact=True), "Moment")
     lines = page.get_by_role("region", name="Log lines", exact=True)
     by.choose(lines.get_by_label("Level"), "error and above")
     if isinstance(by, Keys):

@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.drifting import drifting_ring
 from tests.browser.looking import SECONDS, await_true, frame, open_group, settled_digest, until
+from tests.browser.pages.test_axe import violations
 
 
 def opened(page: Page, server: str, name: str, data: bytes) -> None:
@@ -83,6 +84,13 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     graph.get_by_role("button", name="As SLAM left it").click()
     expect(loops.get_by_role("button")).to_have_count(count)
     assert settled_digest(page) == healed
+    # The layout for it: residuals of the graph, and the relative error of the wheels, not of two equal paths.
+    page.get_by_label("Layout", exact=True).select_option("Diagnosis")
+    residuals = page.get_by_role("region", name="Residuals")
+    expect(residuals.get_by_role("img", name=re.compile("odometry residual distance: 0.00 to"))).to_be_visible()
+    expect(residuals.get_by_role("img", name=re.compile("relative error of the place over time"))).to_be_visible()
+    expect(residuals).to_contain_text(re.compile("odometry against SLAM, over 1 m"))
+    assert violations(page, ".view-stage") == []
 
 
 def test_a_drifting_log_is_healed(page: Page, server: str) -> None:

@@ -186,7 +186,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onCorr
         {hasEvents && <Events events={now.examination.events} store={store} />}
         {findings.length > 0 && (
           <section aria-label="Findings">
-            <h4>Findings</h4>
+            <h2 class="doctor-title">Findings</h2>
             <ul class="findings">
               {findings.map((finding) => (
                 <FindingItem
@@ -249,7 +249,7 @@ function sentenceOf(store: Store, { what, seconds, until_s }: LogEvent): string 
 export function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
   return (
     <section class="events" aria-label="Events">
-      <h4>Events</h4>
+      <h2 class="doctor-title">Events</h2>
       <ul>
         {events.map((event) => (
           <li key={`${event.kind} ${event.seconds}`} data-event={event.kind}>

@@ -27,7 +27,7 @@ export function Plots({ store, session, fields, zoom }: PlotsProps) {
     <WhenKnown>
       {({ series }) => (
         <div class="plots">
-          <FieldPlot store={store} session={session} fields={fields} zoom={zoom} />
+          <FieldPlot key={store.trajectory.value?.name} store={store} session={session} fields={fields} zoom={zoom} />
           {series.length > 0 && <Topic store={store} session={session} series={series} zoom={zoom} />}
         </div>
       )}

@@ -20,6 +20,7 @@ import { isCloud } from "../library/describeLog";
 import { Lines } from "../lines/Lines";
 import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
+import { Residuals } from "../slam/Residuals";
 import "./views.css";
 
 const SolidView = lazy(async () => (await import("./SolidView")).SolidView);
@@ -61,6 +62,7 @@ const VIEWS: readonly View[] = [
     fills: true,
     content: (log) => <OtherMap {...log} />,
   },
+  { kind: "residuals", title: "Residuals", content: (log) => <Residuals {...log} /> },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
 ];
 
@@ -83,7 +85,8 @@ export function presetsFor(camera: boolean | null): readonly Preset[] {
     ...(camera === false ? [] : withCamera),
     ["Map and 3D", layoutOf("beside", [MAP_VIEW, "3d"])],
     ["Two maps", layoutOf("beside", [MAP_VIEW, "second"])],
-    ["Diagnosis", layoutOf("four", [MAP_VIEW, camera === false ? "messages" : "picture", "plots", "lines"])],
+    ["Moment", layoutOf("four", [MAP_VIEW, camera === false ? "messages" : "picture", "plots", "lines"])],
+    ["Diagnosis", layoutOf("four", [MAP_VIEW, "residuals", "plots", "second"])],
   ];
 }
 

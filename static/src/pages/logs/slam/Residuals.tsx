@@ -1,0 +1,114 @@
+/** How well the poses of a log agree with what was measured: residuals of its pose graph, and errors between two paths. */
+
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { showAnswer } from "../../../ui/browser/attempts";
+import { ProgressBar } from "../../../ui/ProgressBar";
+import { ask } from "../../../wire/ask";
+import type { TrajectoryErrors } from "../../../wire/http";
+import { Plot } from "../contents/LazyPlot";
+import type { Span } from "../contents/series";
+import { WhenKnown } from "../contents/useContents";
+import { type Chosen, type Found, joined, keyOf } from "../fields/fields";
+import { useFieldNames, useFieldSeries } from "../fields/useFields";
+import { trajectoryLabel } from "../library/describeLog";
+import { errorSeries, firstPair } from "../trajectories/errors";
+
+interface ResidualsProps {
+  readonly store: Store;
+  readonly session: string;
+  /** The interval that all plots of the log show. */
+  readonly zoom: Signal<Span | null>;
+}
+
+const GRAPH = "(slam)";
+const CONTRADICTED: Chosen = { topic: "(map)", field: "contradicted", made: "value", window: 1 };
+
+export function Residuals(props: ResidualsProps) {
+  const trajectory = props.store.trajectory.value?.name;
+  return (
+    <div class="plots">
+      <WhenKnown>{() => <OfPoses key={trajectory} {...props} />}</WhenKnown>
+      <OfPaths {...props} />
+    </div>
+  );
+}
+
+/** Residuals of the graph of the map's trajectory; of one without a graph what its readings contradict in the map. */
+function OfPoses({ store, session, zoom }: ResidualsProps) {
+  const names = useFieldNames(session);
+  const fields = names.kind === "ready" ? names.value.find(({ topic }) => topic === GRAPH)?.fields : undefined;
+  const isKnown = names.kind === "ready";
+  const chosen = useMemo(
+    (): readonly Chosen[] =>
+      fields?.map((field) => ({ topic: GRAPH, field, made: "value", window: 1 })) ?? (isKnown ? [CONTRADICTED] : []),
+    [fields, isKnown],
+  );
+  const series = useFieldSeries(session, chosen, zoom.value, false);
+  const found = useMemo(
+    () =>
+      chosen.flatMap((one): Found[] => {
+        const now = series.get(keyOf(one));
+        return now?.kind === "ready" ? [{ chosen: one, series: now.value }] : [];
+      }),
+    [chosen, series],
+  );
+  const units = [...new Set(found.flatMap(({ series: { columns } }) => columns.map(({ unit }) => unit)))];
+  const plots = useMemo(
+    () => units.map((unit) => joined(found.filter(({ series: { columns } }) => columns[0]?.unit === unit))),
+    [found],
+  );
+  const failed = [...series.values(), names].find((one) => one.kind === "failed");
+  return (
+    <>
+      {failed?.kind === "failed" && <p role="alert">{failed.why}</p>}
+      {found.length === 0 && !failed && <ProgressBar fraction={null} label="Reading the residuals" />}
+      {plots.map((one, n) => (
+        <Plot key={units[n]} store={store} series={one} plot="" zoom={zoom} />
+      ))}
+      {found.length > 0 && (
+        <p class="quiet">
+          {fields
+            ? "By how much the corrected poses miss the motion that was measured to each scan, and the loops that end there."
+            : "These poses have no pose graph; SLAM (“Heal its poses”) makes one. Until then: the share of each scan’s readings that the whole log’s map contradicts."}
+        </p>
+      )}
+    </>
+  );
+}
+
+/** The relative error of two trajectories: first SLAM and the wheels. */
+function OfPaths({ store, session }: ResidualsProps) {
+  const trajectories = store.hello.value?.log?.trajectories ?? [];
+  const [reference, estimate] = firstPair(trajectories);
+  const isPair = trajectories.filter(({ same_as }) => same_as === null).length > 1;
+  const errors = useSignal<TrajectoryErrors | null>(null);
+  const failure = useSignal<string | null>(null);
+  useEffect(() => {
+    errors.value = null;
+    if (!isPair) return;
+    const what = "GET /api/sessions/{session_id}/trajectory-errors";
+    return showAnswer(
+      (ending) =>
+        ask(what, { session_id: session }, { query: { reference, estimate, align: "rigid", delta: 1 }, ending }),
+      failure,
+      (found) => {
+        errors.value = found;
+      },
+    );
+  }, [session, reference, estimate, isPair]);
+  const series = useMemo(() => errors.value && errorSeries(errors.value, "relative"), [errors.value]);
+  if (!isPair) return null;
+  return (
+    <>
+      <p>
+        <strong>{trajectoryLabel(estimate)}</strong> against {trajectoryLabel(reference)}, over 1 m
+      </p>
+      {failure.value && <p role="alert">{failure.value}</p>}
+      {series?.columns.map(({ plot }) => (
+        <Plot key={plot} store={store} series={series} plot={plot} />
+      ))}
+    </>
+  );
+}
