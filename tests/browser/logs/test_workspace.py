@@ -5,12 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from playwright.sync_api import Page, expect
+import pytest
+from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.looking import await_map, await_true, centre, frame, map_bytes, open_group, still, until
-from tests.browser.pages.test_axe import violations
+from tests.browser.looking import (
+    await_map,
+    await_true,
+    centre,
+    frame,
+    map_bytes,
+    open_group,
+    still,
+    until,
+    without_canvas_in_3d,
+)
+from tests.browser.pages.test_axe import LOOKS, violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -210,6 +222,42 @@ def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Pag
     until("a line at the time", lambda: np.allclose(page.evaluate(MARKED), [share], atol=0.01))
     page.evaluate("() => gridbloom.connection.store.explain(null)")
     until("no line", lambda: page.evaluate(MARKED) == [])
+
+
+#: Layouts, and what the second and the third of their views have when their contents are there.
+VIEWS = {
+    "four:picture,messages,lines,plots:50:50": ("frame_id", "Wheel slips"),
+    "four:3d,residuals,frames,second:50:50": ("contradicts", "Transforms lead"),
+}
+
+
+@pytest.mark.parametrize(("context", "scheme"), LOOKS[:2], indirect=["context"])
+def test_axe_finds_nothing_in_views_for_their_owner_and_a_guest_and_in_the_report(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path, scheme: Literal["light", "dark"]
+) -> None:
+    page.emulate_media(color_scheme=scheme)
+    without_canvas_in_3d(page)
+    opened(page, server, tmp_path)
+    hello = page.evaluate("() => gridbloom.connection.store.hello.peek()")
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    link = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+    guest = visitor.new_page()
+    for layout, contents in VIEWS.items():
+        for where, address in (
+            (page, f"{server}/logs.html?log={hello['log']['id']}&views={layout}"),
+            (guest, f"{link}?views={layout}"),
+        ):
+            where.goto(address)
+            await_map(where)
+            views = where.locator(".view-pane")
+            expect(views).to_have_count(4)
+            for n, words in enumerate(contents):
+                expect(views.nth(n + 1)).to_contain_text(words)
+            assert violations(where, ".viewer") == []
+    page.goto(f"{server}/api/sessions/{hello['session']}/report")
+    expect(page.get_by_role("main")).to_contain_text("Versions")
+    assert violations(page) == []
 
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:
