@@ -60,12 +60,16 @@ window.Worker = class extends window.Worker {
   }
 
   override postMessage(posted: { readonly message?: { readonly type?: string } }, ...more: unknown[]): void {
-    if (posted?.message?.type === "ViewerCameraMessage") budget.moved(frameTime());
+    if (posted?.message?.type === "ViewerCameraMessage") budget.moved();
     if (storage) keepCamera(storage, location.pathname, posted?.message);
     super.postMessage(posted, ...(more as [Transferable[]]));
   }
 };
 
+// The client posts the camera after the frame that shows it moved, which is to be a quick one already.
+addEventListener("pointerdown", () => budget.hold(true), true);
+for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, () => budget.hold(false), true);
+addEventListener("wheel", () => budget.moved(), { capture: true, passive: true });
 addGestures(window);
 
 const query = storage && keptQuery(storage, location);
