@@ -71,8 +71,8 @@ _ROWS = (
         ),
         "Some drivers report the max range where nothing came back. Taken as a reading, each such beam draws an "
         "obstacle there: arcs in free space. A reading at or beyond the max range is no hit.",
-        lesson="To count no return as a hit is always wrong: this happens when a driver writes the max range where "
-        "there was no echo.",
+        lesson="Counting no return as a hit is always wrong; it happens when a driver reports the max range "
+        "where there was no echo.",
     ),
     Cause(
         "mount_yaw",

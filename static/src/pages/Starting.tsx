@@ -1,5 +1,5 @@
 import { useEffect } from "preact/hooks";
-import { isStalled, sayers } from "../ui/browser/awaited";
+import { countSayers, isStalled } from "../ui/browser/awaited";
 import { Working } from "../ui/Working";
 import { NO_ANSWER } from "../wire/ask";
 import { starting } from "./worldSession";
@@ -17,9 +17,9 @@ interface StartingProps {
 /** A note while the server makes a new world, or does not answer. */
 export function Starting({ meanwhile, trouble = null }: StartingProps) {
   useEffect(() => {
-    sayers.value++;
+    countSayers(1);
     return () => {
-      sayers.value--;
+      countSayers(-1);
     };
   }, []);
   const work = starting.value;

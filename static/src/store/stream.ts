@@ -4,7 +4,7 @@
  */
 
 import { batch, signal } from "@preact/signals";
-import { sayers } from "../ui/browser/awaited";
+import { countSayers } from "../ui/browser/awaited";
 import { type BinaryFrame, decodeFrame } from "../wire/decodeFrame";
 import { decodeText, OutdatedPageError } from "../wire/decodeText";
 import {
@@ -117,7 +117,7 @@ export class Stream {
   }
 
   start(): void {
-    sayers.value++; // what shows the stream shows its trouble
+    countSayers(1); // what shows the stream shows its trouble
     this.#unwatch = this.#environment.watch(() => this.#visibilityChanged());
     this.#stopListening = this.#environment.every(() => this.#listen(), LISTEN_MS);
     this.#visibilityChanged();
@@ -125,7 +125,7 @@ export class Stream {
 
   stop(): void {
     this.#stopped = true;
-    if (this.#unwatch) sayers.value--;
+    if (this.#unwatch) countSayers(-1);
     this.#unwatch?.();
     this.#unwatch = null;
     this.#stopListening?.();

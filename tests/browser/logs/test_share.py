@@ -96,7 +96,7 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     lines = open_group(page, "Log lines")
     lines.get_by_label("Search in the lines").fill("slips")
     page.evaluate("() => gridbloom.connection.store.explain([0.5, 0.5])")
-    page.get_by_role("button", name="Measure a distance").click()
+    page.get_by_role("toolbar", name="Map tools").get_by_role("button", name="Measure a distance").click()
     for point in ([1.0, 1.0], [2.0, 1.0]):
         page.mouse.click(*page.evaluate(SCREEN, point))
     measured = page.get_by_role("region", name="Measured").locator(".number").first

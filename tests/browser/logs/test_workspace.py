@@ -279,7 +279,7 @@ def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> No
       return best && { from: at(best[1]), to: at(best[2]), resolution: geometry.resolution };
     }""")
     assert row is not None
-    page.get_by_role("button", name="Measure a distance").click()
+    page.get_by_role("toolbar", name="Map tools").get_by_role("button", name="Measure a distance").click()
     measured = page.get_by_role("region", name="Measured")
     expect(measured).to_contain_text("two sides of a door")
     for point in (row["from"], row["to"]):

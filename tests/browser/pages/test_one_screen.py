@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_group, open_groups, settled_digest, without_canvas_in_3d
-from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns
+from tests.browser.one_screen import SIZES, Screen, Turns
 from tests.browser.text_boxes import hidden_texts
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -73,7 +73,7 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
             settled_digest(page)
         if title in {"3D", "3D view"}:
             controls = page.locator(".dock-group:visible")  # they come with the scene
-            expect(controls.get_by_role("button", name=FULL_SCREEN)).to_be_visible()
+            expect(controls.get_by_role("button", name="Controls", exact=True)).to_be_visible()
         screen.stands(title)
         assert hidden_texts(page, ".dock") == [], title
         turns.use_all(screen, page.locator(".dock-group:visible"))

@@ -86,7 +86,7 @@ class View:
             cols, rows = np.floor(self.cameras[-1].seen(places, width, height)).astype(int).T
             if min(cols.min(), rows.min()) < 0 or cols.max() >= width or rows.max() >= height:
                 return False
-            if np.ptp(cols) < 0.5 * width and np.ptp(rows) < 0.5 * height:
+            if np.ptp(cols) < 0.4 * width and np.ptp(rows) < 0.4 * height:
                 return False
             red, _, blue = pixels[rows, cols].T
             return bool((red - blue > 60).mean() > 0.3)

@@ -86,15 +86,22 @@ interface SceneControlsProps extends Omit<SceneProps, "children"> {
 }
 
 function SceneControls({ store, isUnfolded, ...more }: SceneControlsProps) {
+  const row = useRef<HTMLDivElement>(null);
+  const isChosen = useRef(false);
+  useLayoutEffect(() => {
+    // The picture gives its height to the controls, and takes it back: the button is not to leave the view.
+    if (isChosen.current) row.current?.scrollIntoView({ block: "nearest" });
+  }, [isUnfolded]);
   if (!store.part("scene").message.value) return null; // all of them come at once, so that none moves when others come
   return (
     <div class="scene-controls stack-tight">
-      <div class="actions">
+      <div class="actions" ref={row}>
         <MeasuringButtons store={store} />
         <Button
           icon={isUnfolded ? "unfold" : "up"}
           pressed={isUnfolded}
           onClick={() => {
+            isChosen.current = true;
             unfolded.value = !isUnfolded;
           }}
         >

@@ -26,9 +26,9 @@ test("a server that answers nothing for two seconds has stalled until it answers
   expect([probes.length, page.isStalled.value]).toEqual([1, false]);
   await vi.advanceTimersByTimeAsync(200);
   expect([probes.length, page.isStalled.value, page.hasStalled.value]).toEqual([1, true, true]);
-  page.sayers.value++;
+  page.countSayers(1);
   expect(page.hasStalled.value).toBe(false);
-  page.sayers.value--;
+  page.countSayers(-1);
   probes[0]?.(new Response());
   await vi.advanceTimersByTimeAsync(0);
   expect(page.isStalled.value).toBe(false);
@@ -58,4 +58,16 @@ test("requests that take all connections of the browser are no sign of a server 
   await vi.advanceTimersByTimeAsync(3500);
   expect([probes.length, page.isStalled.value]).toEqual([0, false]);
   await vi.advanceTimersByTimeAsync(1000);
+});
+
+test("an effect that counts one which says so runs once", async () => {
+  const { effect } = await import("@preact/signals");
+  let runs = 0;
+  const end = effect(() => {
+    runs++;
+    page.countSayers(1);
+  });
+  page.countSayers(1);
+  expect(runs).toBe(1);
+  end();
 });

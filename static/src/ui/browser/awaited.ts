@@ -6,7 +6,12 @@ import { computed, signal } from "@preact/signals";
 export const isStalled = signal(false);
 
 /** How many parts of the page say in their own place that the server does not answer. */
-export const sayers = signal(0);
+const sayers = signal(0);
+
+/** Count one more or one less of them; an effect that does so does not depend on their number. */
+export const countSayers = (change: 1 | -1): void => {
+  sayers.value = sayers.peek() + change;
+};
 
 /** Whether the page has to say so where it shows its messages. */
 export const hasStalled = computed(() => isStalled.value && sayers.value === 0);
