@@ -18,34 +18,34 @@ from typer.main import get_group
 
 from server.version import package_version
 
-#: The module of each command and its function there, in the order of ``--help``.
+#: The module of each command, its folder before it, and its function there, in the order of ``--help``.
 COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "serve": ("serve", "serve"),
-        "upload": ("upload", "upload"),
-        "notes": ("upload", "notes"),
-        "backup": ("backup", "backup"),
-        "restore": ("backup", "restore"),
-        "info": ("logs", "info"),
-        "doctor": ("logs", "doctor"),
-        "check": ("check", "check"),
-        "report": ("report", "report"),
-        "map": ("maps", "map_log"),
-        "view": ("view", "view"),
-        "why": ("why", "why"),
-        "merge": ("merge", "merge"),
-        "compare": ("compare", "compare"),
-        "evaluate": ("evaluate", "evaluate"),
-        "match": ("match", "match"),
-        "slam": ("slam", "slam"),
-        "localize": ("localize", "localize"),
-        "edit": ("edit", "edit"),
-        "costmap": ("costmap", "costmap"),
-        "path": ("path", "path"),
-        "map3d": ("map3d", "map3d"),
-        "terrain": ("terrain", "terrain"),
-        "fleet": ("fleet", "fleet"),
-        "bench": ("bench", "bench"),
+        "serve": ("service.serve", "serve"),
+        "upload": ("service.upload", "upload"),
+        "notes": ("service.upload", "notes"),
+        "backup": ("service.backup", "backup"),
+        "restore": ("service.backup", "restore"),
+        "info": ("logs.info", "info"),
+        "doctor": ("logs.info", "doctor"),
+        "check": ("logs.check", "check"),
+        "report": ("logs.report", "report"),
+        "map": ("maps.map_log", "map_log"),
+        "view": ("maps.view", "view"),
+        "why": ("maps.why", "why"),
+        "merge": ("maps.merge", "merge"),
+        "compare": ("maps.compare", "compare"),
+        "evaluate": ("poses.evaluate", "evaluate"),
+        "match": ("poses.match", "match"),
+        "slam": ("poses.slam", "slam"),
+        "localize": ("poses.localize", "localize"),
+        "edit": ("maps.edit", "edit"),
+        "costmap": ("maps.costmap", "costmap"),
+        "path": ("maps.path", "path"),
+        "map3d": ("clouds.map3d", "map3d"),
+        "terrain": ("clouds.terrain", "terrain"),
+        "fleet": ("logs.fleet", "fleet"),
+        "bench": ("maps.bench", "bench"),
     }
 )
 
@@ -68,7 +68,8 @@ class _Command(TyperCommand):
 
     def get_short_help_str(self, limit: int = 45) -> str:
         module, function = COMMANDS[self._name]
-        tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+        source = Path(__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
+        tree = ast.parse(source.read_text(encoding="utf-8"))
         defined = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == function)
         self.help = ast.get_docstring(defined)
         return super().get_short_help_str(limit)

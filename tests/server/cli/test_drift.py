@@ -50,7 +50,7 @@ def test_quiet_maps_without_the_check_and_without_notes(run, run_of_a_robot, mon
     def examined(*_: object) -> None:
         pytest.fail("the poses were examined")
 
-    monkeypatch.setattr("server.cli.maps.first_cause", examined)
+    monkeypatch.setattr("server.cli.maps.map_log.first_cause", examined)
     status, out, _ = run("map", run_of_a_robot, "--trajectory", "wheel", "--quiet")
     assert (status, "note" in out) == (0, False)
     assert "drift" not in json.loads(run("map", run_of_a_robot, "-q", "--json").out)

@@ -14,7 +14,7 @@ from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, Localized, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from server.cli.localize import doubts
+from server.cli.poses.localize import doubts
 from tests.mapper.io.contents.recorded_robot import T0
 from tests.mapper.io.logs import recorded
 from tests.mapper.localization.rooms import office, two_lidars

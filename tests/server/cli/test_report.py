@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from server.cli.logs import REPORT
+from server.cli.logs.info import REPORT
 
 
 def test_the_report_of_a_log_is_written_and_announced(run, log, tmp_path, monkeypatch):

@@ -43,7 +43,7 @@ def test_variables_that_tests_and_benchmarks_read_are_not_misspelt():
 
 def test_serve_passes_its_options_to_the_service(run, tmp_path, monkeypatch):
     given: list[Settings] = []
-    monkeypatch.setattr("server.cli.serve.run", given.append)
+    monkeypatch.setattr("server.cli.service.serve.run", given.append)
     monkeypatch.setenv("GRIDBLOOM_HOST", "::1")
     assert run("serve", "--port", 0, "--data-dir", tmp_path / "data", "--logs-dir", tmp_path).status == 0
     (settings,) = given

@@ -34,8 +34,8 @@ from server.cli.common import (
     with_parameter_options,
 )
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
+from server.cli.poses.slam import SLAM, write_texts
 from server.cli.reading import read_joint, with_corrections
-from server.cli.slam import SLAM, write_texts
 
 
 @app.command()

@@ -25,6 +25,8 @@ from mapper.io.logs.summary import TimeSummary, summarise
 from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
+from server.cli.clouds.map3d import describe_octree
+from server.cli.clouds.surface import describe_mesh
 from server.cli.commands import app
 from server.cli.common import (
     AsJson,
@@ -44,7 +46,7 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
-from server.cli.held import (
+from server.cli.logs.held import (
     clouds_facts,
     contents_facts,
     imus_facts,
@@ -55,11 +57,9 @@ from server.cli.held import (
     stream_line,
     topic_line,
 )
-from server.cli.map3d import describe_octree
 from server.cli.map_files import describe_map
-from server.cli.maps import cause_and_drift
+from server.cli.maps.map_log import cause_and_drift
 from server.cli.reading import read_joint, with_corrections, with_tum
-from server.cli.surface import describe_mesh
 from server.version import package_version
 
 REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder

@@ -33,8 +33,8 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
+from server.cli.poses.slam import SLAM, with_slam_poses
 from server.cli.reading import read_joint, with_corrections
-from server.cli.slam import SLAM, with_slam_poses
 from server.library.annotations.note_files import MapFrame, notes_from_geojson
 from server.report import Picture, PlacedNote, make_report, report_page, report_pdf
 

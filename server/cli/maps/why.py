@@ -28,7 +28,7 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
-from server.cli.prior import Prior, PriorFrame, given_prior
+from server.cli.maps.prior import Prior, PriorFrame, given_prior
 from server.cli.reading import read_log
 
 

@@ -19,7 +19,7 @@ from mapper.planning.nav2_parameters import Nav2Path, path_of
 from mapper.planning.travel_time import travel_time
 from server.cli.commands import app
 from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
-from server.cli.costmap import (
+from server.cli.maps.costmap import (
     UNKNOWN_AS_FREE,
     KeepoutMask,
     SpeedAbsolute,

@@ -22,6 +22,7 @@ from mapper.volume.octree.files import is_octree, read_octree
 from mapper.volume.scans.map_offset import MapOffset, georeferenced, offset_notes
 from mapper.volume.scans.sources import Insertion, file_head, insert_all, open_source, refuse_poses
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
+from server.cli.clouds.surface import MESHES, map_surface, write_mesh_file
 from server.cli.commands import app
 from server.cli.common import (
     AsJson,
@@ -36,7 +37,6 @@ from server.cli.common import (
     with_parameter_options,
 )
 from server.cli.map_files import save
-from server.cli.surface import MESHES, map_surface, write_mesh_file
 
 _ROWS = {row.name: row for row in VOLUME_PARAMETERS}
 KINDS = (".bt", ".ot")

@@ -1,4 +1,4 @@
-"""``map`` makes the map of a log and notes what makes it bad, ``view`` draws a map file."""
+"""``map`` makes the map of a log and notes what makes it bad."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from server.cli.common import (
     with_parameter_options,
 )
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
-from server.cli.prior import Prior, PriorFrame, given_prior
+from server.cli.maps.prior import Prior, PriorFrame, given_prior
 from server.cli.reading import check_mount, read_sensors
 
 Quiet = Annotated[

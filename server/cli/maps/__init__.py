@@ -1,0 +1,1 @@
+"""Maps of a log, and what is done with map files."""

@@ -1,0 +1,1 @@
+"""Commands that find poses, and judge them."""
