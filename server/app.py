@@ -184,9 +184,9 @@ def create_app(
         sign_out.router,
         pages.router,  # last: it has a route for any other name
     )
-    for router in routers:
-        app.include_router(router)
+    # The routes as they are: of an included router FastAPI makes all models once more, at its first request.
     routes = [route for router in routers for route in router.routes]
+    app.router.routes += routes
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)

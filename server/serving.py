@@ -242,7 +242,7 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS, worker: W
             timeout_graceful_shutdown=2,
         ),
         connections,
-        WarmUp(app) if settings.compile_ahead and (worker is None or worker.number == 0) else None,
+        WarmUp() if settings.compile_ahead and (worker is None or worker.number == 0) else None,
         worker,
     )
 

@@ -10,8 +10,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from starlette.applications import Starlette
-
 COMMAND = (sys.executable, "-P", "-m", "mapper.tools.precompile", "--background")
 END_S = 5.0  #: seconds that the process has to end
 
@@ -50,24 +48,15 @@ def load_sessions() -> None:
                 precompile_lab()
 
 
-def make_routes(app: Starlette) -> None:
-    """Make what FastAPI makes of each router at the first request that comes as far as it, some 0.3 s for all."""
-    scope = {"type": "http", "method": "GET", "path": "/", "root_path": "", "headers": []}
-    with left_out():
-        for route in app.routes:
-            route.matches(dict(scope))
-
-
 class WarmUp:
     """A process of the lowest priority that compiles the kernels and keeps them on disk; it ends at once if they are.
 
-    The service then loads them in milliseconds, those of the lab, and makes the routes of ``app``, as soon as the
-    process has ended. A kernel that is used before it is compiled there is compiled by the service itself. The process
-    ends with the service, however that ends: it sees the end of its standard input.
+    The service then loads them in milliseconds, those of the lab as soon as the process has ended. A kernel that is
+    used before it is compiled there is compiled by the service itself. The process ends with the service, however that
+    ends: it sees the end of its standard input.
     """
 
-    def __init__(self, app: Starlette) -> None:
-        self._app = app
+    def __init__(self) -> None:
         self.process: subprocess.Popen[bytes] | None = None
 
     def begin(self) -> None:
@@ -83,7 +72,6 @@ class WarmUp:
     def _load_after(self, compiling: subprocess.Popen[bytes]) -> None:
         if compiling.wait() == 0:
             load_sessions()
-            make_routes(self._app)
 
     def end(self) -> None:
         """End the process if it runs."""

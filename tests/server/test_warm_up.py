@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-import gc
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import httpx
 import pytest
-from fastapi import APIRouter, FastAPI
 from pydantic import TypeAdapter
-from starlette.applications import Starlette
+from starlette.routing import Match
 
+from server.app import create_app
 from server.serving import make_server
-from server.warm_up import COMMAND, WarmUp, make_routes
+from server.settings import Settings
+from server.warm_up import COMMAND, WarmUp
 from tests.server.service import PATIENCE_S, running, settings_for, until
 
 # The first session of a service that has loaded what sessions need, and three frames of it.
@@ -56,7 +54,7 @@ with TestClient(create_app(settings), base_url="http://localhost") as http:
 def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[WarmUp]:
     """A process that has begun to compile all kernels into a new folder."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    warm_up = WarmUp(Starlette())
+    warm_up = WarmUp()
     warm_up.begin()
     try:
         assert os.getpriority(os.PRIO_PROCESS, process_of(warm_up).pid) == 19  # from the first
@@ -131,31 +129,12 @@ def test_the_first_session_loads_nothing_and_a_full_collection_looks_through_lit
     assert float(ratio) > 5.0
 
 
-@pytest.fixture
-def collector() -> Iterator[None]:
-    """Have the collector look through all objects again after the test."""
-    yield
-    gc.unfreeze()
-
-
-@pytest.mark.usefixtures("collector")
-def test_routes_are_made_before_the_first_request(monkeypatch: pytest.MonkeyPatch) -> None:
-    router = APIRouter()
-
-    @router.post("/numbers")
-    async def numbers(one: int, all_of_them: list[float]) -> dict[str, list[int]]:
-        return {str(one): [int(number) for number in all_of_them]}
-
-    app = FastAPI()
-    app.include_router(router, prefix="/api")
-    make_routes(app)
+def test_no_request_waits_for_the_models_of_routes(monkeypatch: pytest.MonkeyPatch) -> None:
+    app = create_app(Settings())
 
     def made(*_: object, **__: object) -> None:
         raise AssertionError("FastAPI makes the models of a route")
 
-    async def answer() -> httpx.Response:
-        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as http:
-            return await http.post("/api/numbers?one=3", json=[1.0, 2.0])
-
     monkeypatch.setattr(TypeAdapter, "__init__", made)
-    assert asyncio.run(answer()).json() == {"3": [1, 2]}
+    scope = {"type": "http", "method": "GET", "path": "/none/of/them", "root_path": "", "headers": []}
+    assert not any(route.matches(dict(scope))[0] is Match.FULL for route in app.routes)
