@@ -97,10 +97,17 @@ class LocalizationConfig:
         "A scan is used once the robot has driven this far since the last used one, or turned by update_min_a.",
         "m", 0.0, 10.0, 0.01,
     )
-    update_min_a: float = number("Turn of updates", "filter", 0.2, "The same for turns.", "rad", 0.0, 3.15, 0.01)
-    min_particles: float = number("Fewest particles", "filter", 500, "Never fewer.", "", 10, 1_000_000, 10)
+    update_min_a: float = number(
+        "Turn of updates", "filter", 0.2,
+        "A scan is used once the robot has turned this far since the last used one, or driven by update_min_d.",
+        "rad", 0.0, 3.15, 0.01,
+    )
+    min_particles: float = number(
+        "Fewest particles", "filter", 500, "The filter never has fewer particles.", "", 10, 1_000_000, 10,
+    )
     max_particles: float = number(
-        "Most particles", "filter", 2000, "Never more once the filter has converged.", "", 10, 1_000_000, 100,
+        "Most particles", "filter", 2000, "The filter never has more particles once it has converged.",
+        "", 10, 1_000_000, 100,
     )
     pf_err: float = number(
         "KLD error", "filter", 0.05,

@@ -38,8 +38,8 @@ _ROWS = (
             "Ask Why about one cell: it holds hits of one surface and misses of the free space beside it.",
             "Look at the parameter Resolution.",
         ),
-        "A cell has one state. A large cell holds a surface and free space at once, and doors narrower than two cells "
-        "close. Small cells cost memory and time: halving the side takes four times the cells.",
+        "A cell has one state. A large cell holds a surface and free space at once, and a door of two cells may close. "
+        "Small cells cost memory and time: halving the side takes four times the cells.",
         lesson="Cells of 1 cm show the noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of "
         "its width.",
         amount=(0.3, 0.5),
@@ -83,7 +83,7 @@ _ROWS = (
             "Play the log slowly: a straight wall is drawn turned against the direction of the drive.",
             "Look at the parameter Mount yaw, both signs.",
         ),
-        "A wrong mount yaw turns each scan about the robot. While the robot drives straight on, walls ahead slide "
+        "A wrong mount yaw turns each scan about the sensor. While the robot drives straight on, walls ahead slide "
         "sideways from scan to scan, so that they are smeared; a turn on the spot alone does not show it.",
         lesson="A rotated sensor rotates each scan about itself, so a wall appears in a different place from "
         "every pose.",
@@ -202,8 +202,8 @@ _ROWS = (
         "Something was moved, and the cells cannot forget it",
         "forgetting",
         (
-            "One obstacle is not there at the end of the log. Play the log to find it.",
-            "Ask Why about it: many hits first, then misses only.",
+            "Some obstacles are no longer there at the end of the log. Play the log to find them.",
+            "Ask Why about one of them: many hits first, then misses only.",
             "Look at the parameter Clamp.",
         ),
         "Without a clamp a cell that was hit for minutes needs as much evidence again before it becomes free. The "

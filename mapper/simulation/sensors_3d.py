@@ -55,7 +55,7 @@ class Sensor3D:
         "", 60, 720, 30, only_for=("spinning_lidar", "tilted_lidar"),
     )
     columns: int = number(
-        "Columns", "sensor_3d", 96, "Columns of the depth image, which has 4 : 3.",
+        "Columns", "sensor_3d", 96, "Columns of the depth image; it has three quarters as many rows.",
         "", 16, 160, 16, only_for=("depth_camera",),
     )
     view: float = number(

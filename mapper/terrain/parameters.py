@@ -24,19 +24,35 @@ class GroundConfig:
     """
 
     # fmt: off
-    cell: float = number("cell", "ground", 1.0, "Side of the cells of the filter.", "m", 0.05, 20.0, 0.05)
-    slope: float = number("slope", "ground", 0.12, "Steepest ground, rise over run.", "", 0.01, 2.0, 0.01)
+    cell: float = number(
+        "cell", "ground", 1.0, "Side of the filter’s cells; each keeps its lowest point.", "m", 0.05, 20.0, 0.05,
+    )
+    slope: float = number(
+        "slope", "ground", 0.12,
+        "Steepest ground, rise over run: what rises faster above its surroundings is an object.",
+        "", 0.01, 2.0, 0.01,
+    )
     local_slope: float = number(
-        "local slope", "ground", 0.5, "More for each disc where it is steep around, times that slope.",
+        "local slope", "ground", 0.5,
+        "By how much faster the ground may rise where it is steep all around: this times the slope there.",
         "", 0.0, 2.0, 0.05,
     )
-    window: float = number("window", "ground", 18.0, "Radius of the largest disc.", "m", 0.1, 100.0, 0.1)
-    height: float = number("height", "ground", 0.3, "A ground point’s distance from flat ground.", "m", 0.01, 5.0, 0.01)
+    window: float = number(
+        "window", "ground", 18.0, "Radius of the largest disc: an object into which this disc fits remains as ground.",
+        "m", 0.1, 100.0, 0.1,
+    )
+    height: float = number(
+        "height", "ground", 0.3, "How far a ground point may be from the surface where it is level.",
+        "m", 0.01, 5.0, 0.01,
+    )
     scaling: float = number(
-        "scaling", "ground", 1.25, "More distance where it is steep, times the slope.", "m", 0.0, 5.0, 0.05,
+        "scaling", "ground", 1.25, "How much farther it may be where the surface is steep: this times the slope.",
+        "m", 0.0, 5.0, 0.05,
     )
     low_slope: float = number(
-        "low slope", "ground", 5.0, "A cell that lies deeper among its neighbours is an outlier.", "", 0.5, 50.0, 0.5,
+        "low slope", "ground", 5.0,
+        "A cell that drops more steeply below its neighbours, rise over run, is an outlier.",
+        "", 0.5, 50.0, 0.5,
     )
     passes: float = number(
         "passes", "ground", 2.0, "How often the surface is computed; after the first pass from ground points only.",
@@ -62,34 +78,44 @@ class PatchConfig:
     # fmt: off
     patch: float = number("patch", "patches", 1.0, "Side of a patch.", "m", 0.01, 100.0, 0.01)
     min_points: float = number("points", "patches", 3.0, "A patch with fewer points is unknown.", "", 3.0, 1000.0, 1.0)
-    max_slope: float = number("greatest slope", "patches", 20.0, "Slope that is unsafe by itself.", "°", 1.0, 89.0, 1.0)
+    max_slope: float = number(
+        "greatest slope", "patches", 20.0, "Slope above which a patch is unsafe by itself.", "°", 1.0, 89.0, 1.0,
+    )
     max_roughness: float = number(
-        "greatest roughness", "patches", 0.15, "Roughness that is unsafe by itself.", "m", 0.001, 5.0, 0.001,
+        "greatest roughness", "patches", 0.15,
+        "Roughness, the RMS distance of the points from the plane, above which a patch is unsafe by itself.",
+        "m", 0.001, 5.0, 0.001,
     )
     max_step: float = number(
-        "greatest step", "patches", 0.3, "Step between patches that is unsafe by itself.", "m", 0.001, 5.0, 0.001,
+        "greatest step", "patches", 0.3,
+        "Step to the plane of a neighbouring patch above which a patch is unsafe by itself.",
+        "m", 0.001, 5.0, 0.001,
     )
     fit: str = choice(
-        "fit", "patches", "least_squares", "Planes of all points by least squares, or only of those that RANSAC keeps.",
+        "fit", "patches", "least_squares",
+        "Planes are fitted by least squares to all points, or only to those that RANSAC keeps.",
         ("least_squares", "ransac"),
     )
     fit_distance: float = number(
-        "RANSAC distance", "patches", 0.1, "RANSAC keeps points up to this far from the plane of most.",
+        "RANSAC distance", "patches", 0.1,
+        "RANSAC keeps the points that are at most this far from the plane that most points agree with.",
         "m", 0.005, 5.0, 0.005,
     )
     rule: str = choice(
         "rule", "patches", "weighted_sum",
-        "Unsafe: the weighted sum of the three ratios is above 1, or one of them alone (thresholds).",
+        "A patch is unsafe where the weighted sum of slope, roughness and step, each over its greatest safe value, is "
+        "above 1, or where one of them is (thresholds).",
         ("weighted_sum", "thresholds"),
     )
     slope_weight: float = number(
-        "weight of the slope", "patches", 1.0, "Weight of slope / greatest slope.", "", 0.0, 1.0, 0.05,
+        "weight of the slope", "patches", 1.0, "Weight of slope / greatest slope in that sum.", "", 0.0, 1.0, 0.05,
     )
     roughness_weight: float = number(
-        "weight of the roughness", "patches", 1.0, "Weight of roughness / greatest roughness.", "", 0.0, 1.0, 0.05,
+        "weight of the roughness", "patches", 1.0, "Weight of roughness / greatest roughness in that sum.",
+        "", 0.0, 1.0, 0.05,
     )
     step_weight: float = number(
-        "weight of the step", "patches", 1.0, "Weight of step / greatest step.", "", 0.0, 1.0, 0.05,
+        "weight of the step", "patches", 1.0, "Weight of step / greatest step in that sum.", "", 0.0, 1.0, 0.05,
     )
     # fmt: on
 

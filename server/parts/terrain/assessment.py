@@ -59,16 +59,16 @@ TABLE: tuple[Parameter, ...] = (
     *(_label(row) for row in PATCH_PARAMETERS),
     Parameter(
         "level", "Level of the quadtree", "terrain_patches", "number", 0.0,
-        "Each level joins four patches: their moments are added.", low=0.0, high=4.0, step=1.0,
+        "Each level joins four patches to one; their moments are added.", low=0.0, high=4.0, step=1.0,
     ),
     Parameter(
         "reach", "Window", "terrain_patches", "number", 0.0,
-        "How many patches the window of a plane reaches on each side, by one summed-area table.",
+        "Planes are fitted to windows that reach this many patches to each side; 0: to each patch by itself.",
         low=0.0, high=8.0, step=1.0,
     ),
     Parameter(
         "filter", "Ground filter", "terrain_ground", "flag", True,
-        "Whether objects are taken out by SMRF before planes are fitted.",
+        "Whether SMRF removes the points of objects before planes are fitted.",
     ),
     *(_label(row) for row in GROUND_PARAMETERS),
 )  # fmt: skip
