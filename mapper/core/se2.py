@@ -104,6 +104,12 @@ def transform_points(t_a_b: ArrayLike, points_xy: ArrayLike) -> Float64Array:
     return np.stack([x + cos * p[..., 0] - sin * p[..., 1], y + sin * p[..., 0] + cos * p[..., 1]], axis=-1)
 
 
+def pose_tuple(pose: Float64Array) -> tuple[float, float, float]:
+    """Return a pose (3,) as plain numbers."""
+    x, y, yaw = (float(value) for value in pose)
+    return (x, y, yaw)
+
+
 def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limits = DEFAULT_LIMITS) -> None:
     """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
     if poses.shape != shape:

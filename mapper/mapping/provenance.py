@@ -30,7 +30,7 @@ from mapper.mapping.kernels.contributions import (
 )
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.scan_batch import ScanBatch, scan_batch_of_log
-from mapper.mapping.thin_update import plan_beams
+from mapper.mapping.update import plan_beams
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog

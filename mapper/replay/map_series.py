@@ -17,8 +17,7 @@ from mapper.io.contents.scan_series import plot_stamps
 from mapper.mapping.custom_model import crossed_cells
 from mapper.mapping.integrate import grid_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.placed_scan import PlacedScan, placed_scan
-from mapper.mapping.scan_batch import scan_batch_of_scan
+from mapper.mapping.scan_batch import PlacedScan, placed_scan, scan_batch_of_scan
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, SonarScan
 

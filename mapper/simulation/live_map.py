@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
-from mapper.core.se2 import compose, compose_one, inverse
+from mapper.core.se2 import compose, compose_one, inverse, pose_tuple
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
 from mapper.mapping.parameters import MappingConfig
@@ -23,7 +23,7 @@ from mapper.simulation.faults import Faults, lengthened, with_lengthened
 from mapper.simulation.floor_plans import WORLDS
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.odometry import Odometer
-from mapper.simulation.pose_correction import MakeCorrector, PoseCorrection, pose_tuple
+from mapper.simulation.pose_correction import MakeCorrector, PoseCorrection
 from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.second_map import SecondMap, Vanishing

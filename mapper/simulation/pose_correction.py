@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import WorkCancelledError
-from mapper.core.se2 import between_one, compose_one
+from mapper.core.se2 import between_one, compose_one, pose_tuple
 from mapper.sensors.scan import ScanLog
 from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
@@ -133,9 +133,3 @@ class PoseCorrection:
         """Return the corrector of a recording; None where there is none yet."""
         part = self._parts.get(id(recording))
         return None if part is None else part.corrector
-
-
-def pose_tuple(row: NDArray[np.float64]) -> PoseTuple:
-    """Return (3,) as plain numbers."""
-    x, y, yaw = (float(v) for v in row)
-    return (x, y, yaw)

@@ -1,15 +1,21 @@
-"""The ticks of a session: what each computes (commands, time, layers, questions), what of it is sent, their pace."""
+"""The ticks of a session: what each computes (commands, time, layers, questions), what of it is sent, their pace.
+
+The progress of long computations is shown, and computations in the background wait for them.
+"""
 
 from __future__ import annotations
 
+import asyncio
+import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 import structlog
 
 from mapper.core.errors import MapperError, WorkCancelledError
+from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult
 from server.stream.commands import PauseCommand, PlayCommand, SpeedCommand
@@ -17,6 +23,8 @@ from server.stream.hub import Hub
 from server.stream.message_parts import Table
 from server.stream.messages import ErrorMessage, FrameMessage, Hello
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, type_of
+from server.work.movable_timer import MovableTimer
+from server.work.scheduler import checkpoint, wait_without_turn
 
 COMMANDS_S = (
     0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
@@ -27,6 +35,10 @@ T = TypeVar("T")
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
 OVERLOADED_TICK_S = 0.5  #: between ticks that nobody has acknowledged, while ticks wait long for a thread
+SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
+SHOWN_EVERY_S = 0.25  #: at this interval
+#: What a background computation waits for long ones of its session, in all: it holds a thread.
+MAX_BACKGROUND_WAIT_S = 60.0
 
 
 def compute_tick(
@@ -203,3 +215,86 @@ class TickPace:
             return job()
 
         return run
+
+
+class Showing:
+    """Runs ``show`` as a task while a computation lasts, from :data:`SHOWN_AFTER_S` after its begin on.
+
+    Most computations end earlier and need no task. It may be begun again.
+    """
+
+    def __init__(self, show: Callable[[], Coroutine[None, None, None]]) -> None:
+        self._show = show
+        self._task: asyncio.Task[None] | None = None
+        self._timer = MovableTimer(self._start)
+
+    def begin(self) -> None:
+        """Note that a computation has begun."""
+        self._timer.set_in(SHOWN_AFTER_S)
+
+    def _start(self) -> None:
+        self._task = asyncio.ensure_future(self._show())
+
+    def end(self) -> None:
+        """Note that the computation has ended."""
+        self._timer.set(None)
+        if self._task is not None:
+            self._task.cancel()
+            self._task = None
+
+    def close(self) -> None:
+        """Note that the computation has ended, and that none follows."""
+        self.end()
+        self._timer.close()
+
+
+class LongWork:
+    """The progress of a session's computations.
+
+    ``fraction`` returns the share of the present one that is done, and ``what`` what it computes.
+    """
+
+    def __init__(
+        self, hub: Hub, fraction: Callable[[], float | None], clock: Callable[[], float], what: Callable[[], str]
+    ) -> None:
+        self._hub, self._fraction, self._clock, self._what = hub, fraction, clock, what
+        self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
+        self._nothing_long.set()
+
+    def showing(self) -> Showing:
+        """Return what sends the progress of a computation from its begin to its end."""
+        return Showing(self._show)
+
+    async def _show(self) -> None:
+        began = self._clock() - SHOWN_AFTER_S
+        try:
+            self._nothing_long.clear()
+            while True:
+                self._hub.set_slot(working_message(self._clock() - began, self._fraction(), self._what()))
+                await asyncio.sleep(SHOWN_EVERY_S)
+        finally:
+            self._nothing_long.set()
+            self._hub.set_slot(working_message())
+
+    def close(self) -> None:
+        """Let computations in the background wait no more."""
+        self._nothing_long.set()
+
+    def in_background(self, is_open: Callable[[], bool]) -> Callable[[], bool]:
+        """Return a function for a computation that nobody waits for, which calls it all the while (worker thread).
+
+        It yields to other sessions, waits while this session computes something long, in all up to
+        :data:`MAX_BACKGROUND_WAIT_S`, and returns ``is_open()``.
+        """
+        left = MAX_BACKGROUND_WAIT_S
+
+        def waited() -> bool:
+            nonlocal left
+            checkpoint()
+            if left > 0.0 and not self._nothing_long.is_set():
+                began = time.monotonic()
+                wait_without_turn(self._nothing_long, left)
+                left -= time.monotonic() - began
+            return is_open()
+
+        return waited

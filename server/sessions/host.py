@@ -21,10 +21,11 @@ import structlog
 from msgspec import Struct
 
 from mapper.core.limits import Limits
-from server.sessions.command_queue import CommandQueue, ReplacingRequests
 from server.sessions.computation import (
     MAX_TICK_S,
     TICK_S,
+    LongWork,
+    Showing,
     TickPace,
     call_each,
     compute_tick,
@@ -32,9 +33,8 @@ from server.sessions.computation import (
     publish_frame,
     send_result,
 )
-from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
-from server.sessions.tick import QueuedCommand, TickResult
+from server.sessions.tick import CommandQueue, QueuedCommand, ReplacingRequests, TickResult
 from server.stream.commands import CancelCommand, MeasureCommand
 from server.stream.hub import Client, Hub
 from server.stream.messages import ErrorMessage
@@ -45,7 +45,7 @@ from server.work.scheduler import URGENT_S, Scheduler, checkpoint
 from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
-    from mapper.replay.incremental import CheckpointPrefetcher
+    from mapper.replay.replay import CheckpointPrefetcher
 
 PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
 MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands

@@ -29,7 +29,7 @@ from server.stream.messages import FrameMessage, Hello, PlaceMessage, ScanFields
 from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
-    from mapper.replay.incremental import CheckpointPrefetcher
+    from mapper.replay.replay import CheckpointPrefetcher
     from server.sessions.part import Part
 
 T = TypeVar("T")

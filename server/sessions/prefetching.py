@@ -16,7 +16,7 @@ from weakref import WeakSet
 import structlog
 
 if TYPE_CHECKING:
-    from mapper.replay.incremental import CheckpointPrefetcher
+    from mapper.replay.replay import CheckpointPrefetcher
 
 LOOK_EVERY_S = 0.25
 QUIET_S = 1.0  #: seconds without a command to a session before prefetching

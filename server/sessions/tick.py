@@ -1,8 +1,10 @@
-"""The result of one tick of a session's computation, for the event loop to send."""
+"""The commands that wait for a session's next tick, which of them replace its map, and the result of a tick."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -21,12 +23,123 @@ if TYPE_CHECKING:
     from mapper.mapping.integrate import Change
 
 
+MAX_QUEUED = 256  #: most commands in the queue of a session,
+MAX_QUEUED_OF_FOLLOWERS = 64  #: and of a class's followers besides
+#: After this time without a finished map, commands no longer cancel the computation: a map must be shown.
+MAX_CANCELLING_S = 1.5
+
+
 @dataclass(frozen=True, slots=True)
 class QueuedCommand:
     """A command and the client that sent it (None: viser's panel, or code)."""
 
     command: Struct
     client: Client | None = None
+
+
+class CommandQueue:
+    """The commands that are not carried out yet, first come, first served. Used from the event loop only."""
+
+    def __init__(self) -> None:
+        self._waiting: list[QueuedCommand] = []
+        self._of_followers = 0  #: how many of them a class's followers sent
+        self._added = 0
+        self._is_closed = False
+        self._shortened = asyncio.Event()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def add(self, command: Struct, client: Client | None = None) -> None:
+        """Add a command of ``client``. Raises :class:`ProtocolError` if it has too many in the queue."""
+        follows = client is not None and client.follows
+        # Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
+        queued = self._of_followers if follows else len(self._waiting) - self._of_followers
+        if queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED):
+            raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
+        self._waiting.append(QueuedCommand(command, client))
+        self._of_followers += follows
+        self._added += 1
+
+    def waiting(self) -> list[QueuedCommand]:
+        """Return the commands that wait, oldest first."""
+        return [*self._waiting]
+
+    def finish(self, n: int, rest: Sequence[QueuedCommand]) -> None:
+        """Note that the first ``n`` commands were carried out, except for ``rest``."""
+        self._waiting[:n] = rest
+        self._of_followers = sum(queued.client is not None and queued.client.follows for queued in self._waiting)
+        self._notify()
+
+    def close(self) -> None:
+        """Note that no command will be carried out any more."""
+        self._is_closed = True
+        self._notify()
+
+    def _notify(self) -> None:
+        self._shortened.set()
+        self._shortened = asyncio.Event()
+
+    async def carried_out(self) -> None:
+        """Wait until the commands that are in the queue now have been carried out, or the queue is closed."""
+        last = self._added
+        while self._added - len(self._waiting) < last and not self._is_closed:
+            await self._shortened.wait()
+
+
+class ReplacingRequests:
+    """The commands that replace the map: queued, begun, finished. Fields are set on the event loop, read anywhere."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._is_cancellable = False  #: whether the current computation may be cancelled
+        self._is_outdatable = False  #: and also by a newer command that replaces the map
+        self._is_cancelled = False  #: whether a client asked to end it
+        self._queued = self._begun = 0  #: how many were queued, and how many of them were started
+        self._since: float | None = None  #: arrival of the first of those without a finished map
+
+    def add(self) -> None:
+        """Note that one was queued."""
+        self._queued += 1
+        self._since = self._clock() if self._since is None else self._since
+
+    def cancel(self) -> None:
+        """Note that a client asked to end the current computation."""
+        self._is_cancelled = True
+
+    def begin_tick(self) -> None:
+        """Note that a computation begins of all that were queued."""
+        self._begun = self._queued
+
+    def accept_cancel(self) -> None:
+        """Note that a ``cancel`` that came before concerns what was computed before."""
+        self._is_cancelled = False
+
+    def end_tick(self, *, was_cancelled: bool) -> None:
+        """Note that the computation has ended."""
+        if self._queued == self._begun:
+            self._since = None
+        elif not was_cancelled:
+            self._since = self._clock()
+
+    @contextmanager
+    def cancellable(self, *, by_newer: bool = True) -> Iterator[None]:
+        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        self._is_cancellable, self._is_outdatable = True, by_newer
+        try:
+            yield
+        finally:
+            self._is_cancellable = False
+
+    @property
+    def is_useless(self) -> bool:
+        """Whether the current computation should end (any thread)."""
+        return self._is_cancellable and (self._is_cancelled or self._is_outdated())
+
+    def _is_outdated(self) -> bool:
+        since = self._since
+        is_new = self._is_outdatable and self._queued > self._begun
+        return is_new and since is not None and self._clock() - since < MAX_CANCELLING_S
 
 
 @dataclass(slots=True)

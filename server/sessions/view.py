@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mapper.core.parameter import Values
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import RangeScan, ScanLog
@@ -82,12 +79,6 @@ class RobotState:
     stamp_s: float
     believed_pose: Pose | None = None
     believed_scan_pose: Pose | None = None
-
-
-def as_pose(row: NDArray[np.float64]) -> Pose:
-    """Return a pose (3,) as a tuple of Python floats."""
-    x, y, yaw = (float(v) for v in row)
-    return (x, y, yaw)
 
 
 @dataclass(slots=True)

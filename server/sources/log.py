@@ -16,7 +16,7 @@ from mapper.grid import OccupancyGrid
 from mapper.io.logs.summary import start_s
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
-from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.replay.replay import CheckpointPrefetcher
 from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
 from server.parts import parts_of

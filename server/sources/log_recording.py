@@ -12,11 +12,12 @@ import numpy as np
 
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.core.limits import Limits
+from mapper.core.se2 import pose_tuple
 from mapper.evaluation.same_path import stated_before
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.mapping.placed_scan import placed_scan
+from mapper.mapping.scan_batch import placed_scan
 from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.replay import Replay
 from mapper.sensors.joint_log import JointLog
@@ -26,7 +27,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from server.sessions.hosting import ModelHost
 from server.sessions.part import MappedScans
 from server.sessions.parts import Recording, Viewed
-from server.sessions.view import LogView, RobotState, as_pose
+from server.sessions.view import LogView, RobotState
 from server.sources.diagnosing import examination, in_turn
 from server.stream.message_parts import Table, rows_of
 
@@ -250,8 +251,8 @@ class LogRecording(Recording, Viewed):
         scan = placed.scan
         if index == 0:
             scan = replace(scan, ranges=np.full_like(scan.ranges, np.nan))
-        sensor = as_pose(placed.sensor_pose)
-        return RobotState(as_pose(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
+        sensor = pose_tuple(placed.sensor_pose)
+        return RobotState(pose_tuple(placed.base_pose), sensor, sensor, scan, float(self.recorded[newest]))
 
     def sources(self) -> list[MappedScans]:
         """Return the scans that are in the map."""

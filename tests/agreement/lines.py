@@ -11,7 +11,7 @@ from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays
 from mapper.mapping.kernels.types import Cells, Evidence, LogOddsUpdate
-from mapper.mapping.thin_update import NO_ENDS
+from mapper.mapping.update import NO_ENDS
 from tests.agreement.inputs import LineCase, RayCase
 
 

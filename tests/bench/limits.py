@@ -23,7 +23,7 @@ from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.kernels.bresenham import AT, COL, END_COL, END_ROW, FAR, HIT_COL, HIT_ROW, NEAR, ROW
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.scan_batch import scan_batches_of_log
-from mapper.mapping.thin_update import plan_beams
+from mapper.mapping.update import plan_beams
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.scan import ScanLog
 

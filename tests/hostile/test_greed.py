@@ -59,9 +59,9 @@ async def test_a_session_ends_in_the_middle_of_a_long_computation(
             time.sleep(0.01)
         return integrate_scans(*arguments)
 
-    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 360)
+    monkeypatch.setattr("mapper.replay.replay.PART_READINGS", 360)
     async with service.connect(session_id) as socket:
-        monkeypatch.setattr("mapper.replay.incremental.integrate_scans", slow)
+        monkeypatch.setattr("mapper.replay.replay.integrate_scans", slow)
         await socket.send(json.dumps({"type": "seek", "index": 600}))
         await asyncio.to_thread(begun.wait, PATIENCE_S)
         assert (await asyncio.to_thread(service.http.delete, f"/api/sessions/{session_id}")).status_code == 204

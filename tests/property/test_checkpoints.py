@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, grid_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
-from mapper.replay import Replay, checkpoints, incremental
+from mapper.replay import Replay, checkpoints
 from mapper.replay.checkpoints import Checkpoints
-from mapper.replay.incremental import IncrementalReplay
+from mapper.replay.replay import IncrementalReplay
 from mapper.sensors.scan import ScanLog, Trajectory
 
 N = 60
@@ -53,7 +53,7 @@ def _often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checkpoints after every few scans."""
     monkeypatch.setattr(checkpoints, "SPACING", 1000)
     monkeypatch.setattr(checkpoints, "WORTH_KEEPING", 0)
-    monkeypatch.setattr(incremental, "FIRST_READINGS", 24)
+    monkeypatch.setattr("mapper.replay.replay.FIRST_READINGS", 24)
 
 
 def assert_same(ours: OccupancyGrid, theirs: OccupancyGrid) -> None:
@@ -149,7 +149,7 @@ def test_a_seek_maps_at_most_the_scans_between_two_checkpoints(log: ScanLog, mon
         mapped.append(int(rest[3]) - int(rest[2]))  # type: ignore[call-overload]
         return integrate_scans(grid, log, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(incremental, "integrate_scans", counted)
+    monkeypatch.setattr("mapper.replay.replay.integrate_scans", counted)
     for index in (1, N - 1, N // 2, N // 4, N):
         mapped.clear()
         replay.advance_to(index)

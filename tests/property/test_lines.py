@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mapper.mapping.kernels.bresenham import MAX_STEPS, draw_lines
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate
 from mapper.mapping.textbook_traversal import bresenham
-from mapper.mapping.thin_update import NO_ENDS
+from mapper.mapping.update import NO_ENDS
 
 
 def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) -> NDArray[np.float32]:

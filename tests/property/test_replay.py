@@ -67,7 +67,7 @@ def test_any_order_of_jumps_is_the_map_made_in_one_go(log: ScanLog, update: str,
 
 def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     config = MappingConfig(resolution=0.2)
-    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3 * log.n_beams)
+    monkeypatch.setattr("mapper.replay.replay.PART_READINGS", 3 * log.n_beams)
     replay = Replay(log, config)
     change = replay.advance_to(20)
     assert same(replay.grid, one_go(log, config, 20))
@@ -80,7 +80,7 @@ def test_a_map_made_in_parts_is_the_map_made_in_one_go(log: ScanLog, monkeypatch
 
 
 def test_a_map_that_is_not_wanted_any_more_is_not_finished(log: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", log.n_beams)
+    monkeypatch.setattr("mapper.replay.replay.PART_READINGS", log.n_beams)
     replay = Replay(log, MappingConfig(resolution=0.2))
     answers = iter([True, True, False])
     replay.wanted = lambda: next(answers)

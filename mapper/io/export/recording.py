@@ -36,8 +36,7 @@ from mapper.io.export.ros2 import Pose
 from mapper.io.export.topics import Topics
 from mapper.io.logs.ros.cdr_writer import SECOND
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.placed_scan import deskewed_beams, without_mount_correction
-from mapper.mapping.scan_batch import base_poses, is_deskewed
+from mapper.mapping.scan_batch import base_poses, deskewed_beams, is_deskewed, without_mount_correction
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog, by_sensor
 from mapper.sensors.scan import LaserScan, ScanLog

@@ -11,9 +11,8 @@ from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_parts
 from mapper.mapping.parameters import MODELS, MappingConfig
-from mapper.mapping.placed_scan import placed_scan
 from mapper.mapping.provenance import provenance
-from mapper.mapping.scan_batch import bearings, deskewed_scans, sensor_poses_of_readings
+from mapper.mapping.scan_batch import bearings, deskewed_scans, placed_scan, sensor_poses_of_readings
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses

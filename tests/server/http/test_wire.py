@@ -111,7 +111,7 @@ async def messages_of_an_upload(service: Service, log: str, awaited: str, kind: 
 
 
 async def test_every_message_is_as_it_is_stated(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.sessions.long_work.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
+    monkeypatch.setattr("server.sessions.computation.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
     seen = await messages_of_a_world(service) | await messages_of_a_log(service)
     seen |= await messages_of_an_edited_map(service) | await messages_of_a_volume(service)
     assert seen == {cls.__struct_config__.tag for cls in get_args(ServerMessage)}

@@ -19,7 +19,7 @@ from mapper.sensors.scan import ScanLog
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume.part import VolumeView
 from server.parts.wire import command_of
-from server.sessions import SessionHost, SessionRegistry, command_queue, long_work
+from server.sessions import SessionHost, SessionRegistry, computation, tick
 from server.sources.simulation import SimulationModel
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
@@ -29,8 +29,8 @@ from tests.server.view import view_of
 async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.01)
-    monkeypatch.setattr(long_work, "SHOWN_EVERY_S", 0.01)
+    monkeypatch.setattr(computation, "SHOWN_AFTER_S", 0.01)
+    monkeypatch.setattr(computation, "SHOWN_EVERY_S", 0.01)
     released, remake = threading.Event(), SimulationModel._remake
 
     def slow(self: SimulationModel, *arguments: Any) -> None:
@@ -61,8 +61,8 @@ class Parts:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.windows: list[float] = []
         self.held, self.released = threading.Event(), threading.Event()
-        monkeypatch.setattr("mapper.replay.incremental.integrate_scans", self._integrate)
-        monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
+        monkeypatch.setattr("mapper.replay.replay.integrate_scans", self._integrate)
+        monkeypatch.setattr("mapper.replay.replay.PART_READINGS", 3600)
 
     def _integrate(self, grid: Any, log: Any, config: Any, *more: Any) -> Any:
         self.windows.append(config.window)
@@ -74,7 +74,7 @@ class Parts:
 async def test_newer_parameters_cancel_a_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer ones
+    monkeypatch.setattr(tick, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer ones
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
@@ -97,7 +97,7 @@ async def test_newer_parameters_cancel_a_map(
 async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", 0.0)  # they have come for long
+    monkeypatch.setattr(tick, "MAX_CANCELLING_S", 0.0)  # they have come for long
     session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
@@ -112,7 +112,7 @@ async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
 async def test_a_newer_seek_cancels_a_seek(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer one
+    monkeypatch.setattr(tick, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer one
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     parts = Parts(monkeypatch)
@@ -132,8 +132,8 @@ class Slices:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.allowed = threading.Semaphore(0)
-        monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.0)
-        monkeypatch.setattr("mapper.replay.incremental.PART_READINGS", 3600)
+        monkeypatch.setattr(computation, "SHOWN_AFTER_S", 0.0)
+        monkeypatch.setattr("mapper.replay.replay.PART_READINGS", 3600)
         monkeypatch.setattr("server.sources.log.slice_is_over", lambda: self._over)
 
     def _over(self) -> bool:
@@ -196,7 +196,7 @@ async def test_a_long_seek_can_be_cancelled_where_it_is(
 async def test_new_parameters_can_be_cancelled(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_queue, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
+    monkeypatch.setattr(tick, "MAX_CANCELLING_S", 0.0)  # after which other commands end nothing
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
@@ -219,7 +219,7 @@ async def test_new_parameters_can_be_cancelled(
 async def test_the_progress_says_what_is_computed(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.01)
+    monkeypatch.setattr(computation, "SHOWN_AFTER_S", 0.01)
     released = threading.Event()
 
     def slow(*_: Any, **__: Any) -> None:

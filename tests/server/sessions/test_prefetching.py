@@ -13,7 +13,7 @@ import pytest
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.replay import checkpoints
-from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.replay.replay import CheckpointPrefetcher
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions import prefetching as preparing

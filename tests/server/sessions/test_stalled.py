@@ -12,9 +12,9 @@ import pytest
 from mapper.core.limits import Limits
 from mapper.simulation.live_map import LiveMap, world_named
 from server.parts.wire import command_of
-from server.sessions.command_queue import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
 from server.sessions.computation import MAX_TICK_S
 from server.sessions.host import SessionHost
+from server.sessions.tick import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
 from server.sources.simulation import SimulationModel
 from server.stream.hub import STALLED_S
 from server.stream.protocol import ProtocolError

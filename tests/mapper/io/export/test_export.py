@@ -28,7 +28,7 @@ from mapper.io.logs import open_log
 from mapper.io.maps import occupancy_values
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.mapping.placed_scan import placed_scan
+from mapper.mapping.scan_batch import placed_scan
 from mapper.sensors.scan import ScanLog
 from tests.mapper.io.export.exported import map_of, read, sonars_of
 from tests.mapper.mapping.sweeping import swept
