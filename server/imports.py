@@ -1,10 +1,13 @@
-"""Many imports at one time, as at the start of the service."""
+"""Many imports at one time, as at the start of the service, and those that come later."""
 
 from __future__ import annotations
 
+import asyncio
 import gc
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 
 from mapper.core.lazy_imports import hidden_modules
 
@@ -28,3 +31,14 @@ def fast_imports() -> Iterator[None]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+async def imported(*names: str) -> None:
+    """Import modules on a thread, those that are not there yet.
+
+    An import takes up to a second, for which the event loop has no time. An import statement that follows finds them.
+    """
+    for name in names:
+        spec = getattr(sys.modules.get(name), "__spec__", None)
+        if spec is None or getattr(spec, "_initializing", False):  # another thread imports it: a statement would wait
+            await asyncio.to_thread(import_module, name)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mapper.io.contents.scan_series import scan_columns, scan_series
 from server.http.session_access import part_of_log
+from server.imports import imported
 from server.sessions.parts import Graphed, GraphSource, Recording
 
 if TYPE_CHECKING:
@@ -35,8 +36,9 @@ def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:
     return source
 
 
-def computed_fields(library: Library, session: SessionHost, owner: str) -> Mapping[str, Sequence[str]]:
+async def computed_fields(library: Library, session: SessionHost, owner: str) -> Mapping[str, Sequence[str]]:
     """Return the names of the series that can be computed of a session's log, by :data:`COMPUTED`."""
+    await imported("mapper.replay.map_series", "mapper.slam.residuals")
     from mapper.replay.map_series import COLUMNS as OF_MAP  # noqa: PLC0415 - SciPy and SLAM, which few sessions need
     from mapper.slam.residuals import COLUMNS as OF_GRAPH  # noqa: PLC0415
 

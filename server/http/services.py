@@ -14,6 +14,7 @@ from server.downloads import Downloads
 from server.http.brake import Brake, CodeGuesses
 from server.http.metrics import Metrics
 from server.http.sign_ins import SignIns
+from server.imports import imported
 from server.library.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
@@ -107,9 +108,11 @@ async def get_puzzles(connection: HTTPConnection) -> Any:  # noqa: ANN401 - Fast
     """Return the puzzles."""
     state = connection.app.state
     if not hasattr(state, "puzzles"):
+        await imported("server.puzzles.puzzles")
         from server.puzzles.puzzles import Puzzles  # noqa: PLC0415 - the simulator and the maps, imported with the first use
 
-        state.puzzles = Puzzles()
+        if not hasattr(state, "puzzles"):  # made by another request meanwhile
+            state.puzzles = Puzzles()
     puzzles: Puzzles = state.puzzles
     return puzzles
 

@@ -34,6 +34,7 @@ from server.http.services import (
     Visitor,
     services_of,
 )
+from server.imports import imported
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.parts import Recording
@@ -188,12 +189,13 @@ async def stream(
     follows: bool = False,
 ) -> None:
     """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
+    await imported("server.http.class_connection")
+    from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
+
     classroom = _guessed(brake, classes, code, websocket, visitor)
     if classroom.owner == visitor and not follows and not is_signed_in:
         raise ClassRightError("class.signed_out", "The lecturer of this class has signed out.")
     room, member = classes.join(code, visitor, client_address(websocket), follows=follows)
-    from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
-
     await attend(websocket, room, member)
 
 
@@ -234,10 +236,11 @@ async def shown(
     code: str,
 ) -> None:
     """Watch the session that the lecturer shows. Commands are refused, except from whom the robot was handed to."""
-    room = _guessed(brake, classes, code, websocket, visitor)
-    session = _shown(classes, room, sessions, websocket, visitor)
+    await imported("server.http.stream_connection")
     from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
 
+    room = _guessed(brake, classes, code, websocket, visitor)
+    session = _shown(classes, room, sessions, websocket, visitor)
     following = Following(lambda command: room.may_drive(visitor, command), room.stage_over)
     with classes.watching(room, client_address(websocket)):
         await exchange(websocket, session, settings.max_class_followers, following)

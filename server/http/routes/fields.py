@@ -81,7 +81,7 @@ async def fields(
     named = {one.topic: one for one in found}
     computed = [
         TopicFieldsAnswer(topic, "computed", list(names), "", [], computed=True)
-        for topic, names in computed_fields(library, sessions.get(session_id), owner).items()
+        for topic, names in (await computed_fields(library, sessions.get(session_id), owner)).items()
     ]
     return FieldsAnswer(
         computed

@@ -23,6 +23,7 @@ from server.http.page_files import page_of_secret
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import part_of_log, writable_session
+from server.imports import imported
 from server.library.annotations.puzzles import MadePuzzle, PuzzleGoneError
 from server.library.library import Library
 from server.puzzles.answers import Attempt, NamedCause, OfferedPuzzle
@@ -96,12 +97,14 @@ def _public(made: MadePuzzle) -> MadePuzzleAnswer:
 @router.get("/api/puzzles")
 async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> PuzzleList:
     """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
+    await imported("server.puzzles.spec")
     return PuzzleList(puzzles.offered(), puzzles.faults(), [_public(made) for made in library.puzzles.of(visitor)])
 
 
 @router.get("/api/puzzles/{puzzle}/map.png", **file_answer("image/png"))
 async def picture(puzzle: str, *, dark: bool = False) -> Response:
     """Return a small picture of the map that an attempt at a puzzle that comes with the program begins with."""
+    await imported("server.puzzles.pictures")
     from server.puzzles.pictures import picture_of  # noqa: PLC0415 - imported with the first puzzle
 
     return Response(
@@ -116,6 +119,7 @@ async def make(
     sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, wanted: NewPuzzle
 ) -> MadePuzzleAnswer:
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
+    await imported("server.puzzles.spec")
     from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
         changed,
         spec_of_log,
@@ -174,6 +178,7 @@ async def begin_puzzle(
 
     ``place`` is what a reverse proxy finds this service by; None: as the request says.
     """
+    await imported("server.puzzles.making")
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
     from server.puzzles.making import LogSource, WorldSource  # noqa: PLC0415
     from server.puzzles.spec import WorldSpec, spec_from_text  # noqa: PLC0415

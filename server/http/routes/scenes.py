@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
+from server.imports import imported
 from server.scenes.visitors import Viewer
 from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.protocol import PAGE_NAME
@@ -34,7 +36,7 @@ async def without_slash(sessions: Sessions, session_id: str) -> Response:
 async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client. The scene is created when the page opens its WebSocket."""
     sessions.get(session_id)
-    return _client(request, plain_view=False)
+    return await _client(request, plain_view=False)
 
 
 @router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"], include_in_schema=False)
@@ -42,16 +44,18 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client without its panel, for a page that has controls of its own and may have a name."""
     sessions.get(session_id)
-    return _client(request, plain_view=True)
+    return await _client(request, plain_view=True)
 
 
-def _client(request: Request, *, plain_view: bool) -> Response:
+async def _client(request: Request, *, plain_view: bool) -> Response:
+    await imported("server.scenes.proxy")
     from server.scenes.proxy import client_page, page_headers  # noqa: PLC0415 - imported with the first 3D view
 
     root = find_pages()
     if root is None:
         return HTMLResponse(NOT_BUILT, status_code=503)
-    client = client_page((root / "scene.js").read_bytes(), plain_view=plain_view)
+    script = (root / "scene.js").read_bytes()
+    client = await asyncio.to_thread(client_page, script, plain_view=plain_view)  # the first time it is compressed
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
     if client.etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
@@ -131,6 +135,7 @@ async def socket_in_page(
 
 
 async def _forward(websocket: WebSocket, session: SessionHost, scenes: Scenes, viewer: Viewer) -> None:
+    await imported("server.scenes.proxy")
     from server.scenes.proxy import pass_on, take  # noqa: PLC0415 - imported with the first 3D view
 
     if not await take(websocket):

@@ -21,6 +21,7 @@ from server.http.clients import chosen_place, client_address, while_connected
 from server.http.following import join_jobs
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, ServiceSettings, Sessions, Visitor
+from server.imports import imported
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
 from server.sources.history import Replayable, SimulationHistory
@@ -210,7 +211,8 @@ async def stream(
     page: Annotated[str, Query(pattern=PAGE_NAME)] = "",
 ) -> None:
     """Exchange messages with a session; ``page`` is a name that the page gives itself, for its 3D views."""
-    session = sessions.get(session_id)
+    await imported("server.http.stream_connection")
     from server.http.stream_connection import exchange  # noqa: PLC0415 - what it imports came with the first session
 
+    session = sessions.get(session_id)
     await exchange(websocket, session, settings.max_clients_per_session, page=page)

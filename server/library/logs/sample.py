@@ -12,6 +12,7 @@ import structlog
 from mapper import simulation
 from mapper.io.logs.summary import summarise
 from mapper.sensors.scan import ScanLog
+from server.imports import imported
 from server.library.logs.cache import LogCache
 from server.library.logs.records import Record
 
@@ -49,6 +50,7 @@ class Sample:
         return await asyncio.shield(self._job)
 
     async def _make(self) -> ScanLog:
+        await imported("mapper.simulation.sample", "server.library.packs.picture")
         from server.library.packs.picture import write_picture  # noqa: PLC0415 - Pillow and the replay of logs
 
         try:
