@@ -32,6 +32,7 @@ from mapper.volume.octree.files import octree_of_bytes, read_octree
 from tests.server.cli.running import Run
 
 RNG = np.random.default_rng(12)
+FAR = np.array([691_000.0, 5_334_000.0, 500.0])  #: a place of UTM
 POINTS = np.round(RNG.uniform(-9.0, 9.0, (30, 3)), 3)
 
 
@@ -86,6 +87,24 @@ TEXTS: dict[str, bytes] = {
     "exponents of Fortran below names": lines("{:.6E},{:.6E},{:.6E}", head="x,y,z\n").replace(b"E", b"D"),
     "exponents of Fortran, decimal commas": lines("{:.6E} {:.6E} {:.6E}").replace(b"E", b"D").replace(b".", b","),
     "remarks of MATLAB": lines("{:.3f} {:.3f} {:.3f}", head="% by a program\n% x y z\n"),
+    "separators of psql": lines("{:.3f} | {:.3f} | {:.3f}", head=" x | y | z\n"),
+    "Excel's first line": lines("{:.3f};{:.3f};{:.3f}", head="sep=;\nx;y;z\n"),
+    "German names, in Windows' letters": lines("{:.3f};{:.3f};{:.3f}", head="Rechtswert;Hochwert;H\u00f6he\n")
+    .decode()
+    .encode("cp1252"),
+    "units after a stroke": lines("{:.1f},{:.1f},{:.1f}", 1000.0 * POINTS, head="x/mm,y/mm,z/mm\n"),
+    "survey feet": lines("{:.6f},{:.6f},{:.6f}", POINTS * 3937 / 1200, head="X [US survey ft],Y [US ft],Z [usft]\n"),
+    "names of ROS's tables": lines("7,{:.3f},{:.3f},{:.3f}", head="%time,field.x,field.y,field.z\n"),
+    "a table of R": "".join(f'"{k}" {x} {y} {z}\n' for k, (x, y, z) in enumerate(POINTS, 1))
+    .join(['"x" "y" "z"\n', ""])
+    .encode(),
+    "remarks behind the numbers": lines("{:.3f}, {:.3f}, {:.3f}  # a, b"),
+    "other lines before the names": lines("{:.3f},{:.3f},{:.3f}", head="Project=hall\nmade 2024-05-01\n\nX,Y,Z\n"),
+    "the sign of the end of CP/M": lines("{:.3f} {:.3f} {:.3f}") + b"\x1a",
+    "a typographic minus, and blanks that do not break": lines("{:.3f}\u00a0{:.3f} {:.3f}")
+    .decode()
+    .replace("-", "\u2212")
+    .encode(),
     "two scans": lines("{:.3f} {:.3f} {:.3f}", POINTS[:11], "11\n")
     + lines("{:.3f} {:.3f} {:.3f}", POINTS[11:], "19\n"),
 }
@@ -130,6 +149,65 @@ def test_columns_of_words_are_left_out(tmp_path: Path, case: str) -> None:
     np.testing.assert_allclose(cloud.points, POINTS, atol=2e-6)
     assert cloud.notes == (f"Columns with other things than numbers are left out: {names}.",)
     assert {name: set(column) for name, column in cloud.fields.items()} == {"n": {7.0}}
+
+
+@pytest.mark.parametrize("word", ["-nan(ind)", "NA", "#N/A", "NULL", "None", ""])
+@pytest.mark.parametrize("last", [False, True])
+def test_words_for_no_number_are_none(tmp_path: Path, word: str, last: bool) -> None:
+    """Of C on Windows, R, spreadsheets, databases and Python; pandas writes nothing."""
+    rows = lines("{:.3f},{:.3f},{:.3f}", head="x,y,z\n").decode().split("\n")
+    rows[8] = ",".join([*rows[8].split(",")[:2], word] if last else [word, *rows[8].split(",")[1:]])
+    points, notes = read(tmp_path, "\n".join(rows).encode())
+    expected = POINTS.copy()
+    expected[7, 2 if last else 0] = np.nan
+    np.testing.assert_allclose(points, expected, atol=2e-6)
+    assert notes == ("1 of 30 points are not finite, the first at index 7.",)
+
+
+COLOURS = RNG.integers(2, 256, (30, 3))
+NORMALS = POINTS / np.linalg.norm(POINTS, axis=1, keepdims=True)
+COLUMNS = {
+    "a colour": (COLOURS,),
+    "shares of 1": (COLOURS / 255,),
+    "a normal": (NORMALS,),
+    "an intensity and a colour": (np.arange(30)[:, None] - 9, COLOURS),
+    "a colour and a number": (COLOURS, np.linspace(-0.5, 0.5, 30)[:, None]),
+    "a normal and a curvature": (NORMALS, np.linspace(0.0, 0.5, 30)[:, None]),
+    "a colour and a normal": (COLOURS, NORMALS),
+    "a normal and a colour": (NORMALS, COLOURS),
+}
+
+
+@pytest.mark.parametrize("case", COLUMNS)
+def test_columns_without_names_are_colours_and_normals_by_what_they_hold(tmp_path: Path, case: str) -> None:
+    with (tmp_path / "a.xyz").open("wb") as file:
+        np.savetxt(file, np.column_stack([POINTS, *COLUMNS[case]]), "%.6f")
+    cloud = read_cloud(tmp_path / "a.xyz")
+    np.testing.assert_allclose(cloud.points, POINTS, atol=2e-6)
+    said = {"rgb": case.replace("shares of 1", "colour"), "normals": case}
+    assert ("rgb" in cloud.fields, "normals" in cloud.fields) == ("colour" in said["rgb"], "normal" in said["normals"])
+    if "rgb" in cloud.fields:
+        np.testing.assert_array_equal(cloud.fields["rgb"], COLOURS)
+    if "normals" in cloud.fields:
+        np.testing.assert_allclose(cloud.fields["normals"], NORMALS, atol=2e-6)
+
+
+def test_degrees_that_nothing_names_are_told_by_their_steps(tmp_path: Path) -> None:
+    """0.00001° of latitude are 1.11 m; a cloud of a plane in metres, however finely written, is none."""
+    degrees = np.column_stack([11.5 + 1e-5 * POINTS[:, 0], 48.1 + 1e-5 * POINTS[:, 1], 500.0 + POINTS[:, 2]])
+    points, notes = read(tmp_path, lines("{:.9f} {:.9f} {:.2f}", degrees))
+    np.testing.assert_allclose(np.ptp(points, axis=0), np.ptp(POINTS, axis=0) * (0.7447, 1.1120, 1.0), rtol=2e-3)
+    assert "steps of 1e-09 and the third of 0.01, as longitude, latitude and a height have" in notes[0]
+    flat, notes = read(tmp_path, lines("{0:.9f} {1:.9f} 0", 0.03 * POINTS))
+    np.testing.assert_allclose(flat[:, :2], 0.03 * POINTS[:, :2], atol=2e-6)
+    assert notes == ()
+
+
+def test_names_of_degrees_above_metres_are_no_degrees(tmp_path: Path) -> None:
+    far = POINTS + FAR
+    points, notes = read(tmp_path, lines("{:.3f},{:.3f},{:.3f}", far, "lon,lat,alt\n"))
+    np.testing.assert_allclose(points, far, atol=2e-6)
+    assert "which no degrees are: they are taken as metres" in notes[0]
 
 
 @pytest.mark.parametrize("word", ["1.#QNAN", "-1.#IND", "1.#INF00", "-1.#IND000"])
@@ -188,6 +266,13 @@ def test_a_las_version_that_is_not_known_is_named(tmp_path: Path) -> None:
         (b"1,234.5 2,345.5 678.5\n" * 3, "between their thousands"),
         (b"x;y;z\n1,234.5;2,345.5;678.5\n", "between their thousands"),
         (b"1.234,5;2.345,5;678,5\n" * 3, "between their thousands"),
+        (b"1 234.5;2 345.5;678.5\n" * 3, "between their thousands"),
+        (b"x\ty\tz\n1 234,5\t2 345,5\t678,5\n", "between their thousands"),
+        (b"1 234.5,2 345.5,678.5\n" * 3, "between their thousands"),
+        (b"1'234.5 2'345.5 678.5\n" * 3, "between their thousands"),
+        (b"1,234;2,345;678\n1,235;678;-9\n567;2,345;8\n", "between their thousands"),
+        (b'"1,234","2,345","678"\n"567","2,345","8"\n', "between their thousands"),
+        (b"1.234.567;2.345.678;8\n" * 3, "between their thousands"),
         (b"x,y\n1,2\n3,4\n", "columns are named x, y; a cloud needs x, y, z"),
         (b"id,distance,angle\n1,2.5,3\n1,2.5,3\n", "columns are named id, distance, angle; a cloud needs x, y, z"),
     ],
@@ -306,13 +391,38 @@ UNITS: dict[str, tuple[dict[int, bytes], tuple[float, float, float], str | None]
     "a state's plane by its number": ({34735: keys((1024, 1), (3072, 2277))}, (1200 / 3937,) * 3, FEET),
     "a number without a model": ({34735: keys((3072, 2269))}, (0.3048,) * 3, "'foot'"),
     "a number in metres": ({34735: keys((1024, 1), (3072, 31468))}, (1.0, 1.0, 1.0), None),
-    "a title": (titled((1024, 1), (3072, 6560), text="NAD83(2011) / Oregon South (ft)|"), (0.3048,) * 3, "'foot'"),
-    "a title in survey feet": (titled((1024, 1), (3072, 6584), text="Texas South (ftUS)|"), (1200 / 3937,) * 3, FEET),
-    "a title in metres": (titled((1024, 1), (3072, 6559), text="Oregon South (m)|"), (1.0, 1.0, 1.0), None),
-}
+    "NAD83(2011), Oregon North, international feet": ({34735: keys((1024, 1), (3072, 6559))}, (0.3048,) * 3, "'foot'"),
+    "NAD83, Illinois East, survey feet": ({34735: keys((1024, 1), (3072, 3435))}, (1200 / 3937,) * 3, FEET),
+    "a compound system by its number": ({34735: keys((1024, 1), (3072, 5972))}, (1.0, 1.0, 1.0), None),
+    "a title": (titled((1024, 1), (3072, 32767), text="Oregon South (ft)|"), (0.3048,) * 3, "'foot'"),
+    "a title in survey feet": (titled((1024, 1), (3072, 32767), text="Texas (ftUS)|"), (1200 / 3937,) * 3, FEET),
+    "a title in metres": (titled((1024, 1), (3072, 32767), text="Oregon South (m)|"), (1.0, 1.0, 1.0), None),
+    "heights by their number, NAVD88 in survey feet": (
+        {34735: keys((1024, 1), (3072, 32617), (4096, 6360))}, (1.0, 1.0, 1200 / 3937), "z is in",
+    ),
+    "heights by their number, NAVD88 in metres": (
+        {34735: keys((1024, 1), (3072, 2277), (3076, 9003), (4096, 5703))}, (1200 / 3937, 1200 / 3937, 1.0), FEET,
+    ),
+    "WKT of ESRI, the heights beside": (
+        {2112: ("PROJCS" + WKT.partition("PROJCS")[2].replace("VERT_CS", "VERTCS")[:-1]).encode()},
+        (1200 / 3937, 1200 / 3937, 1.0), FEET,
+    ),
+    "WKT of a site": ({2112: b'LOCAL_CS["site",LOCAL_DATUM["x",0],UNIT["foot",0.3048]]'}, (0.3048,) * 3, "'foot'"),
+    "WKT 2 of a site": (
+        {2112: b'ENGCRS["site",EDATUM["x"],CS[Cartesian,2],AXIS["x",east],AXIS["y",north],LENGTHUNIT["foot",0.3048]]'},
+        (0.3048,) * 3, "'foot'",
+    ),
+    "WKT 2 of three axes": (
+        {2112: (WKT2[:-1] + ',AXIS["h",up,LENGTHUNIT["metre",1]]]').encode()}, (0.3048, 0.3048, 1.0), "'foot'",
+    ),
+    "WKT by its number": (
+        {2112: b'COMPD_CS["a",PROJCS["b",AUTHORITY["EPSG","2277"]],VERT_CS["c",AUTHORITY["EPSG","5703"]]]'},
+        (1200 / 3937, 1200 / 3937, 1.0), FEET,
+    ),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("number", [6560, 6349])  # the latter is in degrees, between two systems in metres
+@pytest.mark.parametrize("number", [1999, 6349])  # the latter is in degrees, between two systems in metres
 def test_a_system_whose_unit_the_file_does_not_tell_is_refused(tmp_path: Path, number: int) -> None:
     path = las(tmp_path / "a.las", POINTS, {34735: keys((1024, 1), (3072, number))})
     with pytest.raises(ReadError, match=rf"names EPSG:{number} and no unit.*state it in the record"):
@@ -344,6 +454,19 @@ def test_degrees_of_las_are_metres_with_a_note(tmp_path: Path, records: dict[int
     assert cloud.points[1] - cloud.points[0] == pytest.approx([11.132, 0.0, 1.0], abs=0.02)
     assert cloud.points[2] - cloud.points[0] == pytest.approx([0.0, 11.057, 2.0], abs=0.02)
     assert "metres east and north of 8.000050°, 0.000050°" in cloud.notes[0]
+
+
+def test_what_a_projection_record_says_is_compared_with_the_coordinates(tmp_path: Path) -> None:
+    degrees = np.array([[8.0, 0.0, 5.0], [8.0001, 0.0, 6.0]])
+    path = las(tmp_path / "a.las", degrees, {34735: keys((1024, 1), (3072, 32632))}, (1e-7, 1e-7, 0.01))
+    cloud = read_cloud(path)
+    assert cloud.points[1] - cloud.points[0] == pytest.approx([11.132, 0.0, 1.0], abs=0.02)
+    assert cloud.notes[0].startswith("The file states the unit 'metre', but x and y have steps of 1e-07 and z of 0.01")
+    for records in ({34735: keys((1024, 2), (2048, 4326))}, {34735: keys((2048, 4807), (2054, 9105))}):
+        far = POINTS + FAR
+        cloud = read_cloud(las(tmp_path / "a.las", far, records))
+        np.testing.assert_allclose(cloud.points, far, atol=1e-6)
+        assert "which no degrees are: they are taken as metres" in cloud.notes[0]
 
 
 @pytest.mark.parametrize("text", ["", "PROJCS", "PROJCS[" * 100, 'A["b"', "]][[", 'GEOGCS["x"]', "UNIT[,,]"])
@@ -390,6 +513,25 @@ def test_ply_with_other_elements_before_and_lists_within(tmp_path: Path, form: s
     assert 3 < len(cut) < 30
     np.testing.assert_allclose(cut, POINTS[: len(cut)], atol=1e-6)
     assert notes == (f"The file ends early: 30 points claimed, {len(cut)} there; these are read.",)
+
+
+def test_ply_with_types_in_capitals_and_vertices_of_another_name(tmp_path: Path) -> None:
+    for name in ("Vertex", "point"):
+        head = PLY.replace(b"vertex", name.encode()).replace(b"float", b"Float") + b"end_header\n"
+        points, notes = read(tmp_path, head + lines("{:.3f} {:.3f} {:.3f}"), "a.ply")
+        np.testing.assert_allclose(points, POINTS, atol=1e-6)
+        assert notes == ()
+
+
+def test_packed_colours_of_a_pcd_that_are_written_as_whole_floats(tmp_path: Path) -> None:
+    """Of a field of the type F in text, PCL reads the bits of a float, and other programs write the number itself."""
+    packed = COLOURS @ (65536, 256, 1)
+    head = PCD.replace("x y z", "x y z rgb").replace("8 8 8", "8 8 8 4").replace("F F F", "F F F F")
+    bits = packed.astype(np.uint32).view(np.float32)
+    for values in (packed, bits):
+        text = "".join(f"{x} {y} {z} {v:.9g}\n" for (x, y, z), v in zip(POINTS, values, strict=True))
+        (tmp_path / "a.pcd").write_bytes(head.replace("1 1 1", "1 1 1 1").encode() + text.encode())
+        np.testing.assert_array_equal(read_cloud(tmp_path / "a.pcd").fields["rgb"], COLOURS)
 
 
 PCD = "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 30\nHEIGHT 1\nPOINTS 30\nDATA ascii\n"

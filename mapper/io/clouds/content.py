@@ -67,6 +67,10 @@ def _is_packed(column: NDArray[Any]) -> bool:
 
 
 def _unpacked(column: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return the colours (n, 3) of packed numbers (n,); of whole floats the numbers are meant, not their bits."""
+    is_whole = (column >= 0) & (column < 1 << 24) & (column == np.floor(column))
+    if column.dtype.kind == "f" and is_whole.all() and column.any():
+        column = column.astype(np.uint32)
     bits = np.ascontiguousarray(column).view(np.uint32)
     return np.stack([bits >> 16 & 255, bits >> 8 & 255, bits & 255], axis=1).astype(np.uint8)
 

@@ -5,6 +5,8 @@ Source: the radii of curvature of the ellipsoid WGS 84, in the meridian M and in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,21 +14,35 @@ from mapper.core.errors import ReadError
 
 SEMI_MAJOR_M, ECCENTRICITY_2 = 6378137.0, 6.69437999014e-3  #: of WGS 84
 WIDEST = 1.0  #: degrees: a plane that touches the ellipsoid is of no use for a wider cloud
+MOST = (180.0, 90.0)  #: longitude and latitude
+FINE_DEGREES = 2e-6  #: a step of coordinates below which, beside a coarse one of heights, they are no metres
+
+
+def have_steps_of_degrees(points: NDArray[np.float64], steps: Sequence[float]) -> bool:
+    """Return whether points (n, 3) may be longitude, latitude and a height by the ``steps`` of their coordinates.
+
+    Nobody states metres to a millionth and heights less than a hundredth as finely.
+    """
+    most = np.nanmax(np.abs(points[:, :2]), axis=0, initial=0.0)
+    return bool(max(steps[:2]) <= FINE_DEGREES and steps[2] >= 100.0 * max(steps[:2]) and (most <= MOST).all())
 
 
 def metres_of_degrees(lon_lat: NDArray[np.float64], why: str) -> tuple[NDArray[np.float64], str]:
     """Return points (n, 2) of longitude and latitude, degrees, as metres east and north of a place, and a note.
 
     The place is the middle of the points, rounded to a millionth of a degree; ``why`` begins the note. The plane
-    touches the ellipsoid there, so that distances are wrong by up to a hundredth in a cloud of 100 km. Raises
-    :class:`ReadError` for points beyond ±180° and ±90°, and for clouds wider than :data:`WIDEST`.
+    touches the ellipsoid there, so that distances are wrong by up to a hundredth in a cloud of 100 km. Points beyond
+    ±180° and ±90° cannot be degrees, whatever is said of them, and are returned as they are, with a note. Raises
+    :class:`ReadError` for clouds wider than :data:`WIDEST`.
     """
     known = lon_lat[np.isfinite(lon_lat).all(axis=1)]
     if len(known) == 0:
         return lon_lat, why
     low, high = known.min(axis=0), known.max(axis=0)
-    if (low < (-180.0, -90.0)).any() or (high > (180.0, 90.0)).any() or (high - low > WIDEST).any():
-        box = f"{low[0]:g} to {high[0]:g} and {low[1]:g} to {high[1]:g}"
+    box = f"{low[0]:g} to {high[0]:g} and {low[1]:g} to {high[1]:g}"
+    if (np.maximum(-low, high) > MOST).any():
+        return lon_lat, f"{why}, but they are {box}, which no degrees are: they are taken as metres."
+    if (high - low > WIDEST).any():
         raise ReadError(
             "cloud.degrees",
             f"{why}, and they are {box}: a plane can hold at most {WIDEST:g}°. Project the cloud, for "

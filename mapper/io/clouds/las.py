@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.content import check_count, ended_early, made_cloud
-from mapper.io.clouds.degrees import metres_of_degrees
+from mapper.io.clouds.degrees import have_steps_of_degrees, metres_of_degrees
 from mapper.io.clouds.projection import USER, Units, units_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
@@ -30,7 +30,6 @@ HEADER_BYTES = 227  #: of the shortest version
 RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
 LEAST_POINT_BYTES = 20  #: of a point of any format
 DIMENSIONS = ("intensity", "classification", "return_number", "number_of_returns", "gps_time", "red", "green", "blue")
-FINE_DEGREES = 2e-6  #: a step of coordinates below which, beside a coarse one of heights, they are no metres
 
 
 def read_las(data: bytes, limits: Limits) -> PointCloud:
@@ -221,14 +220,13 @@ def _in_metres(
     points: NDArray[np.float64], units: Units | None, steps: tuple[float, ...]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Return points (n, 3) in metres, and notes on what they were; ``steps`` are those of the stored coordinates."""
-    if units is None:
-        low, high = points.min(axis=0, initial=0.0), points.max(axis=0, initial=0.0)
-        is_fine = max(steps[:2]) <= FINE_DEGREES and steps[2] >= 100.0 * max(steps[:2])
-        if not is_fine or max(-low[0], high[0]) > 180.0 or max(-low[1], high[1]) > 90.0:
-            return points, ()
-        why = f"The file states no units, but x and y have steps of {steps[0]:g} and z of {steps[2]:g}, as degrees have"
+    if (units is None or units.model == "projected") and have_steps_of_degrees(points, steps):
+        stated = "states no units" if units is None else f"states the unit {units.horizontal[0]!r}"
+        why = f"The file {stated}, but x and y have steps of {steps[0]:g} and z of {steps[2]:g}, as degrees have"
         points[:, :2], note = metres_of_degrees(points[:, :2], why)
         return points, (note,)
+    if units is None:
+        return points, ()
     notes: list[str] = []
     is_converted = False
     name, size = units.horizontal
@@ -241,7 +239,10 @@ def _in_metres(
         )
     if units.model == "geographic":
         why = "The coordinates are longitude and latitude in degrees, by the file’s projection record"
-        points[:, :2], note = metres_of_degrees(np.degrees(points[:, :2] * size), why)
+        degrees = np.degrees(points[:, :2] * size)
+        metres, note = metres_of_degrees(degrees, why)
+        if metres is not degrees:
+            points[:, :2] = metres
         notes.append(note)
     elif units.model == "geocentric":
         notes.append("The coordinates are geocentric, by the file’s projection record: z is not upward.")

@@ -16,14 +16,19 @@ _ROW = re.compile(r" at row (\d+)")
 CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
 
 _FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]?\d+(?![\w.]))")  #: before the exponent of a number of double precision
+#: What programs write where there is no number: C on Windows, spreadsheets, databases, R and Python.
+_NOTHING = re.compile(rb"(?<![^\s,;|])(?:[-+]?nan\([^)\s]*\)|#?N/A|NA|NULL|null|None|none)(?![^\s,;|])")
+_SIGNS_OF_NOTHING = (b"nan(", b"N/A", b"NA", b"NULL", b"null", b"one")
 _WINDOWS = re.compile(rb"[-+]?1\.#\w+")  #: ``1.#QNAN``, ``-1.#IND``, ``1.#INF``, as C wrote them there until 2015
 
 
 def as_python_writes(text: bytes) -> bytes:
     """Return a text with its numbers as Python reads them: ``1.0D+02`` of Fortran, and ``1.#QNAN`` of C on Windows.
 
-    What is not finite is ``nan`` then.
+    What is not finite there is ``nan`` then, as are words for no number: ``-nan(ind)``, ``NA``, ``NULL``, ``None``.
     """
+    if any(sign in text for sign in _SIGNS_OF_NOTHING):
+        text = _NOTHING.sub(b"nan", text)
     if b"D" in text or b"d" in text:
         text = _FORTRAN.sub(b"e", text)
     return _WINDOWS.sub(b"nan", text) if b".#" in text else text

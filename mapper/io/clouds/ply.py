@@ -106,18 +106,22 @@ class PlyFile:
 def read_ply(data: bytes, limits: Limits) -> PointCloud:
     """Return the vertices of a PLY file. Raises :class:`ReadError` for a header that lies, and :class:`LimitError`."""
     file = ply_file(data)
-    vertices = file.element("vertex")
+    vertices = file.element("vertex") or next((one for one in file.elements if _has_axes(one)), None)
     if vertices is None:
         raise ReadError("cloud.header", "The PLY file has no element vertex: it holds no points.")
     axes = {one.name.lower(): one.name for one in reversed(vertices.properties) if one.length_kind is None}
     missing = [axis for axis in "xyz" if axis not in axes]
     if missing:
         raise ReadError("cloud.header", f"The vertices of the PLY file have no property {missing[0]}.")
-    rows = file.rows("vertex", limits)
+    rows = file.rows(vertices.name, limits)
     notes = ended_early(vertices.count, rows.n)
     columns = dict(rows.columns)
     points = np.stack([columns.pop(axes[axis]) for axis in "xyz"], axis=1)
     return made_cloud(points, columns, limits, notes=notes)
+
+
+def _has_axes(element: Element) -> bool:
+    return {"x", "y", "z"} <= {one.name.lower() for one in element.properties if one.length_kind is None}
 
 
 def ply_file(data: bytes) -> PlyFile:
@@ -149,6 +153,7 @@ def _property(line: str, element: Element) -> Property:
     words = line.split(None, 4)
     is_list = words[1:2] == ["list"]
     kinds, name = (words[2:4], words[4:]) if is_list else (words[1:2], line.split(None, 2)[2:])
+    kinds = [kind.lower() for kind in kinds]
     wrong = next((kind for kind in kinds if kind not in TYPES), None)
     if wrong is not None or not name or (is_list and TYPES[kinds[0]][0] == "f"):
         said = printable((wrong or line.strip())[:40])

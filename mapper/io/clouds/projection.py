@@ -1,9 +1,9 @@
 """The units of the coordinates of a LAS file, from its projection record.
 
 Source: the LAS specification 1.4 (records 34735 … 34737 and 2112 of LASF_Projection); the GeoTIFF specification 1.8.2
-(keys 1024, 1026, 2048, 2054, 3072, 3073, 3076, 3077, 4099); OGC 01-009 and 18-010 (WKT of both versions); the units of
-the EPSG dataset for systems that files name without one. Only units are read: no coordinates are transformed from one
-system to another, for which pyproj and its database would be needed.
+(keys 1024, 1026, 2048, 2054, 3072, 3073, 3076, 3077, 4096, 4099); OGC 01-009 and 18-010 (WKT of both versions); the
+EPSG dataset for systems that files name without their units. Only units are read: no coordinates are transformed from
+one system to another, for which pyproj and its database would be needed.
 """
 
 from __future__ import annotations
@@ -14,35 +14,18 @@ import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from mapper.io.clouds.epsg_units import HORIZONTAL, UNITS, VERTICAL
 from mapper.io.logs.names import printable
 
 USER = "LASF_Projection"
 GEO_KEYS, GEO_DOUBLES, GEO_TEXT, WKT = 34735, 34736, 34737, 2112  #: numbers of records
-LINEAR = {
-    9001: ("metre", 1.0), 9002: ("foot", 0.3048), 9003: ("US survey foot", 1200.0 / 3937.0),
-    9004: ("modified American foot", 0.30481225298), 9005: ("Clarke’s foot", 0.3047972654), 9036: ("kilometre", 1000.0),
-    9093: ("statute mile", 1609.344), 9096: ("yard", 0.9144),
-}  # fmt: skip
+#: Linear units by their numbers in the EPSG dataset.
+LINEAR = {**UNITS, 9004: ("modified American foot", 0.30481225298), 9093: ("statute mile", 1609.344),
+          9096: ("yard", 0.9144)}  # fmt: skip
 ANGULAR = {9101: ("radian", 1.0), 9102: ("degree", math.pi / 180.0), 9105: ("grad", math.pi / 200.0)}
 _MODEL, _TITLE, _GEOGRAPHIC, _ANGULAR, _PROJECTED, _NAME = 1024, 1026, 2048, 2054, 3072, 3073
-_LINEAR, _LINEAR_SIZE, _VERTICAL = 3076, 3077, 4099
+_LINEAR, _LINEAR_SIZE, _UPRIGHT, _VERTICAL = 3076, 3077, 4096, 4099
 _MODELS = {1: "projected", 2: "geographic", 3: "geocentric"}
-#: EPSG's systems by their unit, first and last number of each span, as far as files name them without their unit.
-_IN_METRES = (
-    (2046, 2056), (2100, 2100), (2154, 2154), (2180, 2180), (2193, 2193), (2326, 2326), (2443, 2461), (2955, 2962),
-    (3003, 3004), (3006, 3018), (3034, 3035), (3059, 3059), (3067, 3067), (3154, 3160), (3301, 3301), (3346, 3346),
-    (3395, 3395), (3763, 3763), (3826, 3829), (3857, 3857), (4491, 4554), (4647, 4647), (5070, 5070), (5105, 5130),
-    (5179, 5188), (5514, 5514), (5554, 5556), (5649, 5653), (6328, 6348), (6350, 6350), (6669, 6692), (7415, 7415),
-    (7846, 7859), (21781, 21781), (23028, 23038), (25828, 25838), (26901, 26923), (26929, 26998), (27700, 27700),
-    (28348, 28358), (28992, 28992), (29168, 29195), (31254, 31259), (31284, 31287), (31466, 31469), (31965, 31985),
-    (32100, 32161), (32201, 32260), (32301, 32360), (32601, 32661), (32701, 32761),
-)  # fmt: skip
-_IN_FEET = (
-    (2222, 2224), (2251, 2253), (2256, 2256), (2265, 2266), (2269, 2270), (2273, 2273), (2280, 2282),
-)  # fmt: skip
-_IN_US_FEET = ((2225, 2250), (2254, 2255), (2257, 2264), (2267, 2268), (2271, 2272), (2274, 2279), (2283, 2289),
-               (26729, 26799), (32001, 32058))  # fmt: skip
-_UNITS_OF_EPSG = ((_IN_METRES, 9001), (_IN_FEET, 9002), (_IN_US_FEET, 9003))
 #: Words for a unit in a system's title, as "NAD83 / Oregon North (ft)", the more special one first.
 _IN_TITLES = (
     (re.compile(r"ftUS|us[- _]?ft\b|survey f(oo|ee)t", re.IGNORECASE), 9003),
@@ -97,7 +80,8 @@ def _of_keys(data: bytes, doubles: bytes, text: bytes) -> Units | None:
         return None
     is_geographic = _GEOGRAPHIC in keys and not keys.keys() & {_LINEAR, _PROJECTED}
     model = _MODELS.get(int(keys.get(_MODEL, 2 if is_geographic else 1)), "projected")
-    vertical = LINEAR.get(int(keys.get(_VERTICAL, 0)))
+    epsg = int(keys.get(_PROJECTED, 0))
+    vertical = LINEAR.get(int(keys.get(_VERTICAL, 0))) or _of_epsg(VERTICAL, int(keys.get(_UPRIGHT, 0)), epsg)
     if model == "geographic":
         return Units(model, ANGULAR.get(int(keys.get(_ANGULAR, 0)), ANGULAR[9102]), vertical)
     if model == "geocentric":
@@ -108,14 +92,22 @@ def _of_keys(data: bytes, doubles: bytes, text: bytes) -> Units | None:
         return Units(model, LINEAR[code], vertical)
     if size is not None and math.isfinite(size) and size > 0.0:
         return Units(model, (f"unit of {size:g} m", size), vertical)
-    epsg = int(keys.get(_PROJECTED, 0))
-    of_epsg = (unit for spans, unit in _UNITS_OF_EPSG if any(low <= epsg <= high for low, high in spans))
     title = " ".join(titles.get(key, "") for key in (_NAME, _TITLE))
-    of_title = (unit for words, unit in _IN_TITLES if words.search(title))
-    known = next(of_epsg, None) or next(of_title, None)
+    of_title = (LINEAR[unit] for words, unit in _IN_TITLES if words.search(title))
+    known = _of_epsg(HORIZONTAL, epsg) or next(of_title, None)
     if known is not None:
-        return Units(model, LINEAR[known], vertical)
+        return Units(model, known, vertical)
     return Units(model, LINEAR[9001], vertical, epsg if 0 < epsg < 32767 else None)
+
+
+def _of_epsg(table: Mapping[int, str], *numbers: int) -> tuple[str, float] | None:
+    """Return the unit of the first of some systems of the EPSG dataset that a table has; None where it has none."""
+    for number in numbers:
+        for unit, spans in table.items():
+            for first, _, last in (span.partition("-") for span in spans.split()):
+                if int(first) <= number <= int(last or first):
+                    return LINEAR[unit]
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,30 +125,44 @@ class _Node:
 
 
 _TOKEN = re.compile(r'"((?:[^"]|"")*)"|([A-Za-z_][A-Za-z_0-9]*)|([-+]?[0-9.][0-9.eE+-]*)|([\[\](),])')
-_PROJECTED_NAMES = ("PROJCS", "PROJCRS", "PROJECTEDCRS")
+_PROJECTED_NAMES = ("PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS")  # or of one site
 _GEOGRAPHIC_NAMES = ("GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS")
 _VERTICAL_NAMES = ("VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS")
 _LENGTHS = ("UNIT", "LENGTHUNIT")
 
 
 def _of_wkt(text: str) -> Units | None:
-    root = _parsed(text)
-    if root is None:
-        return None
-    nodes = list(root.every())
-    upright = next((node for node in nodes if node.name in _VERTICAL_NAMES), None)
-    vertical = None if upright is None else _unit(upright, _LENGTHS)
+    nodes = [node for root in _parsed(text) for node in root.every()]
     projected = next((node for node in nodes if node.name in _PROJECTED_NAMES), None)
+    geographic = next((node for node in nodes if node.name in _GEOGRAPHIC_NAMES), None)
+    upright = next((node for node in nodes if node.name in _VERTICAL_NAMES), None)
+    if upright is None:
+        vertical = _unit_upwards(projected or geographic)
+    else:
+        vertical = _unit(upright, _LENGTHS) or _of_epsg(VERTICAL, _number(upright))
     if projected is not None:
-        found = _unit(projected, _LENGTHS)
+        found = _unit(projected, _LENGTHS) or _of_epsg(HORIZONTAL, _number(projected))
         return None if found is None else Units("projected", found, vertical)
     if any(node.name == "GEOCCS" or (node.name == "CS" and "Cartesian" in node.values) for node in nodes):
         return Units("geocentric", LINEAR[9001], vertical)
-    geographic = next((node for node in nodes if node.name in _GEOGRAPHIC_NAMES), None)
     if geographic is None:
         return None
     angle = _unit(geographic, ("UNIT", "ANGLEUNIT")) or ("degree", math.pi / 180.0)
     return Units("geographic", angle, vertical)
+
+
+def _number(node: _Node) -> int:
+    """Return the number of a system in the EPSG dataset; 0 where it states none."""
+    stated = next((one for one in node.inner if one.name in ("AUTHORITY", "ID")), None)
+    number = stated.values[1] if stated is not None and stated.values[:1] == ("EPSG",) and stated.values[1:] else ""
+    return int(number) if number.isdecimal() and len(number) < 9 else 0
+
+
+def _unit_upwards(node: _Node | None) -> tuple[str, float] | None:
+    """Return the unit of the axis of a system that points upward, of a system of three axes; None where it has none."""
+    axes = [] if node is None else [one for one in node.inner if one.name == "AXIS"]
+    upward = next((one for one in axes if "up" in (value.lower() for value in one.values)), None)
+    return None if upward is None else _unit(upward, _LENGTHS)
 
 
 def _unit(node: _Node, names: tuple[str, ...]) -> tuple[str, float] | None:
@@ -173,8 +179,8 @@ def _unit(node: _Node, names: tuple[str, ...]) -> tuple[str, float] | None:
     return None
 
 
-def _parsed(text: str) -> _Node | None:
-    """Return the first keyword of a WKT with all below it; None for a text that is none."""
+def _parsed(text: str) -> list[_Node]:
+    """Return the keywords of a WKT with all below them; ESRI's has a vertical system beside the other, not below it."""
     tokens = list(_TOKEN.finditer(text))
     place = 0
 
@@ -204,4 +210,13 @@ def _parsed(text: str) -> _Node | None:
         place += 1
         return _Node(name, tuple(values), tuple(inner))
 
-    return node(1) if tokens and tokens[0][2] else None
+    roots: list[_Node] = []
+    while place < len(tokens):
+        if tokens[place][4] == ",":
+            place += 1
+            continue
+        root = node(1) if tokens[place][2] else None
+        if root is None:
+            break
+        roots.append(root)
+    return roots

@@ -2,12 +2,13 @@
 
 Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b, and what else
 :func:`columns_of` knows. Without names the columns are x, y, z and what programs usually write
-next: an intensity (4), a normal or a colour (6), both (7: intensity first). A PTS file may hold several scans, each
+next: an intensity, a normal (of length 1), a colour, in several orders. A PTS file may hold several scans, each
 after the number of its points.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.content import ended_early, made_cloud
-from mapper.io.clouds.degrees import metres_of_degrees
+from mapper.io.clouds.degrees import have_steps_of_degrees, metres_of_degrees
 from mapper.io.clouds.numbers import CONTENT, as_python_writes, table
 from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, columns_of_words, layout_of
 from mapper.io.logs.names import printable
@@ -26,29 +27,33 @@ from mapper.sensors.point_cloud import PointCloud
 
 FOOT, US_FOOT = 0.3048, 1200.0 / 3937.0  #: metres
 AXES = ("x", "y", "z")
-_HEIGHTS = ("z", "elevation", "elev", "height", "altitude", "alt", "h", "up", "u", "z1")
+_HEIGHTS = ("z", "elevation", "elev", "height", "altitude", "alt", "h", "up", "u", "z1", "höhe", "hoehe")
 DEGREES = (("longitude", "latitude"), ("lon", "lat"), ("long", "lat"), ("lng", "lat"))
 #: Names, in lower case and without units, of the first two axes; with each of them z may have each name of a height.
 _PLANES = (
-    ("x", "y"), ("easting", "northing"), ("east", "north"), ("e", "n"), ("utm_x", "utm_y"), ("x1", "y1"), *DEGREES,
+    ("x", "y"), ("easting", "northing"), ("east", "north"), ("e", "n"), ("utm_x", "utm_y"), ("x1", "y1"),
+    ("rechtswert", "hochwert"), ("ost", "nord"), *DEGREES,
 )  # fmt: skip
 _AFFIXES = (
     ("p", ""), ("pos_", ""), ("position_", ""), ("position.", ""), ("point_", ""), ("point.", ""), ("coord_", ""),
-    ("", "_coord"), ("", "_coordinate"), ("", "_lidar"), ("", "_world"), ("", "0"),
+    ("", "_coord"), ("", "_coordinate"), ("", "_lidar"), ("", "_world"), ("", "0"), ("field.", ""), ("world_", ""),
 )  # fmt: skip
 _TRIPLES = (
     *((f"{before}x{after}", f"{before}y{after}", f"{before}z{after}") for before, after in _AFFIXES),
     ("points:0", "points:1", "points:2"),
     ("points_0", "points_1", "points_2"),
+    ("xyz_0", "xyz_1", "xyz_2"),
     ("points_m_xyz:0", "points_m_xyz:1", "points_m_xyz:2"),  # VeloView's
 )
 _UNITS = {
     "m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0,
-    "ft": FOOT, "foot": FOOT, "feet": FOOT, "us-ft": US_FOOT, "usft": US_FOOT, "us_ft": US_FOOT, "ftus": US_FOOT,
+    "ft": FOOT, "foot": FOOT, "feet": FOOT,
+    **dict.fromkeys(("us-ft", "usft", "us_ft", "us ft", "ftus", "survey feet", "us survey ft", "us survey foot",
+                     "us survey feet"), US_FOOT),
     "in": 0.0254, "inch": 0.0254, "deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0,
 }  # fmt: skip
 _BRACKETS = re.compile(r"^(.*?)[ _]*[(\[]\s*([^)\]]*?)\s*[)\]]$")
-_SUFFIX = re.compile(r"^(.+?)[_ ](mm|cm|m|km|ft|feet|deg)$")
+_SUFFIX = re.compile(r"^(.+?)[_ /](mm|cm|m|km|ft|feet|deg)$")
 WANTED = "x, y, z; easting, northing, elevation; or longitude, latitude, altitude"
 
 
@@ -101,21 +106,26 @@ LEAST_COUNTED = 10  #: lines that tell that their first numbers count them
 COUNTED = ("The first column counts the points, so the next three are x, y, z here.",)
 COLOURS, NORMALS = ("r", "g", "b"), ("nx", "ny", "nz")
 _COUNT = re.compile(rb"^[ \t]*(\d{1,18})[ \t]*\r?$", re.MULTILINE)
+_ANY_NUMBERS = re.compile(rb"(?=[^\d]*\d)[-+.,;|\s\deE]+")
+_SIGNS = {"\u2212".encode(): b"-", "\u00a0".encode(): b" ", "\u202f".encode(): b" "}
 _LETTER = re.compile(r"[^\W\d_]")
-_NAME_SEPARATORS = (",", ";", "\t")
+_NAME_SEPARATORS = (",", ";", "|", "\t")
+MOST_LINES_BEFORE = 40  #: the names of the columns
 
 
 @dataclass(frozen=True, slots=True)
 class _Beginning:
     """What stands before the numbers: ``names`` of the columns, how many points there are.
 
-    ``at`` and ``line`` are the byte and the number of the first line of numbers.
+    ``at`` and ``line`` are the byte and the number of the first line of numbers. ``others`` are lines before the names
+    that are neither remarks nor numbers.
     """
 
     at: int
     line: int
     names: tuple[str, ...] | None
     claimed: int | None
+    others: int = 0
 
 
 def names_of(line: bytes) -> tuple[str, ...] | None:
@@ -124,7 +134,11 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     They stand between commas, semicolons or tabs where it has one, else between blanks; a unit in brackets is a part of
     the name before it.
     """
-    text = line.decode("utf-8", "replace").strip().lstrip("#/% \t").strip()
+    try:
+        text = line.decode()
+    except UnicodeDecodeError:
+        text = line.decode("cp1252", "replace")
+    text = text.strip().lstrip("#/% \t").strip()
     separator = next((one for one in _NAME_SEPARATORS if one in text), None)
     if separator is None:
         text = re.sub(r"[ \t]+(?=[(\[])", "\0", text)
@@ -143,7 +157,8 @@ def looks_like_text(data: bytes) -> bool:
 
     Numbers below other names count as well, so that the reader says which names it wants.
     """
-    begin = _beginning(data[:MOST_LINE_BYTES])
+    data = _tidied(data[:MOST_LINE_BYTES])
+    begin = _beginning(data)
     lines = data[begin.at :].split(b"\n")
     first = next((line for line in lines if line.strip()), b"")
     if begin.names is not None and columns_of(begin.names) is not None:
@@ -160,6 +175,9 @@ def looks_like_text(data: bytes) -> bool:
 
 def _beginning(data: bytes) -> _Beginning:
     at, number, names, claimed = 0, 1, None, None
+    others = _lines_before_names(data)
+    for _ in range(others):
+        at, number = data.find(b"\n", at) + 1, number + 1
     while at < len(data):
         end = data.find(b"\n", at)
         end = len(data) if end < 0 else end
@@ -178,7 +196,34 @@ def _beginning(data: bytes) -> _Beginning:
         elif line.strip() and not is_remark:
             break
         at, number = end + 1, number + 1
-    return _Beginning(min(at, len(data)), number, names, claimed)
+    return _Beginning(min(at, len(data)), number, names, claimed, others)
+
+
+def _lines_before_names(data: bytes) -> int:
+    """Return how many lines of other things, none of numbers, stand before one that names columns of x, y and z.
+
+    0 where there are numbers first, only remarks and counts, or no such names.
+    """
+    others = False
+    for k, line in enumerate(data[: 4 * MOST_LINE_BYTES].split(b"\n")[:MOST_LINES_BEFORE]):
+        names = names_of(line)
+        if names is not None and columns_of(names) is not None:
+            return k if others else 0
+        numbers = _ANY_NUMBERS.fullmatch(line)
+        if numbers and _COUNT.fullmatch(line) is None:
+            return 0
+        others = others or bool(line.strip() and not numbers and not line.lstrip().startswith((b"#", b"//", b"%")))
+    return 0
+
+
+def _tidied(data: bytes) -> bytes:
+    """Return a text without what some programs end it with, and with the plain minus and blank for similar signs."""
+    if data.endswith((b"\0", b"\x1a")):
+        data = data.rstrip(b"\0\x1a")
+    for sign, plain in _SIGNS.items():
+        if sign in data:
+            data = data.replace(sign, plain)
+    return data
 
 
 def _are_units(words: Sequence[str]) -> bool:
@@ -188,6 +233,7 @@ def _are_units(words: Sequence[str]) -> bool:
 
 def read_text(data: bytes, limits: Limits) -> PointCloud:
     """Return the points of a text file. Raises :class:`ReadError`, naming the line, and :class:`LimitError`."""
+    data = _tidied(data)
     begin = _beginning(data)
     columns = None if begin.names is None else columns_of(begin.names)
     if begin.names is not None and columns is None:
@@ -216,15 +262,27 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
         names = ("number", *_usual_names(rows[:, 1:])) if counted else tuple(_usual_names(rows))
         first = int(counted)
         columns = Columns((first, first + 1, first + 2), (1.0, 1.0, 1.0), in_degrees=False, notes=COUNTED * first)
+    elif len(names) + 1 == rows.shape[1] and _count_up(rows[:, 0]):  # as R writes a table: its first column has no name
+        names = ("", *names)
+        columns = replace(columns, axes=(columns.axes[0] + 1, columns.axes[1] + 1, columns.axes[2] + 1))
     elif len(names) != rows.shape[1]:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
     points = rows[:, list(columns.axes)] * columns.metres
     notes = (*notes, *columns.notes)
+    if begin.others:
+        notes = (*notes, f"The first {begin.others} lines, before the names of the columns, are passed over.")
     if words:
         listed = ", ".join(printable(names[k][:100]) for k in words[:6])
         notes = (*notes, f"Columns with other things than numbers are left out: {listed}.")
     if columns.in_degrees:
         points[:, :2], note = metres_of_degrees(points[:, :2], "The columns are longitude and latitude in degrees")
+        notes = (*notes, note)
+    elif set(columns.metres) == {1.0} and _look_like_degrees(points, steps := _steps(sample, layout, columns)):
+        why = (
+            f"The first two coordinates have steps of {steps[0]:g} and the third of {steps[2]:g}, as longitude, "
+            "latitude and a height have"
+        )
+        points[:, :2], note = metres_of_degrees(points[:, :2], why)
         notes = (*notes, note)
     others = {printable(name[:100]): rows[:, k] for k, name in enumerate(names) if k not in (*columns.axes, *words)}
     return made_cloud(points, others, limits, notes=notes)
@@ -306,21 +364,73 @@ def _refuse_matrix(rows: NDArray[np.float64]) -> None:
 def _are_numbers_of_points(rows: NDArray[np.float64]) -> bool:
     """Return whether the first of four columns or more counts the lines, by ones, and others are no whole numbers."""
     n, width = rows.shape
-    if n < LEAST_COUNTED or width <= len(AXES) or rows[0, 0] < 0.0 or (np.diff(rows[:, 0]) != 1.0).any():
+    if n < LEAST_COUNTED or width <= len(AXES) or not _count_up(rows[:, 0]):
         return False
     return bool((rows[:, 1:4] != np.round(rows[:, 1:4])).any(axis=0).all())
 
 
+def _count_up(column: NDArray[np.float64]) -> bool:
+    """Return whether a column counts its rows by ones."""
+    return bool(column[0] >= 0.0 and len(column) > 1 and (np.diff(column) == 1.0).all())
+
+
+def _steps(lines: Sequence[bytes], layout: Layout, columns: Columns) -> tuple[float, float, float]:
+    """Return the steps in which x, y and z are written, by their decimals; infinite for one that has exponents."""
+    decimals = [0.0, 0.0, 0.0]
+    for words in (layout.plain(line).split() for line in lines):
+        for k, axis in enumerate(columns.axes):
+            word = words[axis] if axis < len(words) else b""
+            after = word.partition(b".")[2]
+            decimals[k] = max(decimals[k], len(after) if after.isdigit() or not after else -math.inf)
+            if after and not after.isdigit():
+                return (math.inf, math.inf, math.inf)
+    return (10.0 ** -decimals[0], 10.0 ** -decimals[1], 10.0 ** -decimals[2])
+
+
+def _look_like_degrees(points: NDArray[np.float64], steps: Sequence[float]) -> bool:
+    """Return whether coordinates of which nothing is said are longitude, latitude and a height in metres.
+
+    They have steps of such, and the heights, in metres, extend more than ten times as far as the degrees.
+    """
+    known = points[np.isfinite(points).all(axis=1)]
+    if not have_steps_of_degrees(known, steps):
+        return False
+    extent = np.ptp(known, axis=0)
+    return bool(extent[2] > 10.0 * max(extent[0], extent[1]) > 0.0)
+
+
 def _usual_names(rows: NDArray[np.float64]) -> list[str]:
-    more = rows.shape[1] - 3
-    if more == 1:
-        return [*AXES, "intensity"]
-    if more in (3, 4):
-        last = rows[:, -3:]
-        is_colour = bool(((last == np.round(last)) & (last >= 0) & (last <= 255)).all()) and last.max(initial=0.0) > 1.0
-        intensity = ["intensity"] if more == 4 else []
-        return [*AXES, *intensity, *(COLOURS if is_colour else NORMALS)]
-    return [*AXES, *(f"column {k + 4}" for k in range(more))]
+    """Return the names of columns that have none: what programs usually write after x, y and z, if it may be that."""
+    more = rows[:, 3:]
+    for names in _USUAL:
+        if len(names) == more.shape[1] and all(
+            may_be(more[:, [names.index(part) for part in parts]])
+            for parts, may_be in ((COLOURS, _are_colours), (NORMALS, _are_normals))
+            if parts[0] in names
+        ):
+            return [*AXES, *names]
+    return [*AXES, *(f"column {k + 4}" for k in range(more.shape[1]))]
+
+
+_ONE = ("intensity",)
+_USUAL = (
+    _ONE, NORMALS, COLOURS, (*_ONE, *COLOURS), (*_ONE, *NORMALS), (*COLOURS, *_ONE), (*NORMALS, *_ONE),
+    (*COLOURS, *NORMALS), (*NORMALS, *COLOURS), (*_ONE, *COLOURS, *NORMALS), (*COLOURS, *NORMALS, *_ONE),
+)  # fmt: skip
+
+
+def _are_colours(columns: NDArray[np.float64]) -> bool:
+    """Return whether three columns are whole numbers of one byte, or shares of 1."""
+    if not ((columns >= 0.0) & (columns <= 255.0)).all():
+        return False
+    most = columns.max(initial=0.0)
+    return bool(most <= 1.0 or (columns == np.round(columns)).all())
+
+
+def _are_normals(columns: NDArray[np.float64]) -> bool:
+    """Return whether three columns are vectors of length 1, or 0 where there is none."""
+    length = np.linalg.norm(columns, axis=1)
+    return bool(((np.abs(length - 1.0) < 0.02) | (length == 0.0) | np.isnan(length)).all() and length.any())
 
 
 def _is_number(word: str) -> bool:

@@ -12,7 +12,11 @@ from mapper.io.clouds.numbers import as_python_writes
 SAMPLE_LINES = 500  #: from which the layout is told
 _DECIMAL = re.compile(rb"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[dDeE][-+]?\d+)?|[-+]?(?:nan|inf|1[.,]#\w+)", re.IGNORECASE)
 _WITH_BOTH = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+\.\d+|[-+]?\d{1,3}(?:\.\d{3})+,\d+")
-_THOUSANDS = re.compile(rb"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
+_THOUSANDS = re.compile(rb"[-+]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
+_GROUPS = re.compile(rb"[-+]?\d{1,3}(?:(?: \d{3})+|(?:'\d{3})+|(?:[,.]\d{3}){2,})(?:[,.]\d*)?")  #: thousands otherwise
+_BELOW_1000 = re.compile(rb"[-+]?\d{1,3}")
+_REMARK = re.compile(rb"[ \t]#.*")  #: what follows a number at once may be ``1.#INF``
+SEPARATORS = (b";", b"|", b"\t")  #: which stand in no number
 _QUOTED = re.compile(rb'"([^"\n]*)"')
 _DIGITS = re.compile(rb"\d+")
 _INTEGER = re.compile(rb"[-+]?\d+")
@@ -20,16 +24,18 @@ _INTEGER = re.compile(rb"[-+]?\d+")
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """``separator`` stands between numbers: ``,``, ``;``, a tab, or a blank for any number of blanks.
+    """``separator`` stands between numbers: ``,``, ``;``, ``|``, a tab, or a blank for any number of blanks.
 
     ``decimal_commas`` says that a comma within a number is its decimal point. ``quoted`` says that numbers are quoted.
-    ``words`` are the numbers of columns that hold something else.
+    ``words`` are the numbers of columns that hold something else. ``is_closed`` says that each line ends in a
+    separator, after which there is no field.
     """
 
     separator: str
     decimal_commas: bool = False
     quoted: bool = False
     words: tuple[int, ...] = ()
+    is_closed: bool = False
 
     def plain(self, text: bytes) -> bytes:
         """Return lines of numbers with blanks between them and points for decimals.
@@ -48,17 +54,20 @@ class Layout:
         if self.decimal_commas:
             text = text.replace(b",", b".")
         if self.separator != " ":
-            text = re.sub(re.escape(separator) + rb"[ \t]*(?=\r?\n|\Z)", b"", text)
+            last = re.escape(separator) + rb"[ \t]*(?=\r?\n|\Z)"
+            text = re.sub(last, b"" if self.is_closed else separator + b"nan", text)
+            if text.startswith(separator) or b"\n" + separator in text:
+                text = re.sub(rb"^(?=" + re.escape(separator) + rb")", b"nan", text, flags=re.MULTILINE)
             if separator * 2 in text:
                 text = re.sub(re.escape(separator) + rb"(?=" + re.escape(separator) + rb")", separator + b"nan", text)
-        for other in (b",", b";", b"\t"):
+        for other in (b",", *SEPARATORS):
             text = text.replace(other, b" ")
         return text
 
     def numbers(self, line: bytes) -> list[float] | None:
         """Return the numbers of one line; None where something in it is none."""
         try:
-            return [float(word) for word in as_python_writes(self.plain(line)).split()]
+            return [float(word) for word in as_python_writes(self.plain(_REMARK.sub(b"", line))).split()]
         except ValueError:
             return None
 
@@ -68,19 +77,29 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
 
     Raises :class:`ReadError` where commas stand between the numbers and within them, and for separators of thousands.
     """
-    sample = [line.strip() for line in lines[:SAMPLE_LINES] if line.strip()]
+    sample = [
+        line for line in (_REMARK.sub(b"", line).strip(b" \r\n") for line in lines[:SAMPLE_LINES]) if line.strip()
+    ]
     quoted = any(b'"' in line for line in sample)
     if quoted:
-        is_decimal = any(b"," in inner for line in sample for inner in _QUOTED.findall(line))
+        in_quotes = [_QUOTED.findall(line) for line in sample]
+        _refuse_thousands(in_quotes)
         bare = [_QUOTED.sub(b"0", line) for line in sample]
-        separator = ";" if any(b";" in line for line in bare) else "," if any(b"," in line for line in bare) else " "
-        return Layout(separator, is_decimal and separator != ",", quoted=True)
+        separator = next((one for one in (*SEPARATORS, b",") if any(one in line for line in bare)), b" ").decode()
+        is_decimal = any(b"," in word for found in in_quotes for word in found) and separator != ","
+        return Layout(separator, is_decimal, quoted=True, is_closed=_is_closed(bare, separator))
     has_comma = any(b"," in line for line in sample)
-    if any(b";" in line for line in sample):
-        if any(_WITH_BOTH.fullmatch(word.strip()) for line in sample for word in line.split(b";")):
-            raise _thousands()
-        return Layout(";", has_comma)
+    for one in SEPARATORS:
+        rows = [[field.strip() for field in line.split(one)] for line in sample]
+        if one == b"\t" and not all(len(row) == len(rows[0]) > 2 for row in rows):
+            continue
+        if any(len(row) > 1 for row in rows):
+            _refuse_thousands(rows)
+            if one != b"\t":
+                return Layout(one.decode(), has_comma, is_closed=_is_closed(sample, one.decode()))
     words = [line.split() for line in sample]
+    if any(b"'" in word and _GROUPS.fullmatch(word) for one in words for word in one):
+        raise _thousands()
     if not has_comma:
         return Layout(" ")
     if all(len(one) >= 3 for one in words):
@@ -100,7 +119,28 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
             raise _thousands()
     if _is_cut_by_commas([line.split(b",") for line in sample]):
         raise _decimal_commas("the numbers have decimal commas, and commas stand between them too")
-    return Layout(",")
+    if any(_GROUPS.fullmatch(field.strip()) for line in sample for field in line.split(b",")):
+        raise _thousands()
+    return Layout(",", is_closed=_is_closed(sample, ","))
+
+
+def _is_closed(lines: Sequence[bytes], separator: str) -> bool:
+    return all(line.rstrip().endswith(separator.encode().strip()) for line in lines) if separator.strip() else False
+
+
+def _refuse_thousands(rows: Sequence[Sequence[bytes]]) -> None:
+    """Raise :class:`ReadError` for fields (rows, columns) with separators of thousands.
+
+    A comma before three digits is one where the numbers below 1000 of the same column have none: of decimals, whose
+    last zeros are left out, some have fewer digits.
+    """
+    if any(_WITH_BOTH.fullmatch(field) or _GROUPS.fullmatch(field) for row in rows for field in row):
+        raise _thousands()
+    for k in range(min(map(len, rows), default=0)):
+        column = [row[k] for row in rows]
+        with_comma = [field for field in column if b"," in field]
+        if with_comma and all(map(_THOUSANDS.fullmatch, with_comma)) and any(map(_BELOW_1000.fullmatch, column)):
+            raise _thousands()
 
 
 def columns_of_words(lines: Sequence[bytes], layout: Layout) -> tuple[int, ...]:
@@ -120,7 +160,8 @@ def columns_of_words(lines: Sequence[bytes], layout: Layout) -> tuple[int, ...]:
 
 def _thousands() -> ReadError:
     return ReadError(
-        "cloud.thousands", "The numbers have commas or points between their thousands: save the file without them."
+        "cloud.thousands",
+        "The numbers have commas, points or blanks between their thousands: save the file without them.",
     )
 
 
