@@ -190,7 +190,8 @@ def create_app(
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)
-    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
+    # More than 16 KiB, which take 0.4 ms, are compressed on a thread.
+    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6, thread_minimum_size=1 << 14)
     app.add_middleware(RequestPace)
     wrong_tokens = None if worker is None else worker.guesses.tokens
     app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins, wrong_tokens=wrong_tokens)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import threading
 from pathlib import Path
 
 import httpx
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from prometheus_client.parser import text_string_to_metric_families
+from starlette.middleware.gzip import GZipResponder
 
 from mapper.io.maps import load_map
 from mapper.mapping.parameters import PARAMETERS
@@ -177,6 +179,21 @@ def built_pages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "assets" / "link.js").symlink_to(Path(__file__))
     monkeypatch.setattr(page_files, "PLACES", (tmp_path,))
     return tmp_path
+
+
+def test_a_long_answer_is_compressed_beside_the_event_loop(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page of 40 kB takes a millisecond, as long as many a request."""
+    threads: list[str] = []
+
+    class Noting(GZipResponder):
+        def _compress_body(self, body: bytes, more_body: bool) -> bytes:
+            threads.append(threading.current_thread().name)
+            return super()._compress_body(body, more_body)
+
+    monkeypatch.setattr("starlette.middleware.gzip.GZipResponder", Noting)
+    assert service.http.get("/api/docs").headers["content-encoding"] == "gzip"
+    assert [name == "uvicorn" for name in threads] == [False]
+    assert any(thread.name == "uvicorn" for thread in threading.enumerate()), "the event loop's"
 
 
 @pytest.mark.usefixtures("built_pages")
