@@ -53,7 +53,7 @@ from server.sessions import Kind, SessionRegistry
 from server.settings import Settings
 from server.sources import KINDS
 from server.version import package_version
-from server.work.memory_reserve import MemoryReserve
+from server.work.memory import MemoryReserve
 from server.workers.worker import Worker
 
 END_S = 2.0  #: seconds that the shutdown waits for sessions that compute or whose kernels are being compiled

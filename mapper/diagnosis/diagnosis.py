@@ -9,8 +9,7 @@ from mapper.diagnosis.events import DISPLACED, Event, find_events
 from mapper.diagnosis.examination import LEAST_SCANS, examine
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.mounting import CHANGING
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
 

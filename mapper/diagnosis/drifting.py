@@ -11,8 +11,7 @@ from mapper.diagnosis.examination import LEAST_SCANS, causes_of_drift
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.readings import max_range_finding
 from mapper.diagnosis.walls import check_drift, check_still
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
 

@@ -24,6 +24,8 @@ from mapper.mapping.sensor_model import (
     SonarCone,
     StepWindow,
 )
+from mapper.sensors.corrections import corrected_log
+from mapper.sensors.scan import ScanLog
 
 Statistics = Literal["none", "counts", "certainties"]
 
@@ -255,3 +257,11 @@ class MappingConfig:
 
 PARAMETERS = table_of(MappingConfig)
 BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
+
+
+def as_mapped(log: ScanLog, config: MappingConfig) -> ScanLog:
+    """Return ``log`` as the map with ``config`` has it: what finds poses for that map begins with this.
+
+    See :func:`mapper.sensors.corrections.corrected_log`.
+    """
+    return corrected_log(log, config.mount, turned_over=config.mount_upside_down, time_offset=config.time_offset)

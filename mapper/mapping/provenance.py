@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.cell_statistics import begin, shown
-from mapper.mapping.certainty_update import update_certainties
 from mapper.mapping.integrate import scans_at_once
 from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, runs_of
 from mapper.mapping.kernels.cones import contributions_of_cones
@@ -31,7 +30,7 @@ from mapper.mapping.kernels.contributions import (
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.scan_batch import ScanBatch, scan_batch_of_log
 from mapper.mapping.update import plan_beams
-from mapper.mapping.update_plan import UpdatePlan, plan_update
+from mapper.mapping.update_plan import UpdatePlan, plan_update, update_certainties
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 

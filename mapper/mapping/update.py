@@ -21,7 +21,6 @@ from mapper.core.parallel import bands, cores, in_parallel, scratch, shares
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import Frame
 from mapper.mapping import cell_statistics
-from mapper.mapping.certainty_update import update_certainties
 from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
 from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
@@ -32,7 +31,7 @@ from mapper.mapping.kernels.smooth_ramp import draw_ramps
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
 from mapper.mapping.parameters import Statistics
 from mapper.mapping.scan_batch import ScanBatch, scan_ends
-from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length, part_of
+from mapper.mapping.update_plan import Run, Turns, UpdatePlan, check_beam_length, part_of, update_certainties
 
 WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
 #: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).

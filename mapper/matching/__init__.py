@@ -6,9 +6,9 @@ from mapper.core.lazy_imports import imported_later
 from mapper.matching.parameters import METHODS, PARAMETERS, MatchConfig
 
 if TYPE_CHECKING:
+    from mapper.matching.beams import prepare_scans
     from mapper.matching.maps import match_maps
     from mapper.matching.match import Match, match_scan
-    from mapper.matching.prepare import prepare_scans
     from mapper.matching.target import Target, map_points, map_target, scan_target
 
 __all__ = [

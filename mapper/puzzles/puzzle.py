@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import OccupancyGrid
-from mapper.grid.wall_agreement import wall_points
+from mapper.grid.metrics import wall_points
 from mapper.mapping.integrate import grid_for, integrate_parts
 from mapper.mapping.parameters import MappingConfig
 from mapper.puzzles.scoring import Measures, measures_of, repair_share, repair_shares

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
-from mapper.grid.metrics import map_metrics
-from mapper.grid.wall_agreement import wall_agreement, wall_points
+from mapper.grid.metrics import map_metrics, wall_agreement, wall_points
 
 #: Weights of the measures in the repair, and the least improvement from the spoiled to the repaired map with which a
 #: measure counts.

@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.parameter import check_fields, flag, table_of, with_values
 from mapper.simulation.kernels.reflection import reflect
-from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at
+from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at, ranges_in_cones, rays_of_cone
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.sonar import ranges_in_cones, rays_of_cone
 from mapper.simulation.worlds import Float64Array, World
 
 SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost

@@ -1,10 +1,8 @@
 """Terrain from points: which of them are ground, planes of patches, and where it is safe to drive."""
 
-from mapper.terrain.consensus import agreeing, fitted
 from mapper.terrain.ground import Ground, agreement, find_ground
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
-from mapper.terrain.patches import SAFE, UNKNOWN, UNSAFE, Patches, Terrain, assess
-from mapper.terrain.point_index import PointIndex
+from mapper.terrain.patches import SAFE, UNKNOWN, UNSAFE, Patches, PointIndex, Terrain, agreeing, assess, fitted
 
 __all__ = [
     "GROUND_PARAMETERS",

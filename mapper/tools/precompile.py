@@ -40,12 +40,12 @@ from mapper.grid.metrics import map_metrics
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.matching.beams import prepare_scans
 from mapper.matching.kernels.likelihood_field import accumulate_field
 from mapper.matching.kernels.point_to_line import accumulate_pairs, solve_step
 from mapper.matching.kernels.types import CAUCHY, PairRule
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import METHODS, MatchConfig
-from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import Target, scan_target
 from mapper.planning import PlannerConfig, plan_path
 from mapper.replay import Replay

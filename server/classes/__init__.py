@@ -1,8 +1,14 @@
 """Classes: a lecturer shows a page, and many followers see the same on their own devices. Kept in memory only."""
 
-from server.classes.classes import ClassBudgetError, Classes, ClassNotFoundError, ClassRightError, unknown_class
+from server.classes.classes import (
+    ClassBudgetError,
+    Classes,
+    ClassNotFoundError,
+    ClassRightError,
+    new_code,
+    unknown_class,
+)
 from server.classes.classroom import Classroom, Member
-from server.classes.codes import new_code
 from server.classes.results import results_csv
 
 __all__ = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import secrets
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,8 +12,10 @@ from typing import Protocol
 
 from mapper.core.errors import MapperError
 from server.classes.classroom import MAX_NUMBERS, Classroom, Member
-from server.classes.codes import new_code, normalised
 
+#: Consonants, so that no words arise, without those that are easily taken for one another.
+LETTERS = "BCDFGHJKLMNPQRSTVWXZ"
+LENGTH = 6
 MAX_CLASSES = 32
 MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
 #: Part of a class's places, and of its numbers, that one network address can take. A lecture hall behind one router is
@@ -22,6 +25,16 @@ ADDRESS_SHARE = 0.75
 LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
 LOOK_FOR_PREPARED_S = 0.5  #: time between two looks whether another process has the prepared class
+
+
+def new_code() -> str:
+    """Return a random code, one of 64 million."""
+    return "".join(secrets.choice(LETTERS) for _ in range(LENGTH))
+
+
+def normalised(code: str) -> str:
+    """Return a code as it was made, from what a person has typed: small letters, blanks and dashes are allowed."""
+    return code.replace(" ", "").replace("-", "").upper()[:32]
 
 
 class Prepared(Protocol):

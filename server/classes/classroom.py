@@ -14,11 +14,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import msgspec
 
 from mapper.core.errors import ConfigError
-from server.classes.puzzle import RoomPuzzle
 from server.classes.questions import Question
 from server.stream.class_messages import (
     AnswerCommand,
@@ -26,6 +26,7 @@ from server.stream.class_messages import (
     ClassCommand,
     ClassError,
     ClassExplained,
+    ClassPuzzle,
     ClassSolver,
     ClassState,
     ClassView,
@@ -41,6 +42,33 @@ from server.stream.class_messages import (
     ShowCommand,
     StopCommand,
 )
+
+BINS = 10  #: parts of the points, 0 to 100, in the results
+
+
+class RoomPuzzle:
+    """A puzzle that is given to a class. ``key`` says which it is; followers do not learn it."""
+
+    def __init__(self, key: str, title: str) -> None:
+        self.key = key
+        self.title = title
+        self.solvers: dict[int, ClassSolver] = {}
+        self.progress: dict[int, Any] = {}  #: by number, the ``server.puzzles.game.Progress`` of all attempts
+
+    def message(self, *, lecturer: bool) -> ClassPuzzle:
+        """Return the puzzle as the lecturer or a follower sees it."""
+        solvers = sorted(self.solvers.values(), key=lambda solver: solver.number)
+        solved = sum(solver.is_solved for solver in solvers)
+        return ClassPuzzle(self.title, len(solvers), solved, solvers if lecturer else [])
+
+    @property
+    def counts(self) -> list[int]:
+        """The number of followers in each of :data:`BINS` equal parts of the points, the last one with 100."""
+        counts = [0] * BINS
+        for solver in self.solvers.values():
+            counts[min(BINS - 1, solver.points * BINS // 100)] += 1
+        return counts
+
 
 STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
 AWAY_AFTER_S = 3.0  #: without a page of the lecturer's: it takes less to go from one page to another

@@ -6,8 +6,8 @@ import csv
 import io
 from collections.abc import Iterable
 
-from server.classes.puzzle import BINS as PUZZLE_BINS
-from server.classes.puzzle import RoomPuzzle
+from server.classes.classroom import BINS as PUZZLE_BINS
+from server.classes.classroom import RoomPuzzle
 from server.classes.questions import BINS, Question, part_of
 from server.csv_text import as_text
 

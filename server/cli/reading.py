@@ -8,8 +8,7 @@ from pathlib import Path
 from mapper.io.logs import open_log, open_robot_log
 from mapper.io.logs.selection import Selection
 from mapper.io.trajectories import read_tum, with_trajectory
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import JointLog, by_sensor
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog

@@ -29,7 +29,7 @@ from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.storage import StorageError
 from server.stream.close_codes import REFUSED
-from server.work.memory_reserve import MemoryReserve, is_out_of_memory
+from server.work.memory import MemoryReserve, is_out_of_memory
 
 _log = structlog.get_logger(__name__)
 

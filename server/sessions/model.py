@@ -47,7 +47,7 @@ class Footprint:
 class SessionModel(ABC):
     """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; the rest has a default."""
 
-    kind: ClassVar[str]  #: name of the kind, as in :data:`server.sources.kinds.KINDS`
+    kind: ClassVar[str]  #: name of the kind, as in :data:`server.sources.KINDS`
     replacing: ClassVar[tuple[type[Struct], ...]] = ()
     """Commands that make an unfinished map useless."""
     resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {}

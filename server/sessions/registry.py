@@ -23,7 +23,6 @@ from server.library.library import Library
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
-from server.sessions.use import OthersUse, Use
 from server.stream.traffic import Traffic
 from server.work.memory import give_back
 from server.work.scheduler import Scheduler
@@ -31,6 +30,29 @@ from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
     from server.sessions.host import SessionHost
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """Numbers of sessions, cells of their grids, and bytes of their logs; ``guests``: of those alone."""
+
+    sessions: int = 0
+    guests: int = 0
+    cells: int = 0
+    guests_cells: int = 0
+    log_bytes: int = 0
+
+
+class OthersUse(Protocol):
+    """What the sessions of the other workers of a service use together."""
+
+    def others(self) -> Use:
+        """Return it."""
+
+    def state(self, own: Use) -> None:
+        """State what the sessions of this worker use."""
+
 
 REAP_EVERY_S = 5.0
 STATE_EVERY_S = 1.0  #: between two statements to the other workers of what is used

@@ -1,6 +1,17 @@
 """The kinds of sessions: what each shows and computes, and the request and the plan of each."""
 
-from server.sources.kinds import KINDS
-from server.sources.log_kind import costmaps_plan, log_plan
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from server.sessions.kind import Kind
+from server.sources.log_kind import LOG, costmaps_plan, log_plan
+from server.sources.simulation_kind import SIMULATION
+from server.sources.volume_kind import VOLUME
+
+#: By the name in ``POST /api/sessions`` and in the message ``hello``.
+KINDS: Mapping[str, Kind] = MappingProxyType({"simulation": SIMULATION, "log": LOG, "volume": VOLUME})
+
 
 __all__ = ["KINDS", "costmaps_plan", "log_plan"]

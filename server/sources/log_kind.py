@@ -11,7 +11,7 @@ from mapper.sensors.scan import ScanLog
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
 from server.sessions.view import LogView
-from server.sources.volume_plan import volume_plan
+from server.sources.volume_kind import volume_plan
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream

@@ -15,10 +15,10 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Edits, Faults, SensorConfig
 from mapper.simulation.kernels.driving import STEP
+from mapper.simulation.lidar import rays_of_cone
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.pose_correction import Corrector
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.sonar import rays_of_cone
 from server.sessions.hosting import ModelHost
 from server.sessions.part import Part
 from server.sessions.tick import TickResult

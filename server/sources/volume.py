@@ -16,7 +16,7 @@ from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.parameter import Values, with_values
 from mapper.grid import OccupancyGrid
-from mapper.io.clouds.ply_writing import points_ply
+from mapper.io.clouds.ply import points_ply
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
 from mapper.volume.mesh.faces import FaceRule
 from mapper.volume.occupancy.volume import centres_of

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from urllib.parse import unquote
 
-from server.classes.codes import normalised
+from server.classes.classes import normalised
 
 PLACE_HEADER = "X-Gridbloom-Place"
 VISITOR_COOKIE = "gridbloom_visitor"

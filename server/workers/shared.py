@@ -10,7 +10,7 @@ from mmap import mmap
 import numpy as np
 from numpy.typing import NDArray
 
-from server.sessions.use import Use
+from server.sessions.registry import Use
 from server.workers.shared_class import SharedClass
 
 MAX_NETWORKS = 4096  #: of which wrong secrets are recorded

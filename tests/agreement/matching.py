@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from mapper.core.se2 import transform_points
 from mapper.grid import GridGeometry
 from mapper.matching import textbook
-from mapper.matching.beams import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, MOST_BEAMS, REACH
+from mapper.matching.beams import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, MOST_BEAMS, REACH, prepare_scans
 from mapper.matching.fields import FINE, gaussian_stamps
 from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
 from mapper.matching.kernels.likelihood_field import accumulate_field
@@ -20,7 +20,6 @@ from mapper.matching.kernels.score_field import add_scan, write_pyramid
 from mapper.matching.kernels.segments import split_scan
 from mapper.matching.kernels.types import CAUCHY, HUBER, LINE, POINTS, SQUARES, Iterations, PairRule, ScanArrays
 from mapper.matching.kernels.views import compare_views
-from mapper.matching.prepare import prepare_scans
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.agreement.inputs import some
 

@@ -379,7 +379,6 @@ SHARED: dict[str, tuple[str, ...]] = {
     "mapper.mapping.update_plan": ("scan by scan",),
     "mapper.matching.beams": _MATCHED,  # the scans of a case
     "mapper.matching.fields": _MATCHED,
-    "mapper.matching.prepare": _MATCHED,
     "mapper.simulation.plan_map": ("rays in a world in 3D",),  # the heights of the world's things
     "mapper.simulation.space": ("rays in a world in 3D",),
     "mapper.simulation.worlds": ("relaxed paths of the explorer",),

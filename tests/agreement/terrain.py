@@ -10,8 +10,8 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper.terrain import GroundConfig, Patches, agreeing, assess, find_ground, textbook, textbook_ground
-from mapper.terrain.consensus import TRIALS
 from mapper.terrain.parameters import PatchConfig
+from mapper.terrain.patches import TRIALS
 
 
 @dataclass(frozen=True)

@@ -33,10 +33,10 @@ from mapper.core.se2 import compose, inverse, transform_points
 from mapper.evaluation.relations import records_of_relations
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
+from mapper.matching.beams import prepare_scans
 from mapper.matching.kernels.types import ScanArrays
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import METHODS, MatchConfig
-from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import scan_target
 from mapper.sensors.scan import ScanLog
 

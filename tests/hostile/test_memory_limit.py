@@ -12,7 +12,7 @@ import httpx
 import pytest
 
 from server.library.logs.sample import SAMPLE_ID
-from server.work.memory_reserve import LEAST_BYTES
+from server.work.memory import LEAST_BYTES
 from tests.hostile.test_crash import opens, put, served, settled, uploads
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, until

@@ -18,7 +18,7 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds import read_cloud
 from mapper.io.clouds.depth_archive import unpack_depth_archive
-from mapper.io.clouds.ply_faces import has_faces, read_ply_mesh
+from mapper.io.clouds.ply import has_faces, read_ply_mesh
 from mapper.volume.scans.scan_sequence import first_in_cubes, gather
 from tests.hostile.damage import ALL, ROUNDS, flipped, mangled
 from tests.hostile.test_cloud_files import is_a_sentence

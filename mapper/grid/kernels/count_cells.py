@@ -8,7 +8,7 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.entropy import SLOTS, _entropy, _slot
+from mapper.grid.kernels.map_statistics import SLOTS, _entropy, _slot
 
 
 @jit

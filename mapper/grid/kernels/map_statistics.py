@@ -1,18 +1,42 @@
 """Counts and entropy sums of one map, in one pass over its cells.
 
 A map holds few distinct values. The pass counts how often each value occurs, in a table; entropy and state are computed
-once for each value, and again for one that another replaced in its slot.
+once for each value, and again for one that another replaced in its slot: looking up an entropy costs a fraction of
+computing an exponential and a logarithm.
 """
 
 from __future__ import annotations
 
-from math import isnan
+from math import exp, inf, isnan, log, log1p
 
 from numpy import float32, float64, int64, uint32, uint64, zeros
 
 from mapper.core.array_types import Float32Array, Float64Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.entropy import SLOTS, _entropy, _slot
+
+SLOTS = 4096  #: entries of the table: 2 ** 12
+_GOLDEN = uint64(0x9E3779B9)  #: 2 ** 32 divided by the golden ratio
+_LN2 = log(2.0)
+
+
+@jit
+def _entropy(log_odds: float) -> float:
+    """Return H(p) in bits, as :func:`mapper.grid.metrics.entropy`."""
+    distance = abs(float64(log_odds))  # numba's float() leaves a float32 as it is
+    if distance == inf:
+        return 0.0
+    small = exp(-distance)
+    return (log1p(small) + distance * small / (1.0 + small)) / _LN2
+
+
+@jit
+def _slot(bits: int) -> int:
+    """Return the slot, 0 … SLOTS − 1, of log-odds whose float32 representation is ``bits``, uint32; that of 0.0 is 0.
+
+    Multiplicative hashing: the upper twelve of the product's lower 32 bits (Knuth, The Art of Computer Programming 3,
+    section 6.4).
+    """
+    return int(((uint64(bits) * _GOLDEN) >> uint64(20)) & uint64(SLOTS - 1))
 
 
 @jit

@@ -1,4 +1,4 @@
-"""Point clouds in PLY files: ascii, and binary of either byte order.
+"""Point clouds and triangles in PLY files: ascii, and binary of either byte order.
 
 Source: Greg Turk's description of the format (1994). The elements may stand in any order, with lists among their
 properties; of the vertices their lists are passed over.
@@ -11,21 +11,53 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float32Array, Float64Array
 from mapper.core.errors import LimitError, ReadError
-from mapper.core.limits import Limits
-from mapper.io.clouds.content import check_count, ended_early, made_cloud
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds.content import check_count, content, ended_early, made_cloud
 from mapper.io.clouds.numbers import table
+from mapper.io.logs.archives.unpacking import Unpacked, opened
 from mapper.io.logs.names import printable
 from mapper.io.logs.text.lines import BOM
 from mapper.sensors.point_cloud import PointCloud
+
+#: Names in the file of what is known of points; others keep theirs.
+_NAMES = {"rgb": ("red", "green", "blue"), "class": ("classification",)}
+_TYPES = {"u1": "uchar", "i1": "char", "u2": "ushort", "i2": "short", "u4": "uint", "i4": "int", "f4": "float"}
+
+
+def points_ply(points: Float32Array, fields: Mapping[str, NDArray[Any]], offset: Float64Array) -> bytes:
+    """Return points (n, 3), metres, with their ``fields`` (n,) or (n, k) as a binary PLY file.
+
+    ``offset`` (3,) is a comment: what is added to the points is in the coordinates of the file that was mapped. A field
+    of a type that PLY lacks, as 64 bits, is written as float.
+    """
+    columns: dict[str, NDArray[Any]] = {name: points[:, n] for n, name in enumerate("xyz")}
+    for name, values in fields.items():
+        parts = values if values.ndim == 2 else values[:, None]
+        names = _NAMES.get(name, (name,))
+        columns |= {names[n] if n < len(names) else f"{name}_{n}": parts[:, n] for n in range(parts.shape[1])}
+    kinds = {name: values.dtype.str[1:] if values.dtype.str[1:] in _TYPES else "f4" for name, values in columns.items()}
+    rows = np.empty(len(points), dtype=[(name, f"<{kind}") for name, kind in kinds.items()])
+    for name, values in columns.items():
+        rows[name] = values
+    moved = f"comment offset {' '.join(map(repr, offset.tolist()))}\n" if offset.any() else ""
+    header = (
+        f"ply\nformat binary_little_endian 1.0\ncomment metres, z up\n{moved}element vertex {len(points)}\n"
+        + "".join(f"property {_TYPES[kind]} {name}\n" for name, kind in kinds.items())
+        + "end_header\n"
+    )
+    return header.encode() + rows.tobytes()
+
 
 MOST_HEADER_BYTES = 1 << 16
 MOST_UNEVEN = 2_000_000  #: rows whose lists differ in length, which are gone through one by one
@@ -327,3 +359,61 @@ def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
     while len(found) < n and (more := list(islice(lines, n - len(found)))):
         found += [line for line in more if not line.isspace()]
     return b"".join(found), lines.tell()
+
+
+NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices
+
+
+def has_faces(path: Path, limits: Limits = DEFAULT_LIMITS) -> bool:
+    """Return whether a file, plain or packed, begins as PLY and its header names faces. Raises :class:`ReadError`."""
+    head = b""
+    with opened(path) as file:
+        for piece in Unpacked(file, lambda: "at its beginning", limits):
+            head += piece
+            if not head.startswith((b"ply\n", b"ply\r\n")) or len(head) >= MOST_HEADER_BYTES or END.search(head):
+                break
+    if not head.startswith(b"ply") or END.search(head) is None:
+        return False
+    try:
+        faces = ply_file(head).element("face")
+    except ReadError:
+        return False  # the reader of its points says what is wrong
+    return faces is not None and faces.count > 0
+
+
+def read_ply_mesh(
+    path: Path, limits: Limits = DEFAULT_LIMITS
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, NDArray[np.int32]]:
+    """Return the vertices (n, 3), their normals (n, 3) or None, and the triangles (m, 3) of a PLY file.
+
+    Raises :class:`ReadError` as :func:`mapper.io.clouds.ply.read_ply`, for a file that ends before its faces do, for
+    faces of other numbers of vertices (code :data:`NOT_TRIANGLES`) and of vertices that there are not.
+    """
+    data = content(path, limits)
+    cloud = read_ply(data, limits)
+    faces = _triangles(ply_file(data), limits)
+    if len(faces) and (faces.min() < 0 or faces.max() >= len(cloud)):
+        raise ReadError("ply.vertex", f"A face of the PLY file names a vertex that is not among its {len(cloud)}.")
+    normals = cloud.fields.get("normals")
+    return (
+        cloud.points.astype(np.float32),
+        None if normals is None else normals.astype(np.float32),
+        faces.astype(np.int32),
+    )
+
+
+def _triangles(file: PlyFile, limits: Limits) -> NDArray[np.int64]:
+    element = file.element("face")
+    if element is None:
+        raise ReadError(NOT_TRIANGLES, "The PLY file has no faces.")
+    if len(element.properties) != 1 or element.properties[0].length_kind is None:
+        raise ReadError(NOT_TRIANGLES, "The faces of the PLY file have other properties than a list of vertices.")
+    rows = file.rows("face", limits)
+    if rows.n < element.count:
+        raise ReadError(
+            "cloud.truncated", f"The file ends early: its header says {element.count} faces, and it has {rows.n}."
+        )
+    vertices = rows.lists.get(element.properties[0].name)
+    if vertices is None or vertices.shape[1:] != (3,):
+        raise ReadError(NOT_TRIANGLES, "The faces of the PLY file are not all triangles.")
+    return vertices.astype(np.int64)

@@ -23,7 +23,6 @@ from mapper.io.contents.model import Column, Series
 from mapper.io.contents.raw_message import Decoder, decoder_of
 from mapper.io.contents.seeking import first_messages, no_messages, stated_in, unpacked
 from mapper.io.contents.tree_values import Tree
-from mapper.io.contents.units import unit_of
 from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.archives.unpacking import Progress, part_of
 from mapper.io.logs.containers.container import Container
@@ -32,6 +31,28 @@ from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.ros.ros_messages import plain_type
+
+_AXES = {
+    "position": "m", "translation": "m", "linear": "m/s", "angular": "rad/s", "angular_velocity": "rad/s",
+    "linear_acceleration": "m/s²", "force": "N", "torque": "N·m",
+}  # fmt: skip
+_NAMES = {
+    "roll": "rad", "pitch": "rad", "yaw": "rad", "voltage": "V", "current": "A", "temperature": "°C",
+    "latitude": "°", "longitude": "°", "altitude": "m",
+}  # fmt: skip
+_RATES = {"": "1/s", "m/s": "m/s²", "rad/s": "rad/s²"}
+
+
+def unit_of(field: str) -> str:
+    """Return the unit of a field, by its path in the message; an empty text where its name has none."""
+    rest, _, name = field.rpartition(".")
+    return _AXES.get(rest.rpartition(".")[2], "") if name in ("x", "y", "z") else _NAMES.get(name, "")
+
+
+def unit_of_rate(unit: str) -> str:
+    """Return the unit of the change of a number per second."""
+    return _RATES.get(unit, f"{unit}/s")
+
 
 MAX_COLUMNS = 400  #: numbers of a message that are kept
 MAX_VALUES = 1 << 22  #: numbers of all messages together, from which on neighbours are joined to their extremes

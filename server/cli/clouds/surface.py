@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import MapperError, ReadError
 from mapper.io.clouds.given_poses import GivenPoses
-from mapper.io.clouds.ply_faces import NOT_TRIANGLES, has_faces, read_ply_mesh
+from mapper.io.clouds.ply import NOT_TRIANGLES, has_faces, read_ply_mesh
 from mapper.volume import Mesh, TsdfVolume, surface_mesh
 from mapper.volume.mesh.files import write_mesh
 from mapper.volume.scans.map_offset import MapOffset, offset_notes

@@ -16,7 +16,7 @@ from mapper.io.maps import load_map
 from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file
 from mapper.planning import plan_path
 from mapper.planning.nav2_parameters import Nav2Path, path_of
-from mapper.planning.travel_time import travel_time
+from mapper.planning.plan import travel_time
 from server.cli.commands import app
 from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
 from server.cli.maps.costmap import (

@@ -15,7 +15,7 @@ from server.imports import fast_imports
 with fast_imports():
     from pydantic import ValidationError
 
-    from server.classes.codes import new_code
+    from server.classes.classes import new_code
     from server.serving import run
     from server.settings import Settings, unknown_setting
 

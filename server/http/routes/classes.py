@@ -17,7 +17,7 @@ from fastapi.responses import RedirectResponse, Response
 
 from mapper.core.errors import MapperError
 from server.classes import Classes, ClassRightError, Classroom, results_csv, unknown_class
-from server.classes.codes import normalised
+from server.classes.classes import normalised
 from server.http.brake import CodeGuesses
 from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer

@@ -11,10 +11,10 @@ from fastapi import APIRouter, Query, Request, Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.carmen_lines import CARMEN_LINE
-from mapper.io.contents.changes import derivative, moving_average
+from mapper.io.contents.downsampling import derivative, moving_average
+from mapper.io.contents.fields import unit_of_rate
 from mapper.io.contents.model import Column, Contents, Series
 from mapper.io.contents.scan_series import plot_origin_ns
-from mapper.io.contents.units import unit_of_rate
 from server.http.clients import client_address, in_turn
 from server.http.computed_series import COMPUTED, computed_fields, computed_series, recording_of
 from server.http.guests import GuestRight, guests_may

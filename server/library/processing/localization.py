@@ -22,8 +22,7 @@ from mapper import localization
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.scan import Trajectory
 from server.jobs import process
 from server.jobs.process import BoundedJob

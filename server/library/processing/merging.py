@@ -15,8 +15,7 @@ from mapper import slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog, Trajectory

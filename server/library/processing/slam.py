@@ -21,8 +21,7 @@ from mapper import diagnosis, slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
-from mapper.mapping.corrections import as_mapped
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.mapping.sensor_defaults import RECORDED
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import Trajectory

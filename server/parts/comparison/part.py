@@ -11,7 +11,6 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.parts.comparison.numbers import comparison_message
 from server.parts.comparison.second_map import SecondMapView
 from server.sessions.hosting import ModelHost
 from server.sessions.part import ExplainedMap, Part
@@ -19,9 +18,35 @@ from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
 from server.stream.layers import GridLayer
-from server.stream.message_parts import Compared
-from server.stream.messages import ParametersMessage
+from server.stream.message_parts import Compared, Numbers
+from server.stream.messages import ComparisonMessage, ParametersMessage
 from server.work.scheduler import checkpoint
+
+
+def numbers(comparison: Comparison) -> Numbers:
+    """Return the numbers of a comparison, rounded."""
+    entropy_a, entropy_b = comparison.entropy_bits
+    contrast_a, contrast_b = comparison.contrast
+    at = comparison.max_at_xy
+    return Numbers(
+        cells=comparison.cells,
+        states=comparison.states.tolist(),
+        same=comparison.same,
+        only=comparison.only,
+        both=comparison.both,
+        entropy_bits=(round(entropy_a, 1), round(entropy_b, 1)),
+        contrast=(round(contrast_a, 4), round(contrast_b, 4)),
+        mean_difference=round(comparison.mean_difference, 4),
+        max_difference=round(comparison.max_difference, 4),
+        max_at=None if at is None else (round(at[0], 4), round(at[1], 4)),
+    )
+
+
+def comparison_message(
+    index: int, comparison: Comparison | None = None, refused: str | None = None
+) -> ComparisonMessage:
+    """Return a ``comparison`` message: the numbers, or the reason why the maps cannot be compared."""
+    return ComparisonMessage(index, refused, None if comparison is None else numbers(comparison))
 
 
 class LogComparison(Part, Comparable):

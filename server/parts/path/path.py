@@ -14,7 +14,7 @@ from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedLimit
 from mapper.grid import GridGeometry
 from mapper.planning import GoalPlanner, Path, follow_path
 from mapper.planning.parameters import PursuitConfig
-from mapper.planning.travel_time import travel_time
+from mapper.planning.plan import travel_time
 from mapper.simulation.robot import PoseTuple
 from server.parts.path.messages import PathMessage
 from server.sessions.parts import Costs

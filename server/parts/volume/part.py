@@ -8,7 +8,7 @@ from msgspec import Struct
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
-from mapper.io.clouds.ply_writing import points_ply
+from mapper.io.clouds.ply import points_ply
 from mapper.simulation.live_map import LiveMap
 from mapper.volume import Octree, octree_file
 from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule, voxel_mesh

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import io
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
+from mapper.core.array_types import Float32Array
 from mapper.core.errors import MapperError
 from mapper.io.maps import yaml_text
 from mapper.io.maps.images import pgm_pieces
@@ -18,8 +21,21 @@ from server.http.file_answer import file_answer
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
-from server.parts.volume.depth_picture import depth_png
 from server.sessions.parts import DepthSensing, Volumetric
+
+DARKEST = 40  #: grey of what is as far as the camera reaches; 0 is where nothing returned
+
+
+def depth_png(depths: Float32Array, reach: float) -> bytes:
+    """Return ``depths`` (rows, cols), metres, 0 for none, as PNG: the nearer the lighter, up to ``reach`` metres."""
+    from PIL import Image  # noqa: PLC0415 - start-up
+
+    near = 1.0 - np.clip(depths / reach, 0.0, 1.0)
+    grey = np.where(depths > 0.0, DARKEST + (255 - DARKEST) * near, 0.0)
+    file = io.BytesIO()
+    Image.fromarray(np.round(grey).astype(np.uint8)).save(file, "PNG")
+    return file.getvalue()
+
 
 MEDIA = {"pgm": "image/x-portable-graymap", "yaml": "application/yaml"}
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])

@@ -12,7 +12,7 @@ import trimesh
 from PIL import Image
 from playwright.sync_api import Page
 
-from mapper.io.clouds.ply_writing import points_ply
+from mapper.io.clouds.ply import points_ply
 from tests.browser.fingers import Fingers, Place
 from tests.browser.logs.test_volume import VOLUME, opened
 from tests.browser.looking import await_true, open_group, until

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from mapper.matching.beams import prepare_scans
 from mapper.matching.kernels.types import POINT
 from mapper.matching.kernels.views import _pair_points
-from mapper.matching.prepare import prepare_scans
 from mapper.sensors.scan import ScanLog, Trajectory
 
 GATE = 3.0

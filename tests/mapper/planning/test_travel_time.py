@@ -9,7 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import Mask, SpeedFilter
 from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE
 from mapper.grid import GridGeometry
-from mapper.planning.travel_time import travel_time
+from mapper.planning.plan import travel_time
 
 GEOMETRY = GridGeometry(0.5, 2, 4)
 PATH = np.array([[-1.0, 0.25], [0.0, 0.25], [1.0, 0.25], [2.0, 0.25], [3.0, 0.25]])

@@ -10,7 +10,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.grid.wall_agreement import wall_agreement
+from mapper.grid.metrics import wall_agreement
 from mapper.mapping.parameters import MappingConfig
 from mapper.puzzles import CAUSES, RECIPES, points, puzzle_of, repair_share, spoil
 from mapper.puzzles.drives import LIDAR, TRUE, drive, swept

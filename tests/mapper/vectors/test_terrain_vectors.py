@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mapper.terrain.consensus import TRIALS
+from mapper.terrain.patches import TRIALS
 from mapper.terrain.textbook import moments_of, plane_of, ransac_plane, triples_of
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "terrain" / "terrain.vectors.json"

@@ -10,7 +10,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from server.http.errors import CatchAll, EnoughMemory
-from server.work.memory_reserve import LEAST_BYTES, MemoryReserve
+from server.work.memory import LEAST_BYTES, MemoryReserve
 
 
 def client_of(app: Starlette) -> httpx.AsyncClient:

@@ -23,9 +23,9 @@ from mapper.volume.mesh.faces import triangles_of
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart
 from server.parts.volume import live_volume as lab_volume
-from server.parts.volume.depth_picture import depth_png
 from server.parts.volume.look import normal_colors
 from server.parts.volume.part import VolumeView
+from server.parts.volume.routes import depth_png
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Gizmo, GridColumns, Quaternion, Segments, Voxels

@@ -18,7 +18,7 @@ import zstandard
 from numpy.typing import NDArray
 
 from server.sessions.computation import publish_frame
-from server.sources.kinds import KINDS
+from server.sources import KINDS
 from server.stream.codecs import decode_frame
 from server.stream.hub import Hub
 from tests.server.scenes.viser_client import viser_client

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from server.work.memory_reserve import LEAST_BYTES, RESERVE_BYTES, MemoryReserve, free_address_space, is_out_of_memory
+from server.work.memory import LEAST_BYTES, RESERVE_BYTES, MemoryReserve, free_address_space, is_out_of_memory
 
 
 def test_the_reserve_is_given_up_and_taken_back() -> None:
@@ -35,7 +35,7 @@ def test_the_free_address_space_is_the_limit_less_what_is_mapped() -> None:
     """In a process of its own, with the reserve counted by the system."""
     program = """
 import resource
-from server.work.memory_reserve import *
+from server.work.memory import *
 assert free_address_space() == float("inf")
 resource.setrlimit(resource.RLIMIT_AS, (8 << 30, resource.RLIM_INFINITY))
 reserve = MemoryReserve()

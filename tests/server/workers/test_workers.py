@@ -22,7 +22,7 @@ import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from server.classes.codes import new_code, normalised
+from server.classes.classes import new_code, normalised
 from server.workers.places import worker_of_class
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, once_read, stream_at, until

@@ -24,8 +24,7 @@ from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.lines import TextLines
-from mapper.io.logs.text.one_sensor import take_one_sensor
-from mapper.io.logs.text.packing import ScanStack
+from mapper.io.logs.text.packing import ScanStack, take_one_sensor
 from mapper.sensors.scan import ScanLog, Trajectory
 
 WHEEL_RADIUS = 0.077  #: metres

@@ -26,8 +26,7 @@ from mapper.io.logs.text.carmen import NO_RETURN
 from mapper.io.logs.text.carmen_beams import front_laser_beams
 from mapper.io.logs.text.interpolation import poses_at_scans
 from mapper.io.logs.text.lines import TextLines
-from mapper.io.logs.text.one_sensor import take_one_sensor
-from mapper.io.logs.text.packing import ScanStack
+from mapper.io.logs.text.packing import ScanStack, take_one_sensor
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 
 BEAMS = 180

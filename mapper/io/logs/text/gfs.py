@@ -23,8 +23,7 @@ from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.carmen_beams import front_laser_beams
 from mapper.io.logs.text.lines import TextLines
-from mapper.io.logs.text.one_sensor import take_one_sensor
-from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading
+from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading, take_one_sensor
 from mapper.sensors.scan import ScanLog, Trajectory
 
 WORDS = frozenset({"LASER_READING", "SM_UPDATE", "ODO_UPDATE", "FRAME"})

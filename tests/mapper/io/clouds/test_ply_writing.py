@@ -11,7 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from mapper.io.clouds import read_cloud
-from mapper.io.clouds.ply_writing import points_ply
+from mapper.io.clouds.ply import points_ply
 
 
 def test_points_with_all_that_is_known_of_them(tmp_path: Path) -> None:
