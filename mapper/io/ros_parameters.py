@@ -13,7 +13,15 @@ from typing import Any
 import yaml
 
 from mapper.core.errors import ConfigError, LimitError, ReadError
-from mapper.io.untrusted_yaml import AliasError, CountError, DepthError, UntrustedLoader, load_untrusted, where_and_why
+from mapper.io.untrusted_yaml import (
+    AliasError,
+    CountError,
+    DepthError,
+    UntrustedLoader,
+    load_untrusted,
+    text_of,
+    where_and_why,
+)
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
@@ -42,7 +50,7 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
             "parameters.too_large", f"A parameter file may have at most {MAX_BYTES} bytes, not {len(data)}."
         )
     try:
-        text = data.decode("utf-8-sig")
+        text = text_of(data)
     except UnicodeDecodeError as error:
         message = f"The parameter file is not UTF-8 text: byte {error.start} is wrong."
         raise ReadError("parameters.text", message) from error

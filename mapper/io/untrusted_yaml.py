@@ -100,6 +100,11 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
 UntrustedLoader.add_constructor("tag:yaml.org,2002:int", UntrustedLoader.construct_yaml_int)  # type: ignore[type-var] # stubs
 
 
+def text_of(data: bytes) -> str:
+    """Return a YAML text: UTF-8, or UTF-16 by its byte-order mark. Raises :class:`UnicodeDecodeError`."""
+    return data.decode("utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig")
+
+
 def load_untrusted(text: str) -> Any:  # noqa: ANN401 - what yaml holds
     """Return the value of a YAML text. Raises :class:`yaml.YAMLError`."""
     loader = UntrustedLoader(text)
@@ -120,4 +125,6 @@ def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
         why = "it is indented with a tab, which YAML forbids: use blanks"
     elif re.search(r"\{\{[^{}]*\}\}", line):
         why = "it has a template’s {{ … }} in it: put the value into the file"
+    elif "another document" in f"{error.problem}":
+        why = "a second document begins there, after ---: keep one of them"
     return f" in line {number + 1}: {why}"

@@ -96,6 +96,78 @@ def test_a_yaw_that_is_no_number_says_what_to_write(tmp_path: Path, yaw: str) ->
         load_map(path)
 
 
+def again(path: Path, was: str, now: str) -> tuple[list[list[int]], tuple[str, ...]]:
+    """Return the values and notes of a map whose yaml has ``now`` in place of ``was``."""
+    path.write_text(path.read_text().replace(was, now))
+    loaded = load_map(path)
+    return loaded.values.tolist(), loaded.notes
+
+
+@pytest.mark.parametrize(("named", "there"), [("room.PGM", "room.pgm"), ("r\u00fc.pgm", "Ru\u0308.PGM")])
+def test_an_image_whose_name_differs_in_capitals_is_the_one_beside(tmp_path: Path, named: str, there: str) -> None:
+    """As on Windows and macOS, whose file names are alike then, and whose umlauts are two characters."""
+    path = written(tmp_path, named)
+    (tmp_path / "room.pgm").rename(tmp_path / there)
+    assert load_map(path).values.tolist() == VALUES
+    assert f"{there!r} beside the yaml is read in its place" in load_map(path).notes[0]
+    (tmp_path / there.upper()).write_bytes(b"")
+    with pytest.raises(ReadError, match="which does not exist"):  # one of two
+        load_map(path)
+
+
+@pytest.mark.parametrize(("word", "is_negated"), [("on", True), ("Y", True), ("off", False), ("N", False)])
+def test_negate_is_each_word_of_yaml_cpp(tmp_path: Path, word: str, is_negated: bool) -> None:
+    values, _ = again(written(tmp_path, free_thresh=0.1), "negate: 0", f"negate: {word}")
+    expected = np.where(GREYS > 166, 100, 0) if is_negated else np.where(GREYS == 0, 100, np.where(GREYS > 230, 0, -1))
+    assert values == expected[::-1].tolist()
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale"])
+@pytest.mark.parametrize(("occupied", "free"), [(0.1, 0.6), (0.5, 0.5)])
+def test_thresholds_in_the_other_order_are_compared_as_map_server_does(
+    tmp_path: Path, mode: str, occupied: float, free: float
+) -> None:
+    path = written(tmp_path, mode=mode, free_thresh=free)
+    values, notes = again(path, "occupied_thresh: 0.65", f"occupied_thresh: {occupied}")
+    assert values == np.where(occupied < 1.0 - GREYS / 255.0, 100, 0)[::-1].tolist()
+    assert notes[0].startswith(
+        f"free_thresh, {free:g}, is not below occupied_thresh, {occupied:g}: as in nav2_map_server"
+    )
+
+
+def test_forms_of_a_yaml_that_other_programs_write(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    assert again(path, "[0, 0, 0]", "'[0, 0, 0]'") == (VALUES, ())
+    text = path.read_text()
+    for data in (text.encode("utf-16"), b"# r\xe4ume\n" + text.encode()):
+        path.write_bytes(data)
+        assert load_map(path).values.tolist() == VALUES
+    path.write_text(f"{text}---\nimage: other.pgm\n")
+    loaded = load_map(path)
+    assert loaded.values.tolist() == VALUES
+    assert loaded.notes == ("The map’s yaml has more documents, after ---: the first is read.",)
+
+
+@pytest.mark.parametrize("kind", ["P4", "P5", "P6"])
+@pytest.mark.parametrize("most", [b"", b"254\r\n", b"65535\r\n"])
+def test_lines_of_a_header_may_end_as_on_windows(tmp_path: Path, kind: str, most: bytes) -> None:
+    """The line feed after the carriage return was the first pixel, and all others stood one byte to the right."""
+    pixels = GREYS == 0 if kind == "P4" else np.where(GREYS == 0, 0, 254)
+    if kind == "P4":
+        body, most = np.packbits(pixels, axis=1).tobytes(), b""
+    else:
+        scaled = pixels * 257 if most.startswith(b"6") else pixels
+        channels = np.stack([scaled] * (3 if kind == "P6" else 1), axis=-1)
+        body = channels.astype(">u2" if most.startswith(b"6") else "u1").tobytes()
+        most = most or b"255\r\n"
+    path = written(tmp_path)
+    (tmp_path / "room.pgm").write_bytes(kind.encode() + b"\r\n4 2\r\n" + most + body)
+    expected = np.where(GREYS == 0, 100, 0)[::-1].tolist()
+    assert load_map(path).values.tolist() == expected
+    (tmp_path / "room.pgm").write_bytes(kind.encode() + b"\n4 2\n" + most.replace(b"\r", b"") + body)
+    assert load_map(path).values.tolist() == expected
+
+
 @pytest.mark.parametrize("mode", ["Trinary", "TRINARY", "trinary"])
 def test_a_mode_may_have_capitals(tmp_path: Path, mode: str) -> None:
     loaded = load_map(written(tmp_path, mode=mode))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 from typing import get_args
@@ -17,12 +18,15 @@ import yaml
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.maps.writing import FRAME_KEY, Mode
-from mapper.io.untrusted_yaml import UntrustedLoader, where_and_why
+from mapper.io.untrusted_yaml import UntrustedLoader, text_of, where_and_why
 from mapper.sensors.georeference import FARTHEST_M
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 LONGEST_FRAME = 255  #: characters of a frame's name
-_BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
+_BOOLEANS = {
+    **dict.fromkeys(("0", "false", "no", "off", "n"), False),
+    **dict.fromkeys(("1", "true", "yes", "on", "y"), True),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +34,7 @@ class MapDescription:
     """Contents of the yaml: metres, radians; ``image`` is the path that the yaml states.
 
     ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.io.maps.save_map` writes do.
+    ``notes`` are sentences on what in the yaml does not count, or counts otherwise than it seems.
     """
 
     image: str
@@ -40,6 +45,7 @@ class MapDescription:
     free_thresh: float
     mode: Mode
     frame: str | None = None
+    notes: tuple[str, ...] = ()
 
 
 class _Loader(UntrustedLoader):
@@ -52,7 +58,7 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
         raise LimitError(
             "map.yaml_too_large", f"The file has more than {limits.max_yaml_bytes} bytes: it is not the yaml of a map."
         )
-    nodes = _top_level(data)
+    nodes, notes = _top_level(data)
     missing = [
         key for key in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh") if key not in nodes
     ]
@@ -61,26 +67,30 @@ def parse_description(data: bytes, limits: Limits) -> MapDescription:
     resolution = _number(nodes["resolution"], "resolution")
     if resolution <= 0.0:
         raise ReadError("map.resolution", f"The map’s resolution must be positive, not {resolution:g} m.")
+    thresholds = _thresholds(nodes)
     return MapDescription(
         image=_image(nodes["image"]),
         resolution=resolution,
         origin=_origin(nodes["origin"], limits),
         negate=_negate(nodes["negate"]),
-        **_thresholds(nodes),
+        **thresholds,
         mode=_mode(nodes.get("mode")),
         frame=_frame(nodes.get(FRAME_KEY)),
+        notes=(*notes, *_note_on_thresholds(**thresholds)),
     )
 
 
-def _top_level(data: bytes) -> dict[str, yaml.Node]:
+def _top_level(data: bytes) -> tuple[dict[str, yaml.Node], tuple[str, ...]]:
+    """Return the values of the first document by their keys, and notes; yaml-cpp reads no other document either."""
     try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ReadError("map.yaml", f"The map’s yaml is not UTF-8 text: byte {error.start} is wrong.") from error
+        text = text_of(data)
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")  # yaml-cpp takes each byte of a remark as it is
     try:
         loader = _Loader(text)
         try:
-            root = loader.get_single_node()
+            root = loader.get_node() if loader.check_node() else None
+            is_last = loader.check_event(yaml.StreamEndEvent)
         finally:
             loader.dispose()
     except yaml.MarkedYAMLError as error:
@@ -96,7 +106,7 @@ def _top_level(data: bytes) -> dict[str, yaml.Node]:
             what = "has a key that is not a word" if name is None else f"has the key {name!r:.40} twice"
             raise ReadError("map.yaml", f"The map’s yaml {what}, in line {key.start_mark.line + 1}.")
         nodes[name] = value
-    return nodes
+    return nodes, () if is_last else ("The map’s yaml has more documents, after ---: the first is read.",)
 
 
 def _scalar(node: yaml.Node, key: str) -> str:
@@ -114,15 +124,19 @@ def _number(node: yaml.Node, key: str) -> float:
 
 
 def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
-    if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
+    if isinstance(node, yaml.ScalarNode) and re.fullmatch(r"\[[^\[\]]*\]", str(node.value)):  # a list in quotes
+        items: list[yaml.Node] = [yaml.ScalarNode("", item.strip()) for item in node.value[1:-1].split(",")]
+    else:
+        items = node.value if isinstance(node, yaml.SequenceNode) else []
+    if len(items) != 3:
         raise ReadError("map.origin", "The key 'origin' of the map’s yaml must be a list of three numbers: x, y, yaw.")
-    if "nan" in _scalar(node.value[2], "origin").lower():
+    if "nan" in _scalar(items[2], "origin").lower():
         raise ReadError(
             "map.origin",
             "The yaw of the map’s origin is not a number, as map_saver writes where the map’s rotation is invalid: "
             "write 0 in its place.",
         )
-    x, y, yaw = (_number(item, "origin") for item in node.value)
+    x, y, yaw = (_number(item, "origin") for item in items)
     if max(abs(x), abs(y)) > FARTHEST_M or abs(yaw) > limits.max_pose:
         raise ReadError("map.origin", f"The map’s origin {x:g}, {y:g}, {yaw:g} is beyond {FARTHEST_M:g} m.")
     return (x, y, yaw)
@@ -130,12 +144,22 @@ def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
 
 def _thresholds(nodes: dict[str, yaml.Node]) -> dict[str, float]:
     occupied, free = (_number(nodes[key], key) for key in ("occupied_thresh", "free_thresh"))
-    if not 0.0 <= free < occupied <= 1.0:
+    if not (0.0 <= free <= 1.0 and 0.0 <= occupied <= 1.0):
         raise ReadError(
             "map.thresholds",
-            f"The map’s thresholds must satisfy 0 ≤ free_thresh < occupied_thresh ≤ 1, not {free:g} and {occupied:g}.",
+            f"The map’s thresholds free_thresh and occupied_thresh must be 0 … 1, not {free:g} and {occupied:g}.",
         )
     return {"occupied_thresh": occupied, "free_thresh": free}
+
+
+def _note_on_thresholds(occupied_thresh: float, free_thresh: float) -> tuple[str, ...]:
+    if free_thresh < occupied_thresh:
+        return ()
+    note = (
+        f"free_thresh, {free_thresh:g}, is not below occupied_thresh, {occupied_thresh:g}: as in nav2_map_server what "
+        "is above the latter is occupied, and nothing between them is unknown."
+    )
+    return (note,)
 
 
 def _negate(node: yaml.Node) -> bool:
@@ -169,12 +193,17 @@ def _image(node: yaml.Node) -> str:
     return name
 
 
+def _folded(name: str) -> str:
+    return unicodedata.normalize("NFC", name).casefold()
+
+
 def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
     """Return the path of the image, and a note where it is not the one that the yaml names.
 
     A file outside the yaml's folder is never read, whether named so or by way of a link. In place of one that is
     outside or missing, the file of the same base name beside the yaml is taken: maps are moved together with their
-    image, and the path that the yaml states then stays that of the other computer. Raises :class:`ReadError`.
+    image, and the path that the yaml states then stays that of the other computer. Without such a file, one whose name
+    differs in capitals only is taken, as on computers where those are alike. Raises :class:`ReadError`.
     """
     folder = yaml_path.parent
     base = PureWindowsPath(name).name  # its separators are / and \
@@ -185,9 +214,13 @@ def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
         if is_inside and named.is_file():
             return named, None
         beside = folder / base
+        if base and not beside.is_file():
+            alike = [one for one in folder.iterdir() if _folded(one.name) == _folded(base) and one.is_file()]
+            beside = alike[0] if len(alike) == 1 else beside
         has_beside = bool(base) and beside.is_file()
         if has_beside and beside.resolve().is_relative_to(root):
-            return beside, f"The yaml names the image {name!r:.120}; {base!r:.80} beside the yaml is read in its place."
+            taken = f"{beside.name!r:.80} beside the yaml is read in its place."
+            return beside, f"The yaml names the image {name!r:.120}; {taken}"
     except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
         raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
     if has_beside:

@@ -65,7 +65,32 @@ def open_plain_image(file: BinaryIO, named: str) -> PpmImagePlugin.PpmImageFile:
             "map.image_header", f"{named} has a header of more than {MOST_HEADER_BYTES} bytes, comments included."
         ) from None
     is_plain = head.startswith(PLAIN)
-    return PpmImagePlugin.PpmImageFile(_WithoutComments(file) if is_plain else file)  # type: ignore[arg-type]
+    image = PpmImagePlugin.PpmImageFile(_WithoutComments(file) if is_plain else file)  # type: ignore[arg-type]
+    if not is_plain:
+        (tile,) = image.tile
+        if (
+            head[tile.offset - 1 : tile.offset + 1] == b"\r\n"
+            and _bytes_of(image, head) == _size(file) - tile.offset - 1
+        ):
+            image.tile = [tile._replace(offset=tile.offset + 1)]  # lines end as on Windows
+    return image
+
+
+def _size(file: BinaryIO) -> int:
+    at = file.tell()
+    size = file.seek(0, io.SEEK_END)
+    file.seek(at)
+    return size
+
+
+def _bytes_of(image: PpmImagePlugin.PpmImageFile, head: bytes) -> int:
+    """Return how many bytes the pixels of an image have, which is not plain."""
+    width, height = image.size
+    if head.startswith(b"P4"):
+        return (width + 7) // 8 * height
+    most = image.tile[0].args[1] if image.tile[0].codec_name == "ppm" else 255
+    wide = image.mode.startswith("I") or most > 255
+    return width * height * (3 if head.startswith(b"P6") else 1) * (1 + wide)
 
 
 class _WithoutComments:
@@ -164,7 +189,7 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
-    notes = (note, _note_on_unknown(sums, n_channels, description, has_alpha=opaque is not None))
+    notes = (*description.notes, note, _note_on_unknown(sums, n_channels, description, has_alpha=opaque is not None))
     return LoadedMap(grid_of_values(geometry, values), values, description, tuple(filter(None, notes)))
 
 
@@ -282,7 +307,8 @@ def _values(
         grey = np.rint(shade * 255.0)
         table = np.where(grey <= OCCUPIED, grey, UNKNOWN)
     else:
-        between = np.rint((occupancy - low) / (high - low) * 100.0) if description.mode == "scale" else UNKNOWN
+        is_scale = description.mode == "scale" and high > low
+        between = np.rint((occupancy - low) / (high - low) * 100.0) if is_scale else UNKNOWN
         table = np.where(occupancy > high, OCCUPIED, np.where(occupancy < low, FREE, between))
     values = _look_up(table.astype(np.int8), sums, out=np.empty(sums.shape, dtype=np.int8))
     if description.mode == "scale" and opaque is not None:
