@@ -61,7 +61,6 @@ LINES = {
     "a maximum range of 0": ("PARAM robot_frontlaser_max 0 x 0", "log.parameter", "cannot be '0' m"),
     "robot laser without field of view": (ROBOT.replace("3.14", "0"), "log.beam_angles", "impossible angles"),
     "robot laser with a start of nan": (ROBOT.replace("-1.57", "nan"), "log.beam_angles", "impossible angles"),
-    "robot laser without range": (ROBOT.replace(" 50 ", " 0 "), "log.range_max", "maximum range of 0.0 m"),
     "robot laser with many remissions": (ROBOT.replace("4 0 0", "4 9 0"), "log.beam_count", "4 beams and 9 remissions"),
 }  # fmt: skip
 

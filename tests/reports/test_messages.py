@@ -28,7 +28,7 @@ from mapper.core.se2 import compose
 from mapper.io.clouds import read_cloud
 from mapper.io.logs import open_log
 from mapper.io.logs.text.carmen_beams import front_laser_beams
-from mapper.io.trajectories import with_trajectory
+from mapper.io.trajectories import read_tum, with_trajectory
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.scan_batch import is_deskewed
 from mapper.mapping.update_plan import plan_update
@@ -210,6 +210,25 @@ def test_beams_of_more_kinds_than_are_kept_apart_count_at_the_nearest(tmp_path):
     assert off_the_walls(ends(log)) < 0.12
 
 
+@pytest.mark.parametrize("clipped", [True, False], ids=["clipped to it", "on both sides of it"])
+def test_noise_on_what_says_no_return_makes_no_walls(tmp_path, clipped):
+    """Simulators that add noise to all that a lidar says: half of what says no return is below range_max."""
+    rng = np.random.default_rng(1)
+
+    def noisy(i: int) -> Said:
+        said = nothing_at(3.5, i)
+        ranges = said.fields["ranges"].astype(np.float64) + rng.normal(0.0, 0.01, 180)
+        ranges = np.minimum(ranges, 3.5) if clipped else ranges
+        return replace(said, fields=said.fields | {"ranges": ranges.astype(np.float32)})
+
+    log = open_log(written(tmp_path, drive(noisy), "mcap"))
+    points = ends(log)
+    wanted = within(lambda _: 3.5)
+    assert 0.95 * wanted < len(points) < 1.01 * wanted
+    assert off_the_walls(points) < 0.06
+    assert any("at range_max, 3.5 m, with noise of some 0.0" in note for note in log.notes), log.notes
+
+
 def test_a_real_wall_at_the_greatest_range_stays(tmp_path):
     """Few readings at range_max are no code for no return."""
     limit = float(np.float32(distances(0, np.array([-math.pi]))[0]))
@@ -287,6 +306,71 @@ def test_a_csv_log_with_degrees_that_excel_saved(tmp_path, begin):
     assert (log.angle_min, log.angle_increment) == pytest.approx((-math.pi / 2.0, math.radians(1.0)))
     assert log.ranges[0, 0] == 2.5
     assert "in degrees, where the format has radians" in log.notes[0]
+
+
+def csv_of(said: Callable[[int], Said], limits: tuple[str, str], stamp: Callable[[int], str]) -> str:
+    """Scans of a drive as a CSV log, with limits and times as they are given."""
+    x, y, yaw = MOUNT
+    lines = [f"angle_min,{-math.pi}", f"angle_increment,{math.radians(2.0)}"]
+    lines += [f"range_min,{limits[0]}", f"range_max,{limits[1]}"]
+    lines += [f"mount_x,{x}", f"mount_y,{y}", f"mount_yaw,{yaw}", "stamp,x,y,theta,ranges"]
+    for i in range(N):
+        values = (*pose(i), *said(i).fields["ranges"])
+        lines.append(f"{stamp(i)}," + ",".join(f"{value:.6g}" for value in values))
+    return "\n".join([*lines, ""])
+
+
+def in_seconds(i: int) -> str:
+    return f"{i * 0.2}"
+
+
+@pytest.mark.parametrize(
+    ("limits", "note"),
+    [
+        (("0.05", "0"), "All 12 messages of the log state a range_max of 0 m"),
+        (("0.05", "nan"), "state a range_max of nan m"),
+        (("30", "0.05"), "are taken the other way round"),
+        (("nan", "30"), None),
+    ],
+)
+def test_limits_of_a_csv_log_are_understood_as_those_of_messages(tmp_path, limits, note):
+    (tmp_path / "a.csv").write_text(csv_of(measured, limits, in_seconds))
+    log = open_log(tmp_path / "a.csv")
+    assert len(ends(log)) == N * 180
+    assert off_the_walls(ends(log)) < 1e-3
+    assert log.notes == () if note is None else note in log.notes[0]
+
+
+def test_what_is_exactly_range_max_in_a_csv_log_is_no_return(tmp_path):
+    (tmp_path / "a.csv").write_text(csv_of(lambda i: nothing_at(3.5, i), ("0", "3.5"), in_seconds))
+    log = open_log(tmp_path / "a.csv")
+    assert len(ends(log)) == within(lambda _: 3.5)
+    assert "readings of the log" in log.notes[0]
+    assert "are exactly range_max, 3.5 m" in log.notes[0]
+
+
+@pytest.mark.parametrize(("per_second", "unit"), [(1e3, "milli"), (1e6, "micro"), (1e9, "nano")])
+def test_times_since_1970_in_smaller_units_are_converted(tmp_path, per_second, unit):
+    """No time since 1970 in seconds is as large."""
+
+    def stamp(i: int) -> str:
+        return str(int((1_700_000_000 + i / 5) * per_second))
+
+    (tmp_path / "a.csv").write_text(csv_of(measured, ("0.1", "30"), stamp))
+    log = open_log(tmp_path / "a.csv")
+    np.testing.assert_allclose((log.stamps_ns - log.stamps_ns[0]) * 1e-9, 0.2 * np.arange(N), atol=1e-6)
+    assert log.stamps_ns[0] == T0
+    assert log.notes == (f"The times are {unit}seconds since 1970, where the format has seconds: they are converted.",)
+    (tmp_path / "a.txt").write_text("".join(f"{stamp(i)} {i} 0 0 0 0 0 1\n" for i in range(N)))
+    poses = read_tum(tmp_path / "a.txt")
+    np.testing.assert_array_equal(poses.stamps_ns, T0 + STEP * np.arange(N))
+    assert f"{unit}seconds" in poses.notes[0]
+
+
+def test_the_names_of_columns_before_a_trajectory_are_passed_over(tmp_path):
+    """As spreadsheets and pandas write them, without the mark of a remark."""
+    (tmp_path / "a.txt").write_text("timestamp tx ty tz qx qy qz qw\n1.5 2 3 0 0 0 0 1\n")
+    assert read_tum(tmp_path / "a.txt").poses.tolist() == [[2.0, 3.0, 0.0]]
 
 
 @pytest.mark.parametrize("stated", [30_000.0, 30.0])
@@ -513,6 +597,28 @@ def test_lines_that_state_other_angles_and_limits_are_each_read_so(tmp_path):
     points = ends(log)
     assert off_the_walls(points) < 2e-3
     assert np.isposinf(log.scan(1).ranges).any()
+
+
+def test_a_line_without_a_maximum_range_has_that_of_sicks_lidars(tmp_path):
+    """Drivers that do not know their lidar's range write 0."""
+    ranges = " ".join(f"{r:.5f}" for r in distances(0, np.radians(np.arange(-90.0, 91.0)), (0.0, 0.0, 0.0)))
+    line = f"ROBOTLASER1 0 -1.570796 3.141593 0.0174533 0 0.01 0 181 {ranges} 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 1.0\n"
+    (tmp_path / "a.log").write_text(line)
+    log = open_log(tmp_path / "a.log")
+    assert log.range_max == 80.0
+    assert off_the_walls(ends(log)) < 2e-3
+    assert log.notes[0].startswith("ROBOTLASER1 lines state a maximum range of 0 m, which no lidar has")
+
+
+def test_lines_of_the_first_carmen_are_read_as_those_of_the_front_laser(tmp_path):
+    data = flaser(181, -90.0, 1.0)
+    (tmp_path / "a.log").write_bytes(data)
+    (tmp_path / "b.log").write_bytes(data.replace(b"FLASER", b"LASER"))
+    first, old = (open_log(tmp_path / name) for name in ("a.log", "b.log"))
+    assert (old.topic, old.n_scans) == ("LASER", N)
+    np.testing.assert_array_equal(old.ranges, first.ranges)
+    np.testing.assert_array_equal(old.trajectory().poses, first.trajectory().poses)
+    assert (old.angle_min, old.angle_increment) == (first.angle_min, first.angle_increment)
 
 
 def in_units(data: bytes, of_length: float) -> bytes:

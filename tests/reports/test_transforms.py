@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mapper.core.errors import ReadError
 from mapper.core.se2 import compose, inverse, wrap_angle
@@ -158,6 +159,58 @@ def inverted_under(fixed: str) -> Callable[[int, Pose], list[Said]]:
 
 def camera_as_root(at: int, pose: Pose) -> list[Said]:
     return [transform(at, "odom", "camera_link", *of(pose, CAMERA))]
+
+
+class Tilted:
+    """A transform in space: metres along x, then degrees of yaw, pitch and roll (ZYX). SciPy does the rotations."""
+
+    def __init__(self, x: float, *yaw_pitch_roll: float) -> None:
+        self.place = np.array([x, 0.0, 0.2])
+        self.turn = Rotation.from_euler("ZYX", yaw_pitch_roll, degrees=True)
+
+    @classmethod
+    def of(cls, pose: Pose) -> Tilted:
+        found = cls(0.0, math.degrees(pose[2]), 0.0, 0.0)
+        found.place = np.array([pose[0], pose[1], 0.0])
+        return found
+
+    def __matmul__(self, other: Tilted) -> Tilted:
+        found = Tilted(0.0, 0.0, 0.0, 0.0)
+        found.place, found.turn = self.place + self.turn.apply(other.place), self.turn * other.turn
+        return found
+
+    @property
+    def back(self) -> Tilted:
+        found = Tilted(0.0, 0.0, 0.0, 0.0)
+        found.turn = self.turn.inv()
+        found.place = -found.turn.apply(self.place)
+        return found
+
+    @property
+    def fields(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Its position and its quaternion as messages have them."""
+        place, turn = (dict(zip("xyzw", values.tolist(), strict=False)) for values in (self.place, self.turn.as_quat()))
+        return place, turn
+
+
+def tilted(parent: str, child: str, pose: Tilted) -> Said:
+    said = static(parent, child, AHEAD)
+    place, turn = pose.fields
+    said.fields["transforms"][0]["transform"] = {"translation": place, "rotation": turn}
+    return said
+
+
+def tracked(camera: Tilted) -> Callable[[int, Pose], list[Said]]:
+    """Odometry of a camera on the robot in the frame in which the camera itself began."""
+    first = (Tilted.of(true(0)) @ camera).back
+
+    def at_step(at: int, pose: Pose) -> list[Said]:
+        said = odometry(at, *AHEAD, "/camera/odom", frame="camera_odom", child="camera")
+        place, turn = (first @ Tilted.of(pose) @ camera).fields
+        said.fields["pose"]["pose"] = {"position": place, "orientation": turn}
+        return [said]
+
+    return at_step
 
 
 def suspended(at: int, pose: Pose) -> list[Said]:
@@ -328,6 +381,24 @@ CASES: dict[str, Case] = {
         )
         for frame in ("camera_init", "lidar_init", "utm", "robot/enu", "local_origin_ned")
     },
+    "odometry whose message states the fixed frame in the robot's": Case(
+        "kiss-icp#371, viso2#33, cob_control#259",
+        [LASER, *drive(lambda at, pose: [odometry(at, *back(pose), frame="base_link", child="odom")])],
+        sensor_at(),
+    ),
+    **{
+        f"odometry in the first frame of a camera that looks {name}": Case(
+            "realsense-ros#1526, realsense-ros#2411",
+            [LASER, tilted("base_link", "camera", Tilted.of(AHEAD) @ camera), *drive(tracked(camera))],
+            sensor_at(),
+            f"the robot is tilted by {degrees}°",
+        )
+        for name, camera, degrees in (
+            ("ahead, by its optical frame", Tilted(0.3, -90.0, 0.0, -90.0), 90),
+            ("down a little and aside", Tilted(0.3, 40.0, 25.0, 0.0), 25),
+            ("ahead, upside down", Tilted(0.3, 20.0, 0.0, 180.0), 180),
+        )
+    },
     "poses alone": Case(
         "evo#660", [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, *pose)])], sensor_at(), trajectory="pose"
     ),
@@ -481,14 +552,33 @@ def test_poses_in_millimetres_are_named(tmp_path: Path) -> None:
     assert re.search(r"By pose the robot usually moves at 7\d\d m/s: as it seems its poses are in millimetres", note)
 
 
-def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path) -> None:
-    """Of three topics only the lidar's stamps step back, so tf and odometry are one run."""
+@pytest.mark.parametrize("topic", ["/scan", "/odom", "/tf"])
+@pytest.mark.parametrize("step", [-3600, -2, 2])
+def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path, topic: str, step: int) -> None:
+    """Of three topics the stamps of one step, so the others are of one run, and they were recorded at regular times."""
     said = [LASER, *drive(lambda at, pose: [*by_tf()(at, pose), odometry(at, *pose)])]
-    for one in [one for one in said if one.topic == "/scan"][N // 2 :]:
-        one.fields["header"] = recorded.header(one.stamp_ns - 2 * SECOND, "laser")
+    for one in [one for one in said if one.topic == topic][N // 2 :]:
+        moved = recorded.header(one.stamp_ns + step * SECOND, "laser" if topic == "/scan" else "odom")
+        (one.fields["transforms"][0] if topic == "/tf" else one.fields)["header"] = moved
     log = open_log(written(tmp_path, said, "mcap"))
-    assert any("runs backwards once" in note for note in log.notes)
-    assert not any("begins again" in note for note in log.notes)
+    for name in log.trajectories:
+        assert_places(log, sensor_at(), name)
+    (note,) = log.notes
+    assert note.startswith(f"The clock of {topic} was set by {step:+,.1f} s before message {N // 2 + 1}, while others")
+
+
+def test_a_clock_that_all_topics_share_is_not_taken_to_be_set_by_one(tmp_path: Path) -> None:
+    """The recorder is elsewhere, and the whole robot's clock is set ahead while it stands: all stamps stay."""
+    said = [LASER, *drive(lambda at, pose: [*by_tf()(at, pose), odometry(at, *pose)])]
+    late = T0 + N // 2 * STEP
+    for one in said:
+        for part in one.fields.get("transforms", [one.fields]):
+            ahead = 30 * SECOND if one.stamp_ns >= late else 0
+            part["header"] = recorded.header(one.stamp_ns + ahead, part["header"]["frame_id"])
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert_places(log, sensor_at(), tolerance=0.02)  # the scan before the step is between two poses 30 s apart
+    assert not any("was set by" in note for note in log.notes)
+    assert int(np.diff(log.stamps_ns).max()) == 30 * SECOND + STEP
 
 
 def test_the_last_transform_between_two_fixed_frames_holds(tmp_path: Path) -> None:
@@ -554,13 +644,19 @@ def test_poses_that_are_added_take_the_place_of_none(tmp_path: Path) -> None:
     assert_places(log, sensor_at())
 
 
-@pytest.mark.parametrize("kind", ["csv", "tum", "mcap"])
+@pytest.mark.parametrize("kind", ["csv", "carmen", "tum", "mcap"])
 def test_the_map_of_a_georeferenced_log_has_its_origin_there(tmp_path: Path, kind: str) -> None:
     """gps_amcl#5: the wall 2 m ahead of the first scan is at its UTM coordinates in the map's file."""
     csv = "angle_min,0\nangle_increment,0.01\nrange_max,5\nstamp,x,y,theta,ranges\n"
     x, y = (0.0, 0.0) if kind == "tum" else GEO
     (tmp_path / "a.csv").write_text(csv + "".join(f"{t},{x},{y},0,2.02,2.02,2.02\n" for t in range(1, 9)))
     log = open_log(tmp_path / "a.csv")
+    if kind == "carmen":
+        place = f"{x} {y} 0"
+        lines = [f"FLASER 181 {'2.02 ' * 181}{place} {place} {t} host {t}" for t in range(1, 9)]
+        (tmp_path / "a.log").write_text("\n".join([*lines, ""]))
+        log = open_log(tmp_path / "a.log")
+        log = replace(log, ranges=log.ranges[:, 90:93], angle_min=0.0, angle_increment=0.01)
     if kind == "tum":
         (tmp_path / "a.txt").write_text("".join(f"{t} {GEO[0]} {GEO[1]} 0 0 0 0 1\n" for t in range(1, 9)))
         log = with_trajectory(log, read_tum(tmp_path / "a.txt"))

@@ -29,7 +29,8 @@ class GivenPoses:
     @classmethod
     def read(cls, path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> GivenPoses:
         """Return the poses of a TUM file. Raises as :func:`mapper.io.trajectories.tum.tum_rows`."""
-        return cls(Path(path).name, *tum_rows(Path(path), limits))
+        stamps, values, _ = tum_rows(Path(path), limits)
+        return cls(Path(path).name, stamps, values)
 
     def __len__(self) -> int:
         return len(self.stamps)

@@ -28,7 +28,7 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
     poses = next((folder / name for name in POSES if (folder / name).is_file()), None)
     if poses is None:
         raise ReadError("depth.no_poses", f"The folder {folder.name!r} has depth images but no {POSES[0]}.")
-    stamps, values = tum_rows(poses, limits)
+    stamps, values, _ = tum_rows(poses, limits)
     order = np.argsort(stamps, kind="stable")
     stamps, first = np.unique(stamps[order], return_index=True)
     values = values[order][first]

@@ -24,7 +24,7 @@ def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tupl
     wanted = len(columns.split())
     for number, text in lines:
         tokens = text.decode("latin-1").split()
-        if not tokens or tokens[0].startswith("#"):
+        if not tokens or tokens[0].startswith("#") or (number == 1 and tokens == columns.split()):
             continue
         if len(tokens) != wanted:
             other = trajectory_format(text + b"\n")
@@ -40,10 +40,10 @@ def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tupl
         raise ReadError("trajectory.truncated", f"{lines.broken}, after line {lines.number}.")
 
 
-def stamp_ns(token: str, line: int, kind: str) -> int:
-    """Return a time in seconds as nanoseconds, to the last digit, which a float would not keep.
+def stamp_ns(token: str, line: int, kind: str, per_second: float = 1.0) -> int:
+    """Return a time as nanoseconds, to the last digit, which a float would not keep.
 
-    Raises :class:`ReadError` for an invalid time.
+    ``per_second`` of the unit in ``token`` are a second. Raises :class:`ReadError` for an invalid time.
     """
-    fields.stamp(token, line, kind)
-    return round(Decimal(token).scaleb(9))
+    fields.stamp(token, line, kind, per_second)
+    return round(Decimal(token) * 10**9 / Decimal(per_second))

@@ -35,25 +35,29 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     is no place or no rotation, or an invalid time, and for a file without poses; :class:`LimitError` for one with
     more lines or bytes than ``limits`` allow.
     """
-    stamped, table = tum_rows(Path(path), limits)
+    stamped, table, said = tum_rows(Path(path), limits)
     poses = Poses3(table[:, :3], table[:, 3:])
     planar = poses.planar
     offset = offset_of(planar)
     planar[:, :2] -= offset
-    notes = [*_notes_on_space(poses), *_notes_on_time(stamped)]
+    notes = [*said, *_notes_on_space(poses), *_notes_on_time(stamped)]
     if offset != NO_OFFSET:
         notes.append(note_on_offset("The poses of the TUM file", offset))
     return TimedPoses(stamped, planar, tuple(notes), offset)
 
 
-def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64], list[str]]:
     """Return the stamps (n,), ns, and the poses (n, 7) of a TUM file: x y z, metres, and the unit quaternion x y z w.
 
-    Raises as :func:`read_tum`.
+    Times that cannot be seconds are in the smaller unit by which the first is since 1970, which the notes that are
+    returned as well say. Raises as :func:`read_tum`.
     """
     stamps, values = array("q"), array("d")
+    per_second, notes = 1.0, list[str]()
     for line, tokens in rows(path, limits, "TUM", COLUMNS):
-        stamps.append(stamp_ns(tokens[0], line, "TUM"))
+        if not stamps:
+            per_second, notes = fields.time_unit(tokens[0], line, "TUM")
+        stamps.append(stamp_ns(tokens[0], line, "TUM", per_second))
         numbers = fields.numbers(tokens[1:], line, "TUM")
         place, rotation = numbers[:3], numbers[3:]
         if not all(math.isfinite(value) and abs(value) <= FARTHEST_M for value in place):
@@ -78,7 +82,7 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
         values.extend([*place, *(value / norm for value in rotation)])
     if not stamps:
         raise ReadError("trajectory.empty", f"The file holds no poses, lines of {COLUMNS}.")
-    return np.array(stamps, dtype=np.int64), np.array(values).reshape(-1, 7)
+    return np.array(stamps, dtype=np.int64), np.array(values).reshape(-1, 7), notes
 
 
 def _notes_on_space(poses: Poses3) -> list[str]:

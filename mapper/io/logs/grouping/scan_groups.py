@@ -62,10 +62,11 @@ def usable_limits(range_min: float, range_max: float) -> tuple[float, float, str
     return least, range_max, ""
 
 
-def notes_on_limits(topic: str, n_scans: int, stated: Mapping[tuple[float, float], int]) -> list[str]:
+def notes_on_limits(where: str, n_scans: int, stated: Mapping[tuple[float, float], int]) -> list[str]:
     """Return a note for each way in which limits cannot be meant as they stand.
 
-    ``stated`` has the pairs range_min, range_max on ``topic`` and how many of the ``n_scans`` messages state each.
+    ``stated`` has the pairs range_min, range_max of the messages that are ``where`` says, and how many of the
+    ``n_scans`` messages state each.
     """
     counts: Counter[str] = Counter()
     examples: dict[str, tuple[float, float]] = {}
@@ -75,7 +76,7 @@ def notes_on_limits(topic: str, n_scans: int, stated: Mapping[tuple[float, float
             counts[how] += count
             examples.setdefault(how, pair)
     return [
-        f"{counted(counts[how], n_scans)} on {topic} "
+        f"{counted(counts[how], n_scans)} {where} "
         + _SENTENCES[how].format(range_min=examples[how][0], range_max=examples[how][1])
         for how in counts
     ]
@@ -95,6 +96,11 @@ STEP_APART = 1.25  #: times between beams that differ by this factor are of diff
 LIMIT_FOLLOWS = 0.9  #: share of scans whose largest reading is their range_max, which then is no limit
 CODE_SHARE = 0.002  #: of the readings: where more are exactly range_max, that is a code
 CODE_LEAST = 20  #: readings that a code has at least
+NOISE_BAND = 0.05  #: of range_max: readings so near it may be a code with noise
+MOST_NOISE = 5.0  #: standard deviations
+HALF_NORMAL_QUARTILE = 0.3186  #: of the distances from the middle of a normal distribution, standard deviations
+NOISE_HALVES = 1.5  #: times as many readings may be on one side of range_max as on the other
+NOISE_WALLS = 0.1  #: of the readings below it are, at most, as far again as noise reaches
 
 Int64Array = NDArray[np.int64]
 
@@ -135,7 +141,7 @@ class _Grouping:
         for one, count in zip(self.beamings, counts, strict=True):
             stated[one.range_min, one.range_max] += count
         if not sensor.is_cut:
-            self.notes += notes_on_limits(sensor.topic, sensor.n_scans, stated)
+            self.notes += notes_on_limits(sensor.where, sensor.n_scans, stated)
 
     def groups(self) -> tuple[list[ScanGroup], list[str]]:
         ranges = self._padded()
@@ -151,7 +157,7 @@ class _Grouping:
         if len(np.unique(keys, axis=0)) > MOST_GROUPS and np.ptp(steps):
             keys[:, 2] = 0
             self.notes.append(
-                f"time_increment on {self.sensor.topic} changes with the messages, and their beams or limits do so in "
+                f"time_increment {self.sensor.where} changes with the messages, and their beams or limits do so in "
                 f"more ways than {MOST_GROUPS}: the median of all, {median_seconds(self.sensor.time_increments):.3g} "
                 "s, is used."
             )
@@ -179,7 +185,7 @@ class _Grouping:
         if n * most > self.limits.max_readings:
             raise LimitError(
                 "log.too_many_scans",
-                f"{n} scans of {most} beams on {self.sensor.topic} are more than {self.limits.max_readings} readings.",
+                f"{n} scans of {most} beams {self.sensor.where} are more than {self.limits.max_readings} readings.",
             )
         out = np.full((n, most), np.nan, dtype=np.float32)
         out[np.arange(most) < counts[self.of_scan][:, np.newaxis]] = flat
@@ -209,24 +215,35 @@ class _Grouping:
         if not some.any() or np.mean(found[some] == largest[some]) < LIMIT_FOLLOWS:
             return False
         self.notes.append(
-            f"range_max on {self.sensor.topic} is the largest reading of each message, {largest.min():.2f} to "
+            f"range_max {self.sensor.where} is the largest reading of each message, {largest.min():.2f} to "
             f"{largest.max():.2f} m, not the sensor’s limit: every reading counts in the message that holds it."
         )
         return True
 
     def _without_codes(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Return the readings without those that are exactly range_max, +inf instead, where they are many."""
-        is_code = np.isfinite(ranges) & (ranges == largest[:, np.newaxis].astype(np.float32))
+        """Return the readings without those that are exactly range_max, +inf instead, where they are many.
+
+        Where noise was added to them, as simulators do, those just below it are no return as well.
+        """
+        limits = largest[:, np.newaxis].astype(np.float32)
+        is_code = np.isfinite(ranges) & (ranges == limits)
+        noise = _noise_below(ranges, limits)
+        if noise:
+            is_code |= np.isfinite(ranges) & (ranges > limits - noise)
         n = int(np.count_nonzero(is_code))
         measured = int(np.count_nonzero(np.isfinite(ranges)))
         scans = int(np.count_nonzero(is_code.any(axis=1)))
         if n < max(CODE_LEAST, CODE_SHARE * measured) or (n < 2 * scans and ranges.shape[1] > 1):
             return ranges
         limit = largest[np.argmax(is_code.any(axis=1))]
+        at = (
+            f"at range_max, {limit:g} m, with noise of some {noise / MOST_NOISE:.2g} m"
+            if noise
+            else f"exactly range_max, {limit:g} m"
+        )
         self.notes.append(
-            f"{n} readings on {self.sensor.topic} ({100.0 * n / measured:.1f} %) are exactly range_max, {limit:g} m: "
-            "simulators and some drivers say no return so. They are taken for no return, not for walls at that "
-            "distance."
+            f"{n} readings {self.sensor.where} ({100.0 * n / measured:.1f} %) are {at}: simulators and some drivers "
+            "say no return so. They are taken for no return, not for walls at that distance."
         )
         return np.where(is_code, np.float32(np.inf), ranges)
 
@@ -247,7 +264,7 @@ class _Grouping:
             "no_return free clears nothing."
         )
         self.notes.append(
-            f"range_min or range_max on {self.sensor.topic} change with the messages in more than {MOST_GROUPS} ways "
+            f"range_min or range_max {self.sensor.where} change with the messages in more than {MOST_GROUPS} ways "
             f"(range_max {largest.min():.2f} to {largest.max():.2f} m): each message’s readings count within its own "
             f"limits.{said if lost else ''}"
         )
@@ -270,7 +287,7 @@ class _Grouping:
             to, taken = _nearest(beaming, usual)
             out[np.ix_(scans, to)] = ranges[np.ix_(scans, taken)]
         self.notes.append(
-            f"{others} of the {len(ranges)} scans on {self.sensor.topic} have other beams than the rest, in more than "
+            f"{others} of the {len(ranges)} scans {self.sensor.where} have other beams than the rest, in more than "
             f"{MOST_GROUPS} ways: their readings count at the nearest of the usual beams, "
             f"{np.degrees(abs(usual.angle_increment)):.2g}° apart."
         )
@@ -284,7 +301,7 @@ class _Grouping:
         ]
         more = f"; and {len(found) - MOST_TOLD} kinds more" if len(found) > MOST_TOLD else ""
         return (
-            f"{counted(self.sensor.n_scans, self.sensor.n_scans)} on {self.sensor.topic} do not have the same beams or "
+            f"{counted(self.sensor.n_scans, self.sensor.n_scans)} {self.sensor.where} do not have the same beams or "
             f"limits: {'; '.join(kinds)}{more}. Each scan is read as it states itself."
         )
 
@@ -305,6 +322,27 @@ def _same_angles(beamings: list[Beaming]) -> list[int]:
         else:
             found.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
     return found
+
+
+def _noise_below(ranges: NDArray[np.float32], limits: NDArray[np.float32]) -> float:
+    """Return how far below their limits (n_scans, 1) noise takes readings that say no return; 0 where there is none.
+
+    Of Gaussian noise one half of the readings is below the limit, the other half above it, or at it where they are
+    clipped to it. Below five standard deviations there are hardly any, unless walls are there.
+    """
+    with np.errstate(invalid="ignore"):
+        off = limits - ranges
+        off = off[np.isfinite(off) & (np.abs(off) < NOISE_BAND * limits)]
+    below = off[off > 0.0]
+    beyond = len(off) - len(below)
+    if min(beyond, len(below)) < max(CODE_LEAST, CODE_SHARE * ranges.size):
+        return 0.0
+    noise = MOST_NOISE * float(np.quantile(below, 0.25)) / HALF_NORMAL_QUARTILE
+    near, far = (int(np.count_nonzero((below > a * noise) & (below <= (a + 1) * noise))) for a in (0, 1))
+    if 2.0 * noise > NOISE_BAND * float(limits.min()):  # walls around range_max, as anywhere
+        return 0.0
+    is_half = beyond <= NOISE_HALVES * near and near <= NOISE_HALVES * beyond
+    return noise if is_half and far <= NOISE_WALLS * near else 0.0
 
 
 def _steps(stated: NDArray[np.float32]) -> Int64Array:

@@ -23,7 +23,7 @@ class Beaming(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StatedScans:
-    """The scans of the sensor ``topic``, with what they state.
+    """The scans of one sensor, with what they state; ``where`` its messages are ("on /scan"), for notes.
 
     ``beamings`` are what scans state of their beams, each once, and ``beaming_of_scan`` (n_scans,) the index of each
     scan's in them. ``readings`` are those of all scans, metres, one scan after the other, and ``time_increments``
@@ -31,7 +31,7 @@ class StatedScans:
     clouds or depth images, so that their limits are those of the cut.
     """
 
-    topic: str
+    where: str
     beamings: list[Beaming]
     beaming_of_scan: NDArray[np.int64]
     readings: NDArray[np.float32]

@@ -8,7 +8,7 @@ A container's reader announces each stream of messages (:meth:`Recording.channel
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -24,6 +24,7 @@ from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recording.recorded_log import RecordedLog
 from mapper.io.logs.recording.runs import Track, are_parts_of_one, is_in_disorder, is_out_of_order, offsets_of_runs
 from mapper.io.logs.recording.sensor_scans import SensorScans
+from mapper.io.logs.recording.set_clocks import as_never_set, own_settings
 from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
@@ -279,8 +280,8 @@ class Recording(MessageSink):
         for _, line in lines:
             line.set_stamps()
         self._take_recorded_times(sensors)
-        tracks = [Track(topic, *line.track) for topic, line in lines]
-        tracks += [sensor.track for sensor in sensors]
+        senders: list[tuple[str, Timeline | SensorScans]] = [*lines, *((one.topic, one) for one in sensors)]
+        tracks = self._by_clocks_never_set(senders)
         disordered = is_in_disorder(tracks)
         offsets = None if disordered else offsets_of_runs(tracks)
         if offsets is not None and are_parts_of_one(tracks, offsets):
@@ -303,6 +304,38 @@ class Recording(MessageSink):
             line.count_on(own)
         for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
             sensor.offsets = own
+
+    def _by_clocks_never_set(self, senders: Sequence[tuple[str, Timeline | SensorScans]]) -> list[Track]:
+        """Return the tracks of senders, those whose clock was set by itself with stamps as if it had not been."""
+
+        def track_of(topic: str, sender: Timeline | SensorScans) -> Track:
+            return sender.track if isinstance(sender, SensorScans) else Track(topic, *sender.track)
+
+        tracks = [track_of(topic, sender) for topic, sender in senders]
+        settings = own_settings(tracks)
+        for (_, sender), track, own in zip(senders, tracks, settings, strict=True):
+            if not own or track.recorded_ns is None:
+                continue
+            sender.set_to(as_never_set(track.stamps_ns, track.recorded_ns, own))
+            told = ", ".join(f"by {step * 1e-9:+,.1f} s before message {at + 1}" for at, step in own[:3])
+            more = f" and {len(own) - 3} more times" if len(own) > 3 else ""
+            self.notes.append(
+                f"The clock of {track.topic} was set {told}{more}, while others went on: its stamps count as if it had "
+                "not been."
+            )
+        if any(settings):
+            self._take_clocks_anew()
+        return [track_of(topic, sender) for topic, sender in senders]
+
+    def _take_clocks_anew(self) -> None:
+        """Compare the stamps of poses and transforms with their recording times once more."""
+        taken = self._taken
+        for pose in taken.poses.values():
+            stamps, _, recorded = pose.timeline.track
+            pose.clock.set_to(stamps, recorded)
+        of_tf = [line.track for _, line in taken.tf.timelines]
+        if of_tf:
+            taken.tf_clock.set_to(*(np.concatenate([track[k] for track in of_tf]) for k in (0, 2)))
 
     def _take_recorded_times(self, sensors: Iterable[SensorScans]) -> None:
         """Give messages of a sender whose clock stands, or counts whole seconds, the times at which they were recorded.

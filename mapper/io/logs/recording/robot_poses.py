@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mapper.io.logs.recording.clocks import AHEAD_NS
 from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
+from mapper.io.logs.recording.levelling import levelled
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.restarts import counted_on, restarts_of, sees_the_same
@@ -23,7 +24,7 @@ from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
 from mapper.io.logs.recording.tf_topics import namespaces
 from mapper.io.logs.recording.timeline import Moments
-from mapper.io.logs.recording.transforms import FrameTree, Path
+from mapper.io.logs.recording.transforms import FrameTree, Path, is_fixed_name
 from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
 
 Int64Array = NDArray[np.int64]
@@ -88,9 +89,21 @@ class RobotPoses:
             base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
             if base is not None:
                 found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
+        found = [self._levelled(source) for source in found]
         found = [self._counted_on(source) if source.is_odometry else source for source in found]
         odometry = [source for source in found if source.is_odometry]
         return [source if source.is_odometry else self._carried(source, odometry) for source in found]
+
+    def _levelled(self, source: PoseSource) -> PoseSource:
+        """Return a source in a level frame, with a note where it is another one."""
+        found = levelled(source)
+        if found is None:
+            return source
+        self.notes.append(
+            f"In the frame of {source.name} the robot is tilted by {np.degrees(found[1]):.0f}°, as where a camera that "
+            "tracks began tilted: the frame is turned until the robot stands upright in it."
+        )
+        return found[0]
 
     def _counted_on(self, source: PoseSource) -> PoseSource:
         """Return odometry that goes on where it begins again at 0, with a note."""
@@ -236,7 +249,11 @@ class RobotPoses:
         if base == self.sensor.frame[:MAX_FRAME_NAME] and base not in self.taken.children and not self.tree.knows(base):
             # tf does not name the base: an odometry message may.
             base = min(self.taken.children, default="base_link")
-        child = known.child or base
+        frame, child = known.frame, known.child or base
+        # Stated the other way round, as some state the transform: the fixed frame in the robot's.
+        is_inverted = bool(frame) and is_fixed_name(child) and not is_fixed_name(frame)
+        if is_inverted:
+            frame, child = child, frame
         if known.kind in WITHOUT_HEADER:
             self.notes.append(
                 f"The poses on {known.topic} ({known.kind}) state no time: each has that at which it was recorded."
@@ -267,12 +284,12 @@ class RobotPoses:
                 )
         return PoseSource(
             name=topic.lstrip("/"),
-            frame_id=known.frame or ("odom" if known.kind == ODOMETRY else "map"),
+            frame_id=frame or ("odom" if known.kind == ODOMETRY else "map"),
             child_frame_id=child,
             sentence=sentence,
-            at=partial(self._at, known, path),
+            at=partial(self._at, known, path, is_inverted),
             covers=known.timeline.covers,
-            stated=partial(self._stated_by_topic, topic, path),
+            stated=partial(self._stated_by_topic, topic, path, is_inverted),
             ahead_ns=known.clock.ahead_of(self.sensor.clock),
             is_odometry=known.kind == ODOMETRY,
             repeats=KINDS.index(known.kind) > 1,
@@ -306,8 +323,9 @@ class RobotPoses:
         )
         return True
 
-    def _at(self, known: PoseTopic, path: Path | None, when: Moments) -> Poses3:
+    def _at(self, known: PoseTopic, path: Path | None, is_inverted: bool, when: Moments) -> Poses3:
         poses = known.timeline.at(when.stamps_ns)
+        poses = poses.inverse if is_inverted else poses
         return poses if path is None else poses @ self.tree.lookup(path, when)
 
     def _stated_by_tf(
@@ -326,11 +344,12 @@ class RobotPoses:
             self.stated[key] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
         return self.stated[key]
 
-    def _stated_by_topic(self, topic: str, path: Path | None) -> StatedPoses | None:
+    def _stated_by_topic(self, topic: str, path: Path | None, is_inverted: bool) -> StatedPoses | None:
         key = ("", topic, *(path or ()))
         if key not in self.stated:
             timeline = self.taken.poses[topic].timeline
             when, poses = timeline.in_order
+            poses = poses.inverse if is_inverted else poses
             if path is not None:
                 poses = poses @ self.tree.lookup(path, when)
             self.stated[key] = StatedPoses(timeline.as_stated, when.stamps_ns, poses.planar)

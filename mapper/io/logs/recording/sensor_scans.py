@@ -124,9 +124,15 @@ class SensorScans:
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
         found = None if recorded is None else with_set_stamps(stamps, recorded)
-        if recorded is not None and found is not None:
-            self.stamps = array("q", found.tolist())
-            self.clock.set_to(found, recorded)
+        if found is not None:
+            self.set_to(found)
+
+    def set_to(self, stamps_ns: NDArray[np.int64]) -> None:
+        """Take other stamps (n,), in the order of the recording."""
+        recorded = self.clock.recorded(np.array(self.stamps))
+        self.stamps = array("q", stamps_ns.tolist())
+        if recorded is not None:
+            self.clock.set_to(stamps_ns, recorded)
 
     @property
     def kind(self) -> str:
@@ -178,7 +184,7 @@ class SensorScans:
     def stated(self) -> StatedScans:
         """The scans with what each message states."""
         return StatedScans(
-            self.topic,
+            f"on {self.topic}",
             list(self._numbers),
             np.frombuffer(self._of_scan, dtype=np.int64),
             np.frombuffer(self._ranges, dtype=np.float32),

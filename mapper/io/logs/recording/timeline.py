@@ -129,16 +129,19 @@ class Timeline:
         recorded = np.array(self._recorded, dtype=np.int64)
         if not are_stamps_repeated(stamps, recorded, differ):
             return 0
-        self._stamps, self._in_order, self._moves = array("q", recorded.tolist()), None, None
-        self._run_from, self._is_ascending = 0, False
+        self.set_to(recorded)
         return len(np.unique(stamps))
 
     def set_stamps(self) -> None:
         """Give poses without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
         found = with_set_stamps(np.array(self._stamps, dtype=np.int64), np.array(self._recorded, dtype=np.int64))
         if found is not None:
-            self._stamps, self._in_order, self._moves = array("q", found.tolist()), None, None
-            self._run_from, self._is_ascending = 0, False
+            self.set_to(found)
+
+    def set_to(self, stamps_ns: Int64Array) -> None:
+        """Take other stamps (n,), in the order of the recording."""
+        self._stamps, self._in_order, self._moves = array("q", stamps_ns.tolist()), None, None
+        self._run_from, self._is_ascending = 0, False
 
     @property
     def has_runs(self) -> bool:

@@ -485,7 +485,7 @@ class FrameTree:
 
     def _has_fixed_child(self, frame: str) -> bool:
         """Return whether a frame that is named as a fixed one moves in another."""
-        return any(_is_fixed_name(child) and self._moves(frame, child) for child in self._children_of(frame))
+        return any(is_fixed_name(child) and self._moves(frame, child) for child in self._children_of(frame))
 
     def _fixed_base(self, sensor: str) -> str | None:
         """Return the base that is connected to a sensor by nothing that moves, in its namespace; None without one."""
@@ -536,7 +536,7 @@ class FrameTree:
         down: list[tuple[Path, bool]] = []
         for path, moves in [((base,), False), *up]:
             for child in self._children_of(path[-1]):
-                if child not in path and _is_fixed_name(child) and self._moves(path[-1], child):
+                if child not in path and is_fixed_name(child) and self._moves(path[-1], child):
                     down.append(((*path, child), True))
                     down += self._paths_up((*path, child), moves=True)
             if moves:
@@ -594,7 +594,7 @@ def why_ignored(parent: str, child: str, pose: Pose7) -> str:
     return why_no_pose(pose)
 
 
-def _is_fixed_name(frame: str) -> bool:
+def is_fixed_name(frame: str) -> bool:
     """Return whether a frame is named as fixed ones are: one of its words is map, odom or the like, or it is utm, …"""
     name = _last(frame).lower()
     return name in _WORLD_NAMES or bool(_WORLD_WORDS & set(re.split(r"[^a-z]+", name)))

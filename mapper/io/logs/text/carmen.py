@@ -12,11 +12,12 @@ seconds, metres, radians::
     TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
     PARAM name value …
 
-A FLASER line states neither angles nor range (:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of
-RAWLASER1 to RAWLASER4 are those of the ODOM or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's
-"no return" (81.83 m: its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and
-counted in the notes. Lines of one sensor may state different beams and maximum ranges: each scan is read as its line
-states it (:func:`mapper.io.logs.grouping.scan_groups.scan_groups`).
+LASER lines are read as FLASER lines, which state neither angles nor range
+(:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of RAWLASER1 to RAWLASER4 are those of the ODOM
+or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's "no return" (81.83 m: its 13-bit readings from
+8183 on are codes). Words that are not listed here are ignored and counted in the notes. Lines of one sensor may state
+different beams and maximum ranges: each scan is read as its line states it
+(:func:`mapper.io.logs.grouping.scan_groups.scan_groups`).
 """
 
 from __future__ import annotations
@@ -40,23 +41,25 @@ from mapper.io.logs.grouping.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.text import fields
-from mapper.io.logs.text.carmen_beams import Beams, front_laser_beams, robot_laser_beams
+from mapper.io.logs.text.carmen_beams import NO_RETURN, Beams, front_laser_beams, robot_laser_beams
 from mapper.io.logs.text.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.io.logs.text.lines import TextLines, take_lines
 from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading
+from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, Offset, note_on_offset, offset_of
 from mapper.sensors.joint_log import JointLog, ascending_times
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
-NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
 RAW = ("RAWLASER1", "RAWLASER2", "RAWLASER3", "RAWLASER4")  #: scans without poses
 #: The sensor that is taken, where there are several.
-PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2", *RAW)
-FRONT = ("ROBOTLASER1", "FLASER", "RAWLASER1")
+PREFERENCE = ("ROBOTLASER1", "FLASER", "LASER", "RLASER", "ROBOTLASER2", *RAW)
+FRONT = ("ROBOTLASER1", "FLASER", "LASER", "RAWLASER1")
 REAR = ("RLASER", "ROBOTLASER2", "RAWLASER2")
-PLAIN = ("FLASER", "RLASER")  #: lines that state no angles
 WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "VERTEX2", "EDGE2"})
+PLAIN = ("FLASER", "LASER", "RLASER")  #: lines that state no angles
+_PLAIN_LINES = tuple(f"{word} ".encode() for word in PLAIN)
+LASERS, ROBOTS, TRUE = "the laser’s", "the robot’s", "the true"  #: whose poses lines state
 _MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
 _SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
 _NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
@@ -95,9 +98,10 @@ class CarmenReader:
         self.truth = _Messages()
         self.parameters: dict[str, float] = {}
         self.ignored: Counter[str] = Counter()
+        self._offset = NO_OFFSET  #: of poses that are georeferenced
+        self._is_far: dict[str, bool] = {}  #: of whose poses → whether they are
         self._take: dict[str, Callable[[list[str], int], None]] = {
-            "FLASER": self._take_laser,
-            "RLASER": self._take_laser,
+            **dict.fromkeys(PLAIN, self._take_laser),
             "ROBOTLASER1": self._take_robot_laser,
             "ROBOTLASER2": self._take_robot_laser,
             **dict.fromkeys(RAW, self._take_robot_laser),
@@ -113,7 +117,7 @@ class CarmenReader:
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
-        if text.startswith((b"FLASER ", b"RLASER ")) and self._take_plain_laser(text, line):
+        if text.startswith(_PLAIN_LINES) and self._take_plain_laser(text, line):
             return
         tokens = text.decode("latin-1").split()
         if not tokens or tokens[0].startswith("#"):
@@ -132,6 +136,28 @@ class CarmenReader:
         if word not in self.sensors:
             self.sensors[word] = ScanStack(word, self.limits, vary=True)
         return self.sensors[word]
+
+    def _pose(self, tokens: list[str], line: int, word: str, whose: str) -> list[float]:
+        """Return the pose of a line, less the offset of the log where those of its kind are georeferenced.
+
+        All lines have one offset, so that poses of several kinds stay together.
+        """
+        is_far = self._is_far.get(whose)
+        pose = fields.pose(tokens, line, word, whose, self.limits, None if is_far is False else FARTHEST_M)
+        if is_far is None:
+            offset = offset_of(np.array([pose]))
+            is_far = self._is_far[whose] = offset != NO_OFFSET
+            self._offset = self._offset if self._offset != NO_OFFSET else offset
+        if not is_far:
+            return pose
+        near = [pose[0] - self._offset[0], pose[1] - self._offset[1], pose[2]]
+        if max(abs(near[0]), abs(near[1])) > self.limits.max_pose:
+            raise ReadError(
+                "log.pose",
+                f"Line {line}: {whose} pose in this {word} line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is impossible: "
+                f"it is more than {self.limits.max_pose:g} m from the first.",
+            )
+        return near
 
     @property
     def _messages_before(self) -> tuple[int, int]:
@@ -152,8 +178,8 @@ class CarmenReader:
 
     def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
         """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
-        laser = fields.pose(rest[0:3], line, word, "the laser’s", self.limits)
-        robot = fields.pose(rest[3:6], line, word, "the robot’s", self.limits)
+        laser = self._pose(rest[0:3], line, word, LASERS)
+        robot = self._pose(rest[3:6], line, word, ROBOTS)
         stamp = fields.stamp(rest[6], line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
 
@@ -182,8 +208,8 @@ class CarmenReader:
         rest = tokens[n + m + 10 :]
         laser = robot = [0.0, 0.0, 0.0]
         if more:
-            laser = fields.pose(rest[0:3], line, word, "the laser’s", self.limits)
-            robot = fields.pose(rest[3:6], line, word, "the robot’s", self.limits)
+            laser = self._pose(rest[0:3], line, word, LASERS)
+            robot = self._pose(rest[3:6], line, word, ROBOTS)
         stamp = fields.stamp(rest[more], line, word)
         beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before, beams)
@@ -193,7 +219,7 @@ class CarmenReader:
             raise ReadError(
                 "log.truncated_line", f"Line {line}: this ODOM line ends early: {len(tokens)} fields of 10."
             )
-        pose = fields.pose(tokens[1:4], line, "ODOM", "the robot’s", self.limits)
+        pose = self._pose(tokens[1:4], line, "ODOM", ROBOTS)
         (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
         # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
         self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
@@ -203,7 +229,7 @@ class CarmenReader:
             raise ReadError(
                 "log.truncated_line", f"Line {line}: this TRUEPOS line ends early: {len(tokens)} fields of 10."
             )
-        pose = fields.pose(tokens[1:4], line, "TRUEPOS", "the true", self.limits)
+        pose = self._pose(tokens[1:4], line, "TRUEPOS", TRUE)
         self.truth.add(pose, fields.stamp(tokens[7], line, "TRUEPOS"))
 
     def _take_parameter(self, tokens: list[str], line: int) -> None:
@@ -245,12 +271,14 @@ class CarmenReader:
                 for one, limit, (n, _) in zip(of_kinds, greatest, sensor.kinds, strict=True)
             ]
             times = np.zeros(sensor.n_scans, dtype=np.float32)
-            stated = StatedScans(word, beamings, sensor.kind_of_scan, readings, times)
+            stated = StatedScans(f"of {word} lines", beamings, sensor.kind_of_scan, readings, times)
             groups, notes_on_groups = scan_groups(stated, self.limits)
             notes += notes_on_groups
         mount = self._mount(sensor, notes)
         trajectories = self._trajectories(sensor, mount)
         notes += [trajectory.placeholder_note for trajectory in trajectories.values() if trajectory.is_placeholder]
+        if any(trajectory.offset != NO_OFFSET for trajectory in trajectories.values()):
+            notes.append(note_on_offset("The poses", self._offset))
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
         whole = ScanLog(
@@ -309,7 +337,7 @@ class CarmenReader:
         """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
         if not self.sensors:
             raise ReadError(
-                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER or RAWLASER line."
+                "log.no_scans", "The log holds no scans: it has no FLASER, LASER, RLASER, ROBOTLASER or RAWLASER line."
             )
         if topic is not None and topic not in self.sensors:
             raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
@@ -388,9 +416,10 @@ class CarmenReader:
         if sensor.word in RAW:
             return self._trajectories_of_raw(sensor)
         scan = compose(sensor.laser_poses, inverse(np.array(mount)))
-        found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
+        found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line", offset=self._offset_of(LASERS))}
         if not _same_pose(scan, sensor.robot_poses):
-            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line", "odom")
+            text = f"the odometry pose in each {sensor.word} line"
+            found["odom"] = Trajectory(sensor.robot_poses, text, "odom", offset=self._offset_of(ROBOTS))
         if len(self.odometry):
             poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
             restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
@@ -398,24 +427,30 @@ class CarmenReader:
             if restart.any():
                 poses = without_restarts(poses, restart)
                 text += ", chained where the log starts them again from a corrected pose"
-            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
+            at_scans = poses_at_scans(poses, stamps, before, sensor.stamps)
+            found["wheel"] = Trajectory(at_scans, text, "odom", offset=self._offset_of(ROBOTS))
             if _is_near(scan, found["wheel"].poses):
                 # Nothing has corrected the scans' poses: they are the odometry.
                 found["scan"] = replace(found["scan"], frame_id="odom")
         return found | self._true_trajectory(sensor)
 
+    def _offset_of(self, whose: str) -> Offset:
+        return self._offset if self._is_far.get(whose) else NO_OFFSET
+
     def _true_trajectory(self, sensor: ScanStack) -> dict[str, Trajectory]:
         if not len(self.truth):
             return {}
         poses = poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps)
-        return {"truepos": Trajectory(poses, "the simulator’s true pose at the time of each scan", "map")}
+        text = "the simulator’s true pose at the time of each scan"
+        return {"truepos": Trajectory(poses, text, "map", offset=self._offset_of(TRUE))}
 
     def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
         """Return the poses at scans whose lines state none: those of other lines, or zeros."""
         found = {}
         if len(self.odometry):
             poses = poses_at_scans(self.odometry.poses, self.odometry.stamps, sensor.odometry_before, sensor.stamps)
-            found["wheel"] = Trajectory(poses, "the ODOM messages at the time of each scan", "odom")
+            text = "the ODOM messages at the time of each scan"
+            found["wheel"] = Trajectory(poses, text, "odom", offset=self._offset_of(ROBOTS))
         found |= self._true_trajectory(sensor)
         if found:
             return found

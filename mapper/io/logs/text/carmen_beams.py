@@ -24,6 +24,7 @@ class Beams:
     is_assumed: bool = False
 
 
+NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
 HOKUYO_STEP = 360.0 / 1024.0  #: degrees: the step of a Hokuyo URG-04LX
 
 #: Number of beams → degrees from one to the next, and whether every reader agrees on it.
@@ -124,17 +125,19 @@ def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beam
             f"Line {line}: this {word} line states impossible angles: start {start}, field of view {fov}, "
             f"resolution {resolution} rad.",
         )
-    if not 0.0 < range_max <= 1e4:
-        raise ReadError("log.range_max", f"Line {line}: this {word} line states a maximum range of {range_max} m.")
+    limit, notes = range_max if 0.0 < range_max <= 1e4 else None, tuple[str, ...]()
+    if limit is None:
+        why = f"{word} lines state a maximum range of {range_max:g} m, which no lidar has: "
+        notes = (f"{why}readings below {NO_RETURN:g} m count.",)
     for steps in (n, n - 1):
         if steps > 0 and abs(fov / steps - resolution) < 1e-6:
-            return Beams(start, fov / steps, range_max)
+            return Beams(start, fov / steps, limit, notes)
     if n == 1 or _agree(resolution * (n - 1), fov, resolution):
-        return Beams(start, resolution, range_max)
+        return Beams(start, resolution, limit, notes)
     view = math.degrees(resolution * (n - 1))
     note = (
         f"{word} lines contradict themselves: {n} beams {math.degrees(resolution):.4g}° apart are {view:.4g}°, and the "
         f"field of view is {math.degrees(fov):.4g}°. The resolution counts here, as in CARMEN; if walls are bent, it "
         "is wrong."
     )
-    return Beams(start, resolution, range_max, notes=(note,))
+    return Beams(start, resolution, limit, (*notes, note))

@@ -22,8 +22,7 @@ from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.text import fields
-from mapper.io.logs.text.carmen import NO_RETURN
-from mapper.io.logs.text.carmen_beams import front_laser_beams
+from mapper.io.logs.text.carmen_beams import NO_RETURN, front_laser_beams
 from mapper.io.logs.text.interpolation import poses_at_scans
 from mapper.io.logs.text.lines import TextLines
 from mapper.io.logs.text.packing import ScanStack, take_one_sensor

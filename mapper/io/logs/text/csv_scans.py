@@ -12,10 +12,11 @@
 
 First the sensor, a name and a value to a line: ``angle_min`` is the bearing of the first beam and ``angle_increment``
 that from one beam to the next (radians, counter-clockwise from straight ahead); ``range_min`` and ``range_max`` are the
-least and the largest distance that it measures (metres; 0 and no limit where they are left out). ``mount_x``,
-``mount_y`` and ``mount_yaw`` may say where it sits on the robot, and ``time_increment`` the seconds from one beam to
-the next of a scan that is stamped at its first. Then the line ``stamp,x,y,theta,ranges``, and a line
-for each scan: its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are
+least and the largest distance that it measures (metres; 0 and no limit where they are left out), which are understood
+as those of a recording are (:mod:`mapper.io.logs.grouping.scan_groups`). ``mount_x``, ``mount_y`` and ``mount_yaw`` may
+say where it sits on the robot, and ``time_increment`` the seconds from one beam to the next of a scan that is stamped
+at its first. Then the line ``stamp,x,y,theta,ranges``, and a line for each scan: its time in seconds (since 1970 also
+in milli-, micro- or nanoseconds), the robot's pose in metres and radians, and as many ranges in metres as there are
 beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
 
 As spreadsheets of other countries save it, semicolons or tabs may stand for the commas, and then commas for the decimal
@@ -35,6 +36,8 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.grouping.scan_groups import scan_groups, usable_limits
+from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.lines import TextLines
 from mapper.io.logs.text.packing import ScanStack, take_one_sensor
@@ -43,6 +46,7 @@ from mapper.sensors.scan import ScanLog, are_degrees, georeferenced, is_angle_st
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
+LIMITS = ("range_min", "range_max")  #: which may be any number
 SEPARATORS = ",;\t"
 IN_DEGREES = (
     "angle_min and angle_increment are in degrees, where the format has radians, by which a scan would go round twice "
@@ -92,6 +96,7 @@ class _Reader:
         self.notes: list[str] = []
         self._in_rows = False
         self._separator: str | None = None
+        self._per_second = 1.0  #: of the unit of the times
         self._decimal = ""  #: what stands before the decimals, once a number has told it
         self._first: list[float] | None = None  #: the first scan's pose
 
@@ -141,14 +146,9 @@ class _Reader:
         missing = [name for name in NEEDED if name not in self.values]
         if missing:
             raise ReadError("log.header", f"Line {line}: the lines before this one do not state {missing[0]}.")
-        v = self.values
-        for name, value in v.items():
-            if not abs(value) <= 1e4 and not (name == "range_max" and value == math.inf):
+        for name, value in self.values.items():
+            if not abs(value) <= 1e4 and name not in LIMITS:
                 raise ReadError("log.header", f"Before line {line}: {name} cannot be {value:g}.")
-        if not 0.0 <= v["range_min"] < v["range_max"]:
-            raise ReadError(
-                "log.header", f"Before line {line}: range_min, {v['range_min']:g}, must be ≥ 0 and below range_max."
-            )
         self._in_rows = True
 
     def _take_scan(self, tokens: list[str], line: int) -> None:
@@ -160,14 +160,17 @@ class _Reader:
             raise LimitError("log.too_many_beams", f"Line {line} has {n} ranges; the limit is {self.limits.max_beams}.")
         if are_degrees(self.values["angle_min"], self.values["angle_increment"], n):
             self.values |= {name: math.radians(self.values[name]) for name in NEEDED}
-            self.notes = [IN_DEGREES]
+            self.notes.append(IN_DEGREES)
         if not is_angle_step(self.values["angle_increment"], n):
             raise ReadError(
                 "log.header",
                 f"Line {line} has {n} ranges, which an angle_increment of {self.values['angle_increment']:g} rad "
                 "cannot lie between.",
             )
-        stamp = fields.stamp(tokens[0], line, "CSV")
+        if not self.stack.n_scans:
+            self._per_second, said = fields.time_unit(tokens[0], line, "CSV")
+            self.notes += said
+        stamp = fields.stamp(tokens[0], line, "CSV", self._per_second)
         pose = fields.pose(tokens[1:4], line, "CSV", "the robot’s", self.limits, FARTHEST_M)
         self._first = first = self._first or pose
         if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
@@ -192,20 +195,25 @@ def read_csv_scans(
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)
     stack, v = reader.stack, reader.values
     stack.check_headings()
-    ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
+    least, most, _ = usable_limits(v["range_min"], v["range_max"])
+    ranges, notes_on_ranges = stack.clean_readings(float(np.nextafter(np.float32(most), np.float32(np.inf))))
+    beaming = Beaming(v["angle_min"], v["angle_increment"], v["range_min"], v["range_max"], stack.n_beams)
+    times = np.full(stack.n_scans, v["time_increment"], dtype=np.float32)
+    stated = StatedScans("of the log", [beaming], stack.kind_of_scan, ranges, times)
+    (scans,), notes_on_limits = scan_groups(stated, limits)
     way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan’s line", limits)
     return ScanLog(
-        ranges=ranges,
+        ranges=scans.ranges,
         angle_min=v["angle_min"],
         angle_increment=v["angle_increment"],
-        range_min=v["range_min"],
-        range_max=v["range_max"],
+        range_min=least,
+        range_max=most,
         stamps_ns=stack.stamps_ns,
         trajectories={"scan": way},
         mount=(v["mount_x"], v["mount_y"], v["mount_yaw"]),
         time_increment=v["time_increment"],
         name=path.name,
         format="CSV",
-        notes=(*notes, *reader.notes, *notes_on_ranges, *notes_on_poses, *stack.notes_on_time()),
+        notes=(*notes, *reader.notes, *notes_on_ranges, *notes_on_limits, *notes_on_poses, *stack.notes_on_time()),
         limits=limits,
     )

@@ -76,22 +76,36 @@ def pose(
     return values
 
 
-def stamp(token: str, line: int, word: str) -> float:
-    """Return a time in seconds. Raises :class:`ReadError` for one that is not finite or no time at all."""
+def stamp(token: str, line: int, word: str, per_second: float = 1.0) -> float:
+    """Return a time in seconds, of which ``per_second`` of the unit in ``token`` are one.
+
+    Raises :class:`ReadError` for one that is not finite or no time at all.
+    """
     (value,) = numbers((token,), line, word)
-    if not abs(value) < MAX_STAMP:
+    if not abs(value) < MAX_STAMP * per_second:
+        unit = _unit_of(value)
+        hint = unit and f" It would be one in {unit[1]}: divide the log’s times by {unit[0]:,.0f} to have seconds."
         raise ReadError(
-            "log.stamp", f"Line {line}: the time {token!r:.40} of this {word} line is impossible.{_unit_of(value)}"
+            "log.stamp", f"Line {line}: the time {token!r:.40} of this {word} line is impossible.{hint or ''}"
         )
-    return value
+    return value / per_second
 
 
-def _unit_of(value: float) -> str:
-    """Return a sentence on the unit in which a number is a time since 1970; empty where it is in none."""
-    for factor, unit in UNITS:
-        if EPOCH_S[0] < value / factor < EPOCH_S[1]:
-            return f" It would be one in {unit}: divide the log’s times by {factor:,.0f} to have seconds."
-    return ""
+def time_unit(first: str, line: int, word: str) -> tuple[float, list[str]]:
+    """Return how many of the unit of a file's times, of which ``first`` is one, are a second, and a note on others.
+
+    Another unit than seconds is one by which that time is since 1970, as it cannot be in seconds. Raises
+    :class:`ReadError` for what is not a number.
+    """
+    unit = _unit_of(numbers((first,), line, word)[0])
+    if unit is None:
+        return 1.0, []
+    return unit[0], [f"The times are {unit[1]} since 1970, where the format has seconds: they are converted."]
+
+
+def _unit_of(value: float) -> tuple[float, str] | None:
+    """Return the unit below a second in which a number is a time since 1970, and how many are one; None without."""
+    return next((unit for unit in UNITS if EPOCH_S[0] < value / unit[0] < EPOCH_S[1]), None)
 
 
 def count(token: str, line: int, word: str, what: str, largest: int, *, least: int = 1) -> int:

@@ -100,7 +100,6 @@ def test_the_time_from_beam_to_beam(tmp_path):
         (HEAD + "range_min\n", "log.header", "Line 5: range_min needs one value"),
         (HEAD + "range_min,1,2\n", "log.header", "Line 5: range_min needs one value"),
         (HEAD + "range_min,x\n", "log.not_a_number", "Line 5: 'x'"),
-        (HEAD + "range_min,40\n" + COLUMNS, "log.header", "range_min, 40, must be"),
         (HEAD + "angle_min,nan\n" + COLUMNS, "log.header", "angle_min cannot be nan"),
         (HEAD + "mount_x,1e9\n" + COLUMNS, "log.header", "mount_x cannot be"),
         (HEAD + COLUMNS + "0,0,0,0\n0,0,0,0,1\n", "log.truncated_line", "Line 6 ends early"),
