@@ -88,8 +88,8 @@ def _bytes_of(image: PpmImagePlugin.PpmImageFile, head: bytes) -> int:
     width, height = image.size
     if head.startswith(b"P4"):
         return (width + 7) // 8 * height
-    most = image.tile[0].args[1] if image.tile[0].codec_name == "ppm" else 255
-    wide = image.mode.startswith("I") or most > 255
+    args: Any = image.tile[0].args  # (mode, greatest value) where pixels are scaled, else a mode
+    wide = image.mode.startswith("I") or (isinstance(args, tuple) and args[1] > 255)
     return width * height * (3 if head.startswith(b"P6") else 1) * (1 + wide)
 
 
