@@ -14,10 +14,11 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 from urllib.parse import parse_qs, urlsplit
 
 import httpx
+import msgspec
 from websockets.exceptions import InvalidStatus, WebSocketException
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
@@ -41,6 +42,7 @@ _SEQ_AT = 8  #: bytes into a binary frame, docs/wire.md
 
 
 NoteFile = Literal["geojson", "csv"]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,18 @@ class Session:
     index: int
     count: int
     stream: str = field(repr=False)  #: path of its WebSocket
+
+
+class _Sessions(msgspec.Struct):
+    """The answer of ``/api/sessions``."""
+
+    sessions: list[Session]
+
+
+class _Link(msgspec.Struct):
+    """The answer to the making of a link: the path of what it opens."""
+
+    address: str
 
 
 class Client:
@@ -154,11 +168,11 @@ class Client:
 
     def logs(self) -> list[Log]:
         """Return the logs that this visitor may open."""
-        return [_log(record) for record in self._asked("GET", "/api/logs")["logs"]]
+        return [_log(record) for record in self._answer("GET", "/api/logs").json()["logs"]]
 
     def log(self, log_id: str) -> Log:
         """Return one log as it is now."""
-        return _log(self._asked("GET", f"/api/logs/{log_id}"))
+        return _log(self._answer("GET", f"/api/logs/{log_id}").json())
 
     def delete(self, log: Log) -> None:
         """Delete a log that this visitor uploaded, and its links."""
@@ -182,22 +196,19 @@ class Client:
         ``topic`` names its sensor, or several with " + " between them; ``cut`` says how scans are cut out of clouds and
         depth images, values of :data:`mapper.sensors.planar.options.PARAMETERS`.
         """
-        wanted: dict[str, Any] = {"kind": "log", "log": log.id, "topic": topic, "playing": playing}
-        if log.record["clouds"]:  # it has no planar scans
-            wanted["kind"] = "volume"
-        else:
-            wanted["trajectory"] = trajectory
-        if cut is not None:
-            wanted["cut"] = dict(cut)
-        return _session(self._asked("POST", "/api/sessions", json=wanted))
+        # A log of clouds has no planar scans.
+        of_kind = {"kind": "volume"} if log.record["clouds"] else {"kind": "log", "trajectory": trajectory}
+        cut_out = {} if cut is None else {"cut": dict(cut)}
+        wanted = {"log": log.id, "topic": topic, "playing": playing, **of_kind, **cut_out}
+        return self._asked(Session, "POST", "/api/sessions", json=wanted)
 
     def sessions(self) -> list[Session]:
         """Return the sessions that this visitor began."""
-        return [_session(one) for one in self._asked("GET", "/api/sessions")["sessions"]]
+        return self._asked(_Sessions, "GET", "/api/sessions").sessions
 
     def session(self, session_id: str) -> Session:
         """Return one session as it is now."""
-        return _session(self._asked("GET", f"/api/sessions/{session_id}"))
+        return self._asked(Session, "GET", f"/api/sessions/{session_id}")
 
     def seek(self, session: Session, index: int | None = None) -> Session:
         """Pause a session of a log, bring it to the map after ``index`` scans (None: all), and return it."""
@@ -241,7 +252,7 @@ class Client:
             yield self.log(query["log"][0])
         elif parts.path.startswith(SHARED):
             token = parts.path.removeprefix(SHARED)
-            session = _session(self._asked("POST", f"/api/shared/{token}/sessions", timeout=WORK_TIMEOUT_S))
+            session = self._asked(Session, "POST", f"/api/shared/{token}/sessions", timeout=WORK_TIMEOUT_S)
             try:
                 yield session
             finally:
@@ -252,7 +263,7 @@ class Client:
 
     def link(self, session: Session) -> str:
         """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""
-        return self.base + str(self._asked("POST", f"/api/sessions/{session.id}/links", json={})["address"])
+        return self.base + self._asked(_Link, "POST", f"/api/sessions/{session.id}/links", json={}).address
 
     # -- maps and findings -----------------------------------------------------------------------------------------
 
@@ -285,19 +296,8 @@ class Client:
         from mapper.diagnosis import Finding  # noqa: PLC0415 - start-up
 
         with self._session_of(of, whole=False) as session:
-            answer = self._asked("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
-        return [
-            Finding(
-                one["check"],
-                one["sentence"],
-                one["advice"],
-                one["sure"],
-                tuple(one["scans"]),
-                one["parameters"],
-                one["sensor"],
-            )
-            for one in answer["findings"]
-        ]
+            answer = self._answer("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
+        return msgspec.convert(answer.json()["findings"], list[Finding])
 
     def notes(self, of: Log | Session, ending: NoteFile = "geojson") -> bytes:
         """Return the notes on a log as GeoJSON or CSV; coordinates are metres in the frame of the poses."""
@@ -339,8 +339,8 @@ class Client:
         except WebSocketException as error:
             raise ClientError("client.stream", f"The session's stream was cut: {error}.") from error
 
-    def _asked(self, method: str, path: str, **options: Any) -> dict[str, Any]:  # noqa: ANN401 - httpx's own
-        return dict(self._answer(method, path, **options).json())
+    def _asked(self, kind: type[T], method: str, path: str, **options: Any) -> T:  # noqa: ANN401 - httpx's own
+        return msgspec.json.decode(self._answer(method, path, **options).content, type=kind)
 
     def _send(self, method: str, path: str) -> None:
         self._answer(method, path)
@@ -360,7 +360,7 @@ class Client:
             ) from error
 
 
-def _log(record: dict[str, Any]) -> Log:
+def _log(record: Mapping[str, Any]) -> Log:
     return Log(
         record["id"],
         record["name"],
@@ -373,16 +373,4 @@ def _log(record: dict[str, Any]) -> Log:
         tuple(one["name"] for one in record["trajectories"]),
         tuple(record["notes"]),
         record,
-    )
-
-
-def _session(answer: dict[str, Any]) -> Session:
-    return Session(
-        answer["id"],
-        answer["kind"],
-        answer["title"],
-        answer["playing"],
-        answer["index"],
-        answer["count"],
-        answer["stream"],
     )

@@ -13,7 +13,7 @@ import secrets
 import tarfile
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -90,7 +90,7 @@ def measured(file: Path) -> tuple[int, str]:
 
 def sent(
     client: httpx.Client, file: Path, name: str, size: int, digest: str, progress: Progress | None, pause_s: float
-) -> dict[str, Any]:
+) -> Mapping[str, Any]:
     """Send the file, with at most :data:`TRIES` attempts without progress; return the record of the log.
 
     Between two attempts it waits as long as a refusal states in Retry-After, or longer.

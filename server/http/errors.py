@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 from http import HTTPStatus
-from typing import Any
 
 import structlog
 from fastapi import FastAPI, Request, WebSocket
@@ -130,9 +129,7 @@ async def _http_error(request: Request, error: Exception) -> Response:
 
 async def _invalid_request(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)  # noqa: S101 - for the type checker: it is registered for this class
-    detail: list[dict[str, Any]] = [
-        {"where": ".".join(str(part) for part in item["loc"]), "message": item["msg"]} for item in error.errors()
-    ]
+    detail = [{"where": ".".join(str(part) for part in item["loc"]), "message": item["msg"]} for item in error.errors()]
     first = detail[0] if detail else {"where": "request", "message": "cannot be read"}
     return error_response(422, "request.invalid", f"{first['where']}: {first['message']}.", detail)
 

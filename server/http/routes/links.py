@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import msgspec
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
-from msgspec import Struct
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
@@ -28,7 +29,7 @@ from server.parts.costmap.messages import CostmapCommand
 from server.parts.terrain.routes import uploaded_terrain
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
-from server.sessions.commands import ShowReferenceMap, UseCosts
+from server.sessions.commands import ShowReferenceMap, UseCosts, UseTerrain
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan
 from server.stream.protocol import fields_of
@@ -37,8 +38,6 @@ if TYPE_CHECKING:
     from server.sessions import SessionHost
 
 router = APIRouter(tags=["links"])
-
-_EXAMINATION = TypeAdapter(DoctorAnswer)
 
 
 class Look(BaseModel):
@@ -121,6 +120,22 @@ class NewLink(BaseModel):
     shown: Shown | None = Field(None, description="What else of the page is seen.")
 
 
+class KeptView(BaseModel):
+    """What a link keeps of a session, as it is stored.
+
+    ``count`` is the number of scans of the log, ``changed`` names the parameters with other values than at first;
+    ``navigation`` are the commands that begin the costmap, each as an object with its ``type``.
+    """
+
+    view: LogView
+    look: Look | None
+    shown: Shown | None = None
+    examination: DoctorAnswer | None = None
+    count: int
+    changed: list[str]
+    navigation: list[object] = []
+
+
 @dataclass(frozen=True, slots=True)
 class LinkAnswer:
     """A link as its owner sees it: the view that it opens, and how many are ``watching``.
@@ -150,17 +165,17 @@ class LinkList:
 
 def _public(sessions: SessionRegistry, link: Link) -> LinkAnswer:
     """Return what the owner of a link sees of it."""
-    view = link.view["view"]
+    kept = KeptView.model_validate_json(link.view)
     return LinkAnswer(
         token=link.token,
         address=f"/shared/{link.token}",
         created_s=link.created_s,
         log=link.log_id,
-        topic=view["topic"],
-        trajectory=view["trajectory"],
-        index=view["index"],
-        count=link.view["count"],
-        changed=link.view["changed"],
+        topic=kept.view.topic,
+        trajectory=kept.view.trajectory,
+        index=kept.view.index,
+        count=kept.count,
+        changed=kept.changed,
         watching=sum(session.link == link.token for session in sessions.all()),
     )
 
@@ -175,25 +190,23 @@ async def make(sessions: Sessions, library: Logs, session_id: str, wanted: NewLi
     model = session.model
     record = library.get(session.owner, viewed.log_id)
     seen = viewed.view()
-    look = None if wanted.look is None else wanted.look.model_dump()
     recording = model.find(Recording)
     diagnosis = None if recording is None else recording.diagnosis
     examination = doctor_answer(recording, recording.trajectory, diagnosis) if recording and diagnosis else None
     first = {} if recording is None else asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     async with session.locked():
-        navigation = [fields_of(command) for command in model.history()]
-    count = model.progress[1]
-    view = {
-        "view": asdict(seen),
-        "look": look,
-        "shown": None if wanted.shown is None else wanted.shown.model_dump(),
-        "examination": None if examination is None else asdict(examination),
-        "count": count,
-        "changed": changed,
-        "navigation": navigation,
-    }
-    return _public(sessions, await library.links.make(session.owner, record, view))
+        navigation: list[object] = [fields_of(command) for command in model.history()]
+    kept = KeptView(
+        view=seen,
+        look=wanted.look,
+        shown=wanted.shown,
+        examination=examination,
+        count=model.progress[1],
+        changed=changed,
+        navigation=navigation,
+    )
+    return _public(sessions, await library.links.make(session.owner, record, kept.model_dump_json()))
 
 
 @router.get("/api/links")
@@ -247,13 +260,8 @@ class SharedAnswer:
 async def shared(library: Logs, token: str) -> SharedAnswer:
     """Return the title and the view of a link."""
     link = library.links.get(token)
-    look, shown, examination = link.view["look"], link.view.get("shown"), link.view.get("examination")
-    return SharedAnswer(
-        _record_name(library, link),
-        None if look is None else Look(**look),
-        None if shown is None else Shown(**shown),
-        None if examination is None else _EXAMINATION.validate_python(examination),
-    )
+    kept = KeptView.model_validate_json(link.view)
+    return SharedAnswer(_record_name(library, link), kept.look, kept.shown, kept.examination)
 
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
@@ -276,9 +284,10 @@ async def begin(
 ) -> SessionAnswer:
     """Begin a session of the view of a link."""
     link = library.links.get(token)
+    kept = KeptView.model_validate_json(link.view)
 
     async def begun() -> SessionHost:
-        view = LogView(**link.view["view"])
+        view = kept.view
         title = _record_name(library, link)
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(link.log_id)
@@ -290,7 +299,7 @@ async def begin(
                 plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
             else:
                 plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)
-        commands = await _navigation(library, downloads, link)
+        commands = await _navigation(library, downloads, link, kept.navigation)
         session = await sessions.begin(
             plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
         )
@@ -314,19 +323,22 @@ async def page(request: Request, library: Logs, token: str) -> Response:
     return page_of_secret(request, "logs.html", lambda: library.links.get(token), LinkGoneError)
 
 
-async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[Struct]:
+async def _navigation(
+    library: Library, downloads: Downloads, link: Link, kept: Sequence[object]
+) -> list[msgspec.Struct]:
     """Return the commands that begin the costmap of a link, with the map and the terrain that it was made with.
 
     Of these, what has been deleted since is left out: the costmap is then over the log's own map, or without terrain.
     """
-    commands: list[Struct] = []
-    for kept in link.view.get("navigation", []):
-        if kept["type"] == "use_terrain":
+    commands: list[msgspec.Struct] = []
+    for fields in kept:
+        if isinstance(fields, dict) and fields["type"] == "use_terrain":
             with suppress(MapperError):
-                terrain = await uploaded_terrain(library, downloads, link.owner, kept["log"])
+                of_terrain = msgspec.convert(fields, UseTerrain)
+                terrain = await uploaded_terrain(library, downloads, link.owner, of_terrain.log)
                 commands.append(UseCosts(terrain))
             continue
-        command = command_of(kept)
+        command = command_of(fields)
         if isinstance(command, CostmapCommand) and command.values.get("map") == "given":
             try:
                 commands.append(ShowReferenceMap(await library.maps.get(link.owner, link.log_id)))

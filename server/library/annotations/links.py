@@ -5,12 +5,10 @@ The library stores the view without interpreting it.
 
 from __future__ import annotations
 
-import json
 import secrets
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass
 
 from sqlalchemy import Connection, delete, insert, select
 
@@ -29,13 +27,13 @@ class LinkGoneError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link of ``owner`` to a log. Knowing the ``token`` permits to open it."""
+    """A link of ``owner`` to a log. Knowing the ``token`` permits to open it; ``view`` is JSON."""
 
     token: str
     owner: str
     log_id: str
     created_s: float
-    view: dict[str, Any]
+    view: str
 
 
 class Links:
@@ -57,7 +55,7 @@ class Links:
         for token in gone:
             await self.ended(token)
 
-    async def make(self, owner: str, record: Record, view: dict[str, Any]) -> Link:
+    async def make(self, owner: str, record: Record, view: str) -> Link:
         """Return a new link of ``owner`` to a view of a log that ``owner`` may open.
 
         Raises :class:`LimitError` for one too many, and ``StorageError``.
@@ -69,8 +67,7 @@ class Links:
 
         def work(connection: Connection) -> None:
             ensure_log(connection, record)
-            values = {"token": link.token, "owner": owner, "log_id": record.id, "created_s": link.created_s}
-            connection.execute(insert(links).values(**values, view=json.dumps(view)))
+            connection.execute(insert(links).values(asdict(link)))
 
         await self._database.run(work)
         self._links[link.token] = link
@@ -108,7 +105,7 @@ async def _ignore(_: str) -> None:
 
 
 def _load(connection: Connection) -> Sequence[Link]:
-    return [Link(**{**row._mapping, "view": json.loads(row.view)}) for row in connection.execute(select(links))]  # noqa: SLF001 - SQLAlchemy's public name for it
+    return [Link(**row._mapping) for row in connection.execute(select(links))]  # noqa: SLF001 - SQLAlchemy's public name for it
 
 
 def _delete(connection: Connection, token: str) -> None:

@@ -172,7 +172,7 @@ class Records(Protocol):
         """Forget a record; one that is not there is no error."""
 
 
-def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
+def summary_from_json(data: object) -> LogSummary | None:
     """Return the summary that ``asdict`` made ``data`` of; None for one that lacks fields: it can be made again."""
     try:
         return msgspec.convert(data, LogSummary)

@@ -118,5 +118,5 @@ def _record(row: Row[Any]) -> Record:
     values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
     code, message = values.pop("error_code"), values.pop("error_message")
     error = None if code is None else Failure(code, message or "")
-    values["summary"] = None if values["summary"] is None else summary_from_json(json.loads(values["summary"]))
+    values["summary"] = summary_from_json(json.loads(values["summary"] or "null"))
     return Record(**values, error=error, progress=1.0 if values["state"] == "ready" else 0.0)

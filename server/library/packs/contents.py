@@ -10,12 +10,12 @@ from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.io.contents.log_lines import LogLine
 from mapper.io.contents.model import CameraContents, Column, Contents, FrameEdge, Series, TopicContents
-from mapper.sensors.camera import Intrinsics, Lens
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
 VERSION = 6
@@ -71,7 +71,7 @@ def read_contents(path: Path) -> Contents:
             if about["version"] != VERSION:
                 raise StaleContentsError(f"The file is of version {about['version']}, this is {VERSION}.")
             return Contents(
-                topics=tuple(TopicContents(**one) for one in about["topics"]),
+                topics=msgspec.convert(about["topics"], tuple[TopicContents, ...]),
                 edges=tuple(
                     FrameEdge(
                         **one | {"pose": tuple(one["pose"]), "publishers": tuple(one["publishers"])},
@@ -85,7 +85,7 @@ def read_contents(path: Path) -> Contents:
                     Series(
                         one["topic"],
                         one["type"],
-                        tuple(Column(**column) for column in one["columns"]),
+                        msgspec.convert(one["columns"], tuple[Column, ...]),
                         arrays[f"times{n}"],
                         arrays[f"values{n}"],
                         recorded=one["recorded"],
@@ -95,14 +95,7 @@ def read_contents(path: Path) -> Contents:
                 notes=tuple(about["notes"]),
                 lines=tuple(LogLine(*line) for line in about["lines"]),
                 lines_left_out=about["lines_left_out"],
-                cameras=tuple(
-                    CameraContents(one["topic"], one["frame"], Intrinsics(**one["intrinsics"]), _lens_of(**one["lens"]))
-                    for one in about["cameras"]
-                ),
+                cameras=msgspec.convert(about["cameras"], tuple[CameraContents, ...]),
             )
     except UNREADABLE as error:
         raise StaleContentsError(f"{type(error).__name__}: {error}") from error
-
-
-def _lens_of(intrinsics: dict[str, Any], rectification: list[float], model: str, coefficients: list[float]) -> Lens:
-    return Lens(Intrinsics(**intrinsics), tuple(rectification), model, tuple(coefficients))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -152,11 +152,7 @@ def write_pack(log: RobotLog, path: Path) -> None:
         sensors=[_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
     )
     stored = {str(number): array for number, array in enumerate(arrays.values())}
-    write_arrays(path, json.dumps(about, allow_nan=False, default=_plain), stored)
-
-
-def _plain(value: Struct | Topic | TransformEdge) -> dict[str, Any]:
-    return msgspec.structs.asdict(value) if isinstance(value, Struct) else asdict(value)
+    write_arrays(path, json.dumps(about, allow_nan=False, default=msgspec.to_builtins), stored)
 
 
 def _described(log: ScanLog, store: Store) -> dict[str, Any]:

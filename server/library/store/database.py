@@ -124,7 +124,7 @@ class Database:
 def _engine(url: str | None, folder: Path) -> Engine:
     where = URL.create("sqlite", database=str(folder / RECORDS_FILE)) if url is None else make_url(url)
     if where.get_backend_name() == "sqlite":
-        options: dict[str, Any] = {"timeout": BUSY_S, "check_same_thread": False}
+        options = {"timeout": BUSY_S, "check_same_thread": False}
         engine = create_engine(where, pool_size=1, max_overflow=0, connect_args=options)
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
@@ -140,21 +140,18 @@ class CostmapParameters:
     @property
     def obstacle(self) -> ObstacleConfig:
         """Parameters of the obstacle layer."""
-        return ObstacleConfig(**self._observations())
+        farthest = self.values["obstacle_max_range"]
+        return ObstacleConfig(
+            clearing=self.values["clearing"],
+            obstacle_max_range=farthest,
+            raytrace_max_range=farthest + _CLEARED_BEYOND_M,
+            inf_is_valid=True,
+        )
 
     @property
     def dynamic(self) -> DecayConfig:
         """Parameters of the layer of obstacles with a lifetime."""
-        return DecayConfig(**self._observations(), lifetime=self.values["lifetime"])
-
-    def _observations(self) -> dict[str, Any]:
-        farthest = self.values["obstacle_max_range"]
-        return {
-            "clearing": self.values["clearing"],
-            "obstacle_max_range": farthest,
-            "raytrace_max_range": farthest + _CLEARED_BEYOND_M,
-            "inf_is_valid": True,
-        }
+        return DecayConfig(**asdict(self.obstacle), lifetime=self.values["lifetime"])
 
     @property
     def inflation(self) -> InflationConfig:

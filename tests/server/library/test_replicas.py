@@ -103,10 +103,10 @@ async def test_what_one_service_reads_the_other_opens_without_reading_it(two: Tw
     assert await two.second.map_picture("ann", record.id) == await two.first.map_picture("ann", record.id)
     # Uploaded again there it is the same log, and its pack is not made again.
     assert (await two.second.put("ann", "again.log", chunks(carmen(12)))).id == record.id
-    link = await two.first.links.make("ann", record, {"index": 3})
+    link = await two.first.links.make("ann", record, '{"index": 3}')
     await two.second.tags.put("ann", record, ["yard"])
     await eventually(lambda: bool(two.second.links.of("ann", record.id)) and bool(two.first.tags.of("ann", record.id)))
-    assert two.second.links.get(link.token).view == {"index": 3}
+    assert two.second.links.get(link.token).view == '{"index": 3}'
     await two.second.delete("ann", record.id)
     await eventually(lambda: known(two.first, "ann", record.id) == "")
     left = [path.name for path in two.folder.rglob("*") if path.is_file() and record.id in path.name]
