@@ -1,7 +1,7 @@
 """Generate ``static/src/wire/http.ts``: the types of the HTTP interface, from its OpenAPI document.
 
-They are those of queries, of bodies and of answers in JSON. ``python -m server.http_types`` writes the file; with
-``--check`` it only fails if it is out of date.
+They are those of queries, of bodies and of answers in JSON, and the requests that are answered with files.
+``python -m server.http_types`` writes the file; with ``--check`` it only fails if it is out of date.
 """
 
 from __future__ import annotations
@@ -90,6 +90,21 @@ def answers_of(document: Schema) -> dict[str, list[Schema]]:
     return answers
 
 
+def _files_of(document: Schema) -> list[str]:
+    """Return the requests that are answered with a file; a part of an address that is one of a few is each of them."""
+    answers, files = answers_of(document), []
+    for request, operation in _operations(document):
+        if request in answers:
+            continue
+        named = [request]
+        for one in operation.get("parameters", []):
+            if one["in"] == "path" and "enum" in one["schema"]:
+                part = f"{{{one['name']}}}"
+                named = [name.replace(part, value) for name in named for value in one["schema"]["enum"]]
+        files += named
+    return sorted(files)
+
+
 def _bodies_of(document: Schema) -> dict[str, Schema]:
     """Return the schema of the body of each request that has one, by method and address."""
     return {
@@ -170,7 +185,9 @@ def typescript(document: Schema) -> str:
     for title, meaning, types in listed:
         lines += [f"/** {meaning}, by method and address. */", f"export interface {title} {{"]
         lines += [*(f"  {json.dumps(request)}: {of};" for request, of in sorted(types.items())), "}", ""]
-    return "\n".join(lines)
+    lines += ["/** The requests that are answered with a file. */", "export type Files ="]
+    lines += [f"  | {json.dumps(request)}" for request in _files_of(document)]
+    return "\n".join(lines) + ";\n"
 
 
 def main() -> None:

@@ -53,11 +53,18 @@ def test_models_become_interfaces() -> None:
             {"in": "query", "name": "until", "schema": {"anyOf": [{"type": "number"}, {"type": "null"}]}},
         ]
     }
+    kinds = {
+        "parameters": [
+            {"in": "path", "name": "id", "schema": {"type": "string"}},
+            {"in": "path", "name": "kind", "schema": {"type": "string", "enum": ["yaml", "pgm"]}},
+        ]
+    }
     document = {
         "paths": {
             "/lines/{id}": {"get": {"responses": answer}, "delete": {"responses": {"204": {}}}},
             "/lines": {"get": {"responses": either}, "post": {"responses": file} | named},
             "/lines.png": {"get": {"responses": file} | query, "put": {"responses": file} | binary},
+            "/{id}.{kind}": {"get": {"responses": file} | kinds},
         },
         "components": {"schemas": {"Line": line, "End": end, "Wanted": wanted, "Other": end}},
     }
@@ -101,6 +108,14 @@ export interface Answers {
   "GET /lines": Line | null | undefined;
   "GET /lines/{id}": Line;
 }
+
+/** The requests that are answered with a file. */
+export type Files =
+  | "GET /lines.png"
+  | "GET /{id}.pgm"
+  | "GET /{id}.yaml"
+  | "POST /lines"
+  | "PUT /lines.png";
 """
     )
 

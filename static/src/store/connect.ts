@@ -1,6 +1,7 @@
 /** A store and the stream that it receives from. */
 
 import type { ReadonlySignal } from "@preact/signals";
+import { addressOf } from "../wire/ask";
 import type { Command } from "../wire/protocol";
 import { Store } from "./store";
 import { type Status, Stream } from "./stream";
@@ -27,7 +28,7 @@ async function isGone(path: string): Promise<boolean> {
 
 /** Prepare a connection to a session; `start` opens it. */
 export function connect(session: string): Connection {
-  const path = `/api/sessions/${encodeURIComponent(session)}`;
+  const path = addressOf("GET /api/sessions/{session_id}", { session_id: session });
   return connection(
     (page) => `${path}/stream?page=${page}`,
     path,
@@ -41,7 +42,7 @@ const DRIVING: readonly Command["type"][] = ["drive", "teleport", "auto"];
 
 /** Prepare a connection to the session that the lecturer of a class shows. Only who `drives` it can control it. */
 export function connectToClass(code: string, drives: () => boolean): Connection {
-  const path = `/api/classes/${code}`;
+  const path = addressOf("GET /api/classes/{code}", { code });
   return connection(
     () => `${path}/session`,
     path,

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
-import { answerIn, ask, fileOf, mayPass, whyAgain } from "./ask";
+import { addressOf, answerIn, ask, fileAddress, fileOf, mayPass, whyAgain } from "./ask";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -37,6 +37,15 @@ test("a file is sent as it is, and an answer may be a file or nothing", async ()
     ],
   ]);
   expect(await answerIn<"DELETE /api/fleet">(new Response(null, { status: 204 }))).toBeUndefined();
+});
+
+test("a file has an address where the service has such a file", () => {
+  expect(fileAddress("a/b", "volume.bt")).toBe("/api/sessions/a%2Fb/volume.bt");
+  expect(fileAddress("s", "costmap/costmap.pgm")).toBe("/api/sessions/s/costmap/costmap.pgm");
+  // @ts-expect-error: another ending
+  expect(fileAddress("s", "volume.ply")).toContain("volume.ply");
+  // @ts-expect-error: another request
+  expect(addressOf("GET /api/logs/{log_id}/map.pgm", { log_id: "x" })).toContain("map.pgm");
 });
 
 test("what a request needs, and what it does not take, is checked where it is compiled", async () => {

@@ -1,10 +1,25 @@
 /** Requests to the service: queries, bodies and answers have the types that are generated from its routes. */
 
 import { awaited } from "../ui/browser/awaited";
-import type { Answers, Bodies, Queries } from "./http";
+import type { Answers, Bodies, Files, Queries } from "./http";
 
 /** The names in the braces of an address. */
 type Names<A extends string> = A extends `${string}{${infer Name}}${infer Rest}` ? Name | Names<Rest> : never;
+
+/** A request, by method and address. */
+type Asked = keyof Answers | Files;
+
+/** The address with any text for each name in its braces. */
+type Filled<A extends string> = A extends `${infer Begin}{${string}}${infer End}`
+  ? `${Begin}${string}${Filled<End>}`
+  : A;
+
+/** A file of a session, by what follows the session's address. */
+export type SessionFile = Files extends infer F
+  ? F extends `GET /api/sessions/{session_id}/${infer Name}`
+    ? Filled<Name>
+    : never
+  : never;
 
 type Named<K extends string> = Readonly<Record<Names<K>, string | number>>;
 
@@ -83,7 +98,7 @@ export async function answerIn<K extends keyof Answers>(response: Response): Pro
 }
 
 /** The address of a request, "GET /api/logs/{log_id}", with what it names and a query. */
-export function addressOf<K extends string>(
+export function addressOf<K extends Asked>(
   what: K,
   names: Named<K>,
   query?: K extends keyof Queries ? Queries[K] : never,
@@ -96,6 +111,10 @@ export function addressOf<K extends string>(
     for (const item of Array.isArray(value) ? value : [value]) search.append(name, String(item));
   return search.size > 0 ? `${address}?${search}` : address;
 }
+
+/** The address of a file of a session. */
+export const fileAddress = (session: string, file: SessionFile): string =>
+  `${addressOf("GET /api/sessions/{session_id}", { session_id: session })}/${file}`;
 
 /** Send a request to an address that {@link addressOf} has made. Rejects as {@link fetched}. */
 function send(what: string, address: string, { body, ending }: Sent): Promise<Response> {
@@ -118,7 +137,7 @@ export const answerAt = async <K extends keyof Answers>(
 ): Promise<Answers[K]> => answerIn<K>(await send(what, address, { ending }));
 
 /** Send a request with what its address names, and return the response: a file. Rejects as {@link fetched}. */
-export function fileOf<K extends string>(what: K, names: Named<K>, ...[options]: Last<K>): Promise<Response> {
+export function fileOf<K extends Asked>(what: K, names: Named<K>, ...[options]: Last<K>): Promise<Response> {
   const { query, ...sent }: Sent & { readonly query?: never } = options ?? {};
   return send(what, addressOf(what, names, query), sent);
 }

@@ -1720,3 +1720,35 @@ export interface Answers {
   "PUT /api/sessions/{session_id}/sensor": SensorAnswer;
   "PUT /api/sessions/{session_id}/trajectories/{name}": AddedTrajectory;
 }
+
+/** The requests that are answered with a file. */
+export type Files =
+  | "GET /api/classes/{code}/qr.svg"
+  | "GET /api/classes/{code}/results.csv"
+  | "GET /api/logs/{log_id}/map.png"
+  | "GET /api/logs/{log_id}/trajectories/{name}"
+  | "GET /api/puzzles/{puzzle}/map.png"
+  | "GET /api/sessions/{session_id}/above.pgm"
+  | "GET /api/sessions/{session_id}/above.yaml"
+  | "GET /api/sessions/{session_id}/compare.png"
+  | "GET /api/sessions/{session_id}/contents/picture"
+  | "GET /api/sessions/{session_id}/costmap/{name}"
+  | "GET /api/sessions/{session_id}/depth.png"
+  | "GET /api/sessions/{session_id}/edited-map/{name}"
+  | "GET /api/sessions/{session_id}/map.pgm"
+  | "GET /api/sessions/{session_id}/map.png"
+  | "GET /api/sessions/{session_id}/map.yaml"
+  | "GET /api/sessions/{session_id}/notes.csv"
+  | "GET /api/sessions/{session_id}/notes.geojson"
+  | "GET /api/sessions/{session_id}/report"
+  | "GET /api/sessions/{session_id}/report.pdf"
+  | "GET /api/sessions/{session_id}/run.mcap"
+  | "GET /api/sessions/{session_id}/selection.ply"
+  | "GET /api/sessions/{session_id}/surface.glb"
+  | "GET /api/sessions/{session_id}/surface.ply"
+  | "GET /api/sessions/{session_id}/trajectories/{name}"
+  | "GET /api/sessions/{session_id}/trajectory.tum"
+  | "GET /api/sessions/{session_id}/volume.bt"
+  | "GET /api/sessions/{session_id}/volume.ot"
+  | "GET /metrics"
+  | "POST /api/localization/amcl.yaml";

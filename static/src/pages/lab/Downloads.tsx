@@ -1,8 +1,8 @@
 import type { Store } from "../../store/store";
+import { MapFiles } from "../../tools/files/MapFiles";
 import { EditMap } from "../../tools/mapediting/EditMap";
 import { MakePuzzle } from "../../tools/puzzle/MakePuzzle";
 import { Button } from "../../ui/Button";
-import { MapFiles } from "../../ui/files/MapFiles";
 import { toast } from "../../ui/Toast";
 import { liveAddress, snapshotAddress } from "./session";
 

@@ -1,11 +1,9 @@
+import { FileButton } from "../../tools/files/FileButton";
+import { MapFiles } from "../../tools/files/MapFiles";
 import { EditMap } from "../../tools/mapediting/EditMap";
 import { Button } from "../../ui/Button";
-import { MapFiles } from "../../ui/files/MapFiles";
 import { Panel } from "../../ui/Panel";
-
-/** Downloads of the log for visitors who may open it. */
-const RUN_FILES = ["run.mcap", "trajectory.tum"];
-const LABELS: Readonly<Record<string, string>> = { "trajectory.tum": "Trajectory (TUM)" };
+import { fileAddress } from "../../wire/ask";
 
 /** The map as files and, except for a guest, the run. */
 export function Downloads({
@@ -21,22 +19,23 @@ export function Downloads({
     <Panel title="Download">
       <div class="actions downloads">
         <MapFiles session={session} />
-        {(isGuest ? [] : RUN_FILES).map((name) => (
-          <Button key={name} icon="download" href={`/api/sessions/${encodeURIComponent(session)}/${name}`} download>
-            {LABELS[name] ?? name.split(".").at(-1)}
-          </Button>
-        ))}
         {!isGuest && (
           <>
-            <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report`} target="_blank">
+            <FileButton session={session} file="run.mcap">
+              mcap
+            </FileButton>
+            <FileButton session={session} file="trajectory.tum">
+              Trajectory (TUM)
+            </FileButton>
+            <Button icon="file" href={fileAddress(session, "report")} target="_blank">
               Report
             </Button>
-            <Button icon="file" href={`/api/sessions/${encodeURIComponent(session)}/report.pdf`} target="_blank">
+            <Button icon="file" href={fileAddress(session, "report.pdf")} target="_blank">
               Report as PDF
             </Button>
+            <EditMap session={session} name={title} />
           </>
         )}
-        {!isGuest && <EditMap session={session} name={title} />}
       </div>
       <p class="quiet">
         pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.

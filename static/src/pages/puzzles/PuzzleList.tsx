@@ -7,6 +7,7 @@ import { isDark } from "../../ui/browser/theme";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import { addressOf } from "../../wire/ask";
 import type { MadePuzzleAnswer, OfferedPuzzle, PuzzleList as Puzzles } from "../../wire/http";
 import { allPuzzles, giveToClass, removePuzzle, solvedPoints } from "./puzzles";
 
@@ -18,7 +19,7 @@ function PuzzlePicture({ puzzle }: { readonly puzzle: OfferedPuzzle }) {
       {state.value !== "shown" && <Icon name="map" />}
       {state.value !== "failed" && (
         <img
-          src={`/api/puzzles/${encodeURIComponent(puzzle.name)}/map.png?dark=${isDark.value}`}
+          src={addressOf("GET /api/puzzles/{puzzle}/map.png", { puzzle: puzzle.name }, { dark: isDark.value })}
           alt={`Map of ${puzzle.title}`}
           loading="lazy"
           decoding="async"

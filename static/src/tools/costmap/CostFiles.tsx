@@ -1,5 +1,5 @@
-import { Button } from "../../ui/Button";
 import type { BrushStroke } from "../../wire/protocol";
+import { FileButton } from "../files/FileButton";
 
 interface CostFilesProps {
   readonly session: string;
@@ -30,14 +30,9 @@ export function CostFiles({ session, strokes = [] }: CostFilesProps) {
     <>
       <div class="actions">
         {[...COSTS, ...(hasKeepout ? KEEPOUT : []), ...(hasSpeed ? SPEED : [])].map(([file, label]) => (
-          <Button
-            key={file}
-            icon="download"
-            href={`/api/sessions/${encodeURIComponent(session)}/costmap/${file}`}
-            download
-          >
+          <FileButton key={file} session={session} file={`costmap/${file}`}>
             {label}
-          </Button>
+          </FileButton>
         ))}
       </div>
       <p class="navigation-note">

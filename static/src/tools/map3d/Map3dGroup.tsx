@@ -8,6 +8,7 @@ import { Choice } from "../../ui/Choice";
 import { plural, bytes as sizeOf } from "../../ui/numbers";
 import type { Map3dMessage, SurfaceMessage, Value } from "../../wire/protocol";
 import { CostmapOver } from "../costmap/CostmapOver";
+import { FileButton } from "../files/FileButton";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
 import { ClipBox, ClipHandles } from "../volume/ClipBox";
@@ -247,7 +248,7 @@ function Difference({ store }: { readonly store: Store }) {
   );
 }
 
-const FILES = ["volume.bt", "volume.ot", "surface.ply", "surface.glb", "above.pgm", "above.yaml"];
+const FILES = ["volume.bt", "volume.ot", "surface.ply", "surface.glb", "above.pgm", "above.yaml"] as const;
 
 interface FilesProps {
   readonly session: string;
@@ -260,9 +261,9 @@ function Files({ session, isSurface }: FilesProps) {
     <>
       <div class="actions">
         {FILES.map((name) => (
-          <Button key={name} icon="download" href={`/api/sessions/${encodeURIComponent(session)}/${name}`} download>
+          <FileButton key={name} session={session} file={name}>
             {name.split(".")[1]}
-          </Button>
+          </FileButton>
         ))}
       </div>
       <p class="map3d-note">

@@ -6,6 +6,7 @@ import type { Store } from "../../../store/store";
 import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
 import { Legend } from "../../../tools/compare/Legend";
 import { Numbers } from "../../../tools/compare/Numbers";
+import { FileButton } from "../../../tools/files/FileButton";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
@@ -109,9 +110,9 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 {comparison.mode.value === "difference" && <Legend comparison={comparison} />}
                 {comparison.mode.value === "merge" && <Merge compared={compared} />}
                 <div class="actions">
-                  <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
+                  <FileButton session={session} file="compare.png">
                     Difference (png)
-                  </Button>
+                  </FileButton>
                   <Button icon="close" onClick={() => void ask(() => endComparison(session))}>
                     End comparison
                   </Button>

@@ -1,6 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { isDark } from "../../../ui/browser/theme";
 import { Icon } from "../../../ui/Icon";
+import { addressOf } from "../../../wire/ask";
 
 interface LogPictureProps {
   readonly id: string;
@@ -17,7 +18,7 @@ export function LogPicture({ id, hasPicture, isAwaited, alt, children }: LogPict
     <div class={`card-picture${isAwaited ? " awaited" : ""}`}>
       {hasPicture ? (
         <img
-          src={`/api/logs/${encodeURIComponent(id)}/map.png?dark=${isDark.value}`}
+          src={addressOf("GET /api/logs/{log_id}/map.png", { log_id: id }, { dark: isDark.value })}
           alt={alt}
           loading="lazy"
           decoding="async"

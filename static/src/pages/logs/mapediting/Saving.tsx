@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../../store/store";
+import { FileButton } from "../../../tools/files/FileButton";
 import { mapAddress } from "../../../tools/mapediting/EditMap";
 import { mapEditingOf } from "../../../tools/mapediting/state";
 import { Button } from "../../../ui/Button";
@@ -20,7 +21,6 @@ export function Saving({ store, session }: SavingProps) {
   const { isBusy, failure, attempt } = useAttempts();
   const saved = useSignal<LogRecord | null>(null);
   const name = typed.value ?? `${title}, edited`.slice(0, 100);
-  const address = `/api/sessions/${encodeURIComponent(session)}/edited-map`;
   const at = { session_id: session };
   const { edits } = mapEditingOf(store);
   const save = (): Promise<void> =>
@@ -98,9 +98,9 @@ export function Saving({ store, session }: SavingProps) {
         <div class="stack-narrow">
           <div class="actions">
             {files.map(([file, label]) => (
-              <Button key={file} icon="download" href={`${address}/${file}`} download>
+              <FileButton key={file} session={session} file={`edited-map/${file}`}>
                 {label}
-              </Button>
+              </FileButton>
             ))}
           </div>
           {geometry && (

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { momentText, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
+import { FileButton } from "../../../tools/files/FileButton";
 import { measuringOf } from "../../../tools/measure/measuring";
 import { areaOf } from "../../../tools/measure/model";
 import { Button } from "../../../ui/Button";
@@ -38,16 +39,15 @@ export function Notes({ store, session, state, isGuest }: NotesProps) {
       {notes !== null && notes.length > 0 && (
         <div class="actions">
           {FILES.map(([ending, label]) => (
-            <Button
+            <FileButton
               key={ending}
+              session={session}
+              file={`notes.${ending}`}
               kind="quiet"
-              icon="download"
               label={`Download the notes as ${label}, coordinates in metres`}
-              href={`/api/sessions/${encodeURIComponent(session)}/notes.${ending}`}
-              download
             >
               {label}
-            </Button>
+            </FileButton>
           ))}
         </div>
       )}

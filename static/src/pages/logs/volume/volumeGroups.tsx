@@ -2,6 +2,8 @@
 
 import type { ComponentChildren } from "preact";
 import type { Store } from "../../../store/store";
+import { FileButton } from "../../../tools/files/FileButton";
+import { MapFiles } from "../../../tools/files/MapFiles";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { groupsOfParts } from "../../../tools/parts";
 import { BeliefView } from "../../../tools/picture/BeliefView";
@@ -10,7 +12,6 @@ import { useLook } from "../../../tools/volume/useLook";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import { Button } from "../../../ui/Button";
 import type { DockGroup } from "../../../ui/dock/Dock";
-import { MapFiles } from "../../../ui/files/MapFiles";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { SelectField } from "../../../ui/Select";
@@ -74,29 +75,28 @@ function Memory({ store }: { readonly store: Store }) {
 
 /** The map as an octree and from above. */
 function VolumeDownloads({ store, session }: { readonly store: Store; readonly session: string }) {
-  const address = (name: string): string => `/api/sessions/${encodeURIComponent(session)}/${name}`;
   const hasSurface = (store.part("surface").message.value?.table.length ?? 0) > 0;
   return (
     <Panel title="Download">
       <div class="actions downloads">
-        <Button icon="download" href={address("volume.bt")} download>
+        <FileButton session={session} file="volume.bt">
           bt
-        </Button>
-        <Button icon="download" href={address("volume.ot")} download>
+        </FileButton>
+        <FileButton session={session} file="volume.ot">
           ot
-        </Button>
+        </FileButton>
         <MapFiles session={session} />
-        <Button icon="download" href={address("selection.ply")} download>
+        <FileButton session={session} file="selection.ply">
           points in the clip box
-        </Button>
+        </FileButton>
         {hasSurface && (
           <>
-            <Button icon="download" href={address("surface.ply")} download>
+            <FileButton session={session} file="surface.ply">
               ply
-            </Button>
-            <Button icon="download" href={address("surface.glb")} download>
+            </FileButton>
+            <FileButton session={session} file="surface.glb">
               glb
-            </Button>
+            </FileButton>
           </>
         )}
       </div>

@@ -1,4 +1,6 @@
-import { Button } from "../Button";
+import { Button } from "../../ui/Button";
+import { addressOf } from "../../wire/ask";
+import { FileButton } from "./FileButton";
 
 /** Milliseconds after which the second file of a pair is of a new instant. */
 const PAIR_MS = 600_000;
@@ -52,10 +54,11 @@ const snapshots = new MapSnapshots();
 
 /** Buttons that download a session's map: pgm and yaml, which are of one instant, and png. */
 export function MapFiles({ session }: { readonly session: string }) {
-  const address = (kind: string): string => `/api/sessions/${encodeURIComponent(session)}/map.${kind}`;
+  const address = (kind: "pgm" | "yaml", at?: string): string =>
+    addressOf(`GET /api/sessions/{session_id}/map.${kind}`, { session_id: session }, at === undefined ? {} : { at });
   return (
     <>
-      {["pgm", "yaml"].map((kind) => (
+      {(["pgm", "yaml"] as const).map((kind) => (
         <Button
           key={kind}
           icon="download"
@@ -63,15 +66,15 @@ export function MapFiles({ session }: { readonly session: string }) {
           download
           onClick={(event) => {
             event.preventDefault();
-            save(`${address(kind)}?at=${snapshots.next(session, kind, new Date())}`);
+            save(address(kind, snapshots.next(session, kind, new Date())));
           }}
         >
           {kind}
         </Button>
       ))}
-      <Button icon="download" href={address("png")} download>
+      <FileButton session={session} file="map.png">
         png
-      </Button>
+      </FileButton>
     </>
   );
 }

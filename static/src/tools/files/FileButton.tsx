@@ -1,0 +1,17 @@
+import type { ComponentChildren } from "preact";
+import { Button } from "../../ui/Button";
+import { fileAddress, type SessionFile } from "../../wire/ask";
+
+interface FileButtonProps {
+  readonly session: string;
+  readonly file: SessionFile;
+  /** Accessible name and title, where the text does not say enough. */
+  readonly label?: string;
+  readonly kind?: "quiet";
+  readonly children: ComponentChildren;
+}
+
+/** A button that downloads a file of a session. */
+export const FileButton = ({ session, file, ...shown }: FileButtonProps) => (
+  <Button icon="download" href={fileAddress(session, file)} download {...shown} />
+);
