@@ -29,6 +29,8 @@ PARTS = (
     "costmap",
     "path",
     "editing",
+    "doctor",
+    "notes",
 )
 
 

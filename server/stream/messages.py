@@ -20,7 +20,6 @@ from server.stream.message_parts import (
     Edits,
     LayerInfo,
     LogInfo,
-    Numbers,
     Parameter,
     Point,
     Pose,
@@ -157,24 +156,10 @@ class ParametersMessage(Struct, tag_field="type", tag="parameters"):
     compare: Annotated[Compared | UnsetType | None, Meta(description="the second map; null if there is none")] = UNSET
 
 
-class ComparisonMessage(Struct, tag_field="type", tag="comparison"):
-    """Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison."""
-
-    index: Annotated[int, Meta(description="scans in the map")]
-    refused: Annotated[str | None, Meta(description="reason why the maps cannot be compared, one sentence")]
-    numbers: Annotated[Numbers | None, Meta(description="the comparison")]
-
-
 class Trajectories(Struct, tag_field="type", tag="trajectories"):
     """Log sessions: the trajectories of the log, after one was added, replaced or deleted."""
 
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
-
-
-class NotesMessage(Struct, tag_field="type", tag="notes"):
-    """Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again."""
-
-    changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
 
 
 class WorldMessage(Struct, tag_field="type", tag="world"):
@@ -324,9 +309,7 @@ MESSAGES = (
     FrameMessage,
     Trajectory,
     Trajectories,
-    NotesMessage,
     ParametersMessage,
-    ComparisonMessage,
     WorldMessage,
     Forgetting,
     WorkingMessage,

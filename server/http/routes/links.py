@@ -17,7 +17,6 @@ from server.downloads import Downloads
 from server.http.clients import chosen_place, client_address, while_connected
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
-from server.http.routes.doctor import DoctorAnswer, doctor_answer
 from server.http.routes.fields import Made
 from server.http.routes.sessions import SessionAnswer, created
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
@@ -26,6 +25,7 @@ from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
 from server.parts.costmap.messages import CostmapCommand
+from server.parts.doctor.routes import DoctorAnswer, doctor_answer
 from server.parts.terrain.routes import uploaded_terrain
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry

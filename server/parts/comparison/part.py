@@ -11,6 +11,7 @@ from mapper.grid import OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
+from server.parts.comparison.messages import ComparisonMessage
 from server.parts.comparison.second_map import SecondMapView
 from server.sessions.hosting import ModelHost
 from server.sessions.part import ExplainedMap, Part
@@ -19,7 +20,7 @@ from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
 from server.stream.layers import GridLayer
 from server.stream.message_parts import Compared, Numbers
-from server.stream.messages import ComparisonMessage, ParametersMessage
+from server.stream.messages import ParametersMessage
 from server.work.scheduler import checkpoint
 
 

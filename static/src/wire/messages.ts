@@ -141,36 +141,6 @@ export interface Compared {
   readonly title?: string;
 }
 
-/** cells by state in B */
-export type StateCounts = readonly [number, number, number];
-
-/** one number for each of two maps: [A, B] */
-export type Sides = readonly [a: number, b: number];
-
-/** Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`. */
-export interface Numbers {
-  /** cells compared */
-  readonly cells: number;
-  /** states[i][j]: cells with state i in A and j in B; order free, occupied, unknown */
-  readonly states: readonly [StateCounts, StateCounts, StateCounts];
-  /** cells with the same state in A and B */
-  readonly same: number;
-  /** cells observed only in A, only in B */
-  readonly only: Sides;
-  /** cells observed in both */
-  readonly both: number;
-  /** entropy of each map, bits */
-  readonly entropy_bits: Sides;
-  /** contrast of each map */
-  readonly contrast: Sides;
-  /** mean absolute difference of the probabilities */
-  readonly mean_difference: number;
-  /** greatest absolute difference of the probabilities */
-  readonly max_difference: number;
-  /** centre of that cell; null if the maps do not differ */
-  readonly max_at: Point | null;
-}
-
 /** wall from corner to corner, or axis-aligned box between two corners; cm in the map frame */
 export type DrawnSolid = readonly [kind: "box" | "wall", x0: number, y0: number, x1: number, y1: number];
 
@@ -224,6 +194,36 @@ export interface Contribution {
   readonly sensor?: string;
   /** true for a miss that counts for nothing, as its scan hits the cell */
   readonly outweighed?: boolean;
+}
+
+/** cells by state in B */
+export type StateCounts = readonly [number, number, number];
+
+/** one number for each of two maps: [A, B] */
+export type Sides = readonly [a: number, b: number];
+
+/** Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`. */
+export interface Numbers {
+  /** cells compared */
+  readonly cells: number;
+  /** states[i][j]: cells with state i in A and j in B; order free, occupied, unknown */
+  readonly states: readonly [StateCounts, StateCounts, StateCounts];
+  /** cells with the same state in A and B */
+  readonly same: number;
+  /** cells observed only in A, only in B */
+  readonly only: Sides;
+  /** cells observed in both */
+  readonly both: number;
+  /** entropy of each map, bits */
+  readonly entropy_bits: Sides;
+  /** contrast of each map */
+  readonly contrast: Sides;
+  /** mean absolute difference of the probabilities */
+  readonly mean_difference: number;
+  /** greatest absolute difference of the probabilities */
+  readonly max_difference: number;
+  /** centre of that cell; null if the maps do not differ */
+  readonly max_at: Point | null;
 }
 
 /** [x, y, z] in m */
@@ -608,13 +608,6 @@ export interface Trajectories {
   readonly trajectories: readonly TrajectoryInfo[];
 }
 
-/** Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again. */
-export interface NotesMessage {
-  readonly type: "notes";
-  /** when, seconds since 1970 */
-  readonly changed_s: number;
-}
-
 /** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -626,17 +619,6 @@ export interface ParametersMessage {
   readonly faults?: Values;
   /** the second map; null if there is none */
   readonly compare?: Compared | null;
-}
-
-/** Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison. */
-export interface ComparisonMessage {
-  readonly type: "comparison";
-  /** scans in the map */
-  readonly index: number;
-  /** reason why the maps cannot be compared, one sentence */
-  readonly refused: string | null;
-  /** the comparison */
-  readonly numbers: Numbers | null;
 }
 
 /** Simulations: the true walls and boxes. Sent at the start and after a change. */
@@ -822,6 +804,17 @@ export interface Pong {
   readonly id: number;
   /** monotonic clock of the server, s */
   readonly t: number;
+}
+
+/** Log sessions: comparison of the map, B, with the second map, A. Both fields null: there is no comparison. */
+export interface ComparisonMessage {
+  readonly type: "comparison";
+  /** scans in the map */
+  readonly index: number;
+  /** reason why the maps cannot be compared, one sentence */
+  readonly refused: string | null;
+  /** the comparison */
+  readonly numbers: Numbers | null;
 }
 
 /** Estimate of the particle filter; in a simulation, with its error. */
@@ -1117,6 +1110,13 @@ export interface MapEditsMessage {
   readonly speed_cells: number;
   /** what the reader of the map noted */
   readonly notes: readonly string[];
+}
+
+/** Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again. */
+export interface NotesMessage {
+  readonly type: "notes";
+  /** when, seconds since 1970 */
+  readonly changed_s: number;
 }
 
 /** Acknowledge that the binary frames up to `seq` were painted. */
@@ -1617,9 +1617,7 @@ export type ServerMessage =
   | FrameMessage
   | Trajectory
   | Trajectories
-  | NotesMessage
   | ParametersMessage
-  | ComparisonMessage
   | WorldMessage
   | Forgetting
   | WorkingMessage
@@ -1631,6 +1629,7 @@ export type ServerMessage =
   | PlaceMessage
   | SceneMessage
   | Pong
+  | ComparisonMessage
   | LocalizationMessage
   | Map3dMessage
   | VolumeMessage
@@ -1642,7 +1641,8 @@ export type ServerMessage =
   | CostMessage
   | Nav2Message
   | PathMessage
-  | MapEditsMessage;
+  | MapEditsMessage
+  | NotesMessage;
 
 export type Command =
   | AckCommand
@@ -1763,20 +1763,6 @@ const isCompared: Check = isObject({
   topic: optional(oneOf(isText, isNull)),
   title: optional(isText),
 });
-const isStateCounts: Check = isTuple(isInteger, isInteger, isInteger);
-const isSides: Check = isTuple(isNumber, isNumber);
-const isNumbers: Check = isObject({
-  cells: isInteger,
-  states: isTuple(isStateCounts, isStateCounts, isStateCounts),
-  same: isInteger,
-  only: isSides,
-  both: isInteger,
-  entropy_bits: isSides,
-  contrast: isSides,
-  mean_difference: isNumber,
-  max_difference: isNumber,
-  max_at: oneOf(isPoint, isNull),
-});
 const isDrawnSolid: Check = isTuple(isLiteral("box", "wall"), isInteger, isInteger, isInteger, isInteger);
 const isEdits: Check = isObject({
   added: isListOf(isDrawnSolid),
@@ -1802,6 +1788,20 @@ const isContribution: Check = isObject({
   log_odds: isNumber,
   sensor: optional(isText),
   outweighed: optional(isFlag),
+});
+const isStateCounts: Check = isTuple(isInteger, isInteger, isInteger);
+const isSides: Check = isTuple(isNumber, isNumber);
+const isNumbers: Check = isObject({
+  cells: isInteger,
+  states: isTuple(isStateCounts, isStateCounts, isStateCounts),
+  same: isInteger,
+  only: isSides,
+  both: isInteger,
+  entropy_bits: isSides,
+  contrast: isSides,
+  mean_difference: isNumber,
+  max_difference: isNumber,
+  max_at: oneOf(isPoint, isNull),
 });
 const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
 const isColourScale: Check = isObject({
@@ -2007,19 +2007,11 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   trajectories: {
     trajectories: isListOf(isTrajectoryInfo),
   },
-  notes: {
-    changed_s: isNumber,
-  },
   parameters: {
     values: isValues,
     sensor: oneOf(isValues, isNull),
     faults: optional(isValues),
     compare: optional(oneOf(isCompared, isNull)),
-  },
-  comparison: {
-    index: isInteger,
-    refused: oneOf(isText, isNull),
-    numbers: oneOf(isNumbers, isNull),
   },
   world: {
     name: isText,
@@ -2107,6 +2099,11 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   pong: {
     id: isInteger,
     t: isNumber,
+  },
+  comparison: {
+    index: isInteger,
+    refused: oneOf(isText, isNull),
+    numbers: oneOf(isNumbers, isNull),
   },
   localization: {
     is_on: isFlag,
@@ -2247,6 +2244,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     keepout_cells: isInteger,
     speed_cells: isInteger,
     notes: isListOf(isText),
+  },
+  notes: {
+    changed_s: isNumber,
   },
 };
 

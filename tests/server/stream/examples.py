@@ -6,9 +6,11 @@ from typing import Any
 
 from msgspec import UNSET, Struct, structs
 
+from server.parts.comparison.messages import ComparisonMessage
 from server.parts.costmap import messages as costmap_messages
 from server.parts.editing.messages import MapEditsMessage
 from server.parts.localization.messages import LocalizationMessage
+from server.parts.notes.messages import NotesMessage
 from server.parts.path.messages import PathMessage
 from server.parts.terrain import messages as terrain
 from server.parts.volume import messages as volume_messages
@@ -186,12 +188,12 @@ MESSAGES: tuple[Struct, ...] = (
     ),
     messages.Trajectory("odometry", "odom", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
     messages.Trajectories([parts.TrajectoryInfo("SLAM", "poses corrected by SLAM", from_scans=True, same_as="true")]),
-    messages.NotesMessage(1_700_000_000.25),
+    NotesMessage(1_700_000_000.25),
     messages.ParametersMessage({"window": 0.2}, None),
     messages.ParametersMessage({}, {"n_beams": 360}, {"drift": True}, parts.Compared({"clamp": False}, True)),
     messages.ParametersMessage({}, None, UNSET, parts.Compared({}, True, "true", None, None, "this log")),
-    messages.ComparisonMessage(7, None, _NUMBERS),
-    messages.ComparisonMessage(7, "A has cells of 0.1 m and B of 0.05 m.", None),
+    ComparisonMessage(7, None, _NUMBERS),
+    ComparisonMessage(7, "A has cells of 0.1 m and B of 0.05 m.", None),
     messages.WorldMessage(
         name="room",
         title="Room",

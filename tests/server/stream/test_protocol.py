@@ -11,11 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from server.parts.notes.messages import NotesMessage
 from server.parts.path.messages import GoalCommand
 from server.parts.volume.messages import VoxelCommand
 from server.parts.wire import command_of, decode_command
 from server.stream.commands import ParametersCommand, TeleportCommand
-from server.stream.messages import NotesMessage, Trajectories
+from server.stream.messages import Trajectories
 from server.stream.protocol import ProtocolError, encode_text, place_of
 
 

@@ -20,9 +20,9 @@ from server.library.annotations.note_files import MapFrame, notes_as_csv, notes_
 from server.library.annotations.notes import MAX_CORNERS, NoteAnswer, Pin
 from server.library.library import Library
 from server.library.logs.records import Record
+from server.parts.notes.messages import NotesMessage
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
-from server.stream.messages import NotesMessage
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 

@@ -1,0 +1,1 @@
+"""The diagnosis of a log, see :mod:`mapper.diagnosis`."""

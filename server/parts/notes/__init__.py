@@ -1,0 +1,1 @@
+"""The notes on a log, see :mod:`server.library.annotations.notes`."""
