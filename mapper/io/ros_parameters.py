@@ -18,13 +18,14 @@ from mapper.io.untrusted_yaml import (
     CountError,
     DepthError,
     UntrustedLoader,
-    load_untrusted,
+    load_with_twice,
     text_of,
     where_and_why,
 )
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
+MOST_TWICE = 10  #: notes on keys that stand twice
 MAX_VALUES = UntrustedLoader.most_values
 
 
@@ -39,7 +40,13 @@ def read_parameter_file(path: str | os.PathLike[str]) -> bytes:
         raise ReadError("parameters.unreadable", message) from error
 
 
-def parse_ros_parameters(data: bytes) -> dict[str, Any]:
+class ParameterFile(dict[str, Any]):
+    """The mapping of a parameter file; ``notes`` are sentences on what in it does not count."""
+
+    notes: tuple[str, ...] = ()
+
+
+def parse_ros_parameters(data: bytes) -> ParameterFile:
     """Return the mapping that a parameter file's bytes hold.
 
     Raises :class:`ReadError` for text that is not such a mapping and names the line where there is one, and
@@ -55,7 +62,7 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
         message = f"The parameter file is not UTF-8 text: byte {error.start} is wrong."
         raise ReadError("parameters.text", message) from error
     try:
-        root = load_untrusted(text)
+        root, twice = load_with_twice(text)
     except AliasError as error:
         raise ReadError("parameters.alias", f"The parameter file is endless: {error.problem}.") from error
     except DepthError as error:
@@ -70,7 +77,13 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
         raise ReadError("parameters.yaml", "The parameter file is malformed.") from error
     if not isinstance(root, dict):
         raise ReadError("parameters.yaml", "The parameter file holds no names with values.")
-    return root
+    made = ParameterFile(root)
+    made.notes = tuple(
+        f"The key {key!r:.80} stands twice, in lines {first} and {last}: the latter alone counts, as in Nav2’s launch "
+        "files."
+        for key, first, last in twice[:MOST_TWICE]
+    )
+    return made
 
 
 WILDCARDS = ("*", "**")  #: names of nodes that stand for one name, or for any names
@@ -81,9 +94,13 @@ def nodes_of(root: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], dict[st
 
     A node is what holds ``ros__parameters``. Namespaces are keys, or parts of a fully qualified name with ``/``, as
     ``ros2 param dump`` writes it; a parameter's name may have dots, each of which is a level. Raises
-    :class:`ReadError` for a name that is given a value and parameters of its own.
+    :class:`ReadError` for a name that is given a value and parameters of its own. Of a node that stands in several
+    ways, all parameters count, the last value of each, as in rcl.
     """
-    yield from _nodes_below(root, ())
+    made: dict[tuple[str, ...], dict[str, Any]] = {}
+    for path, parameters in _nodes_below(root, ()):
+        made[path] = _merged(made.get(path, {}), parameters, "/".join(path))
+    yield from made.items()
 
 
 def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
@@ -110,9 +127,13 @@ def _with_levels(given: Mapping[Any, Any], where: str) -> dict[str, Any]:
     return made
 
 
+def _merged(one: dict[str, Any], other: dict[str, Any], where: str) -> dict[str, Any]:
+    return one | {key: _joined(one[key], value, where) if key in one else value for key, value in other.items()}
+
+
 def _joined(one: object, other: object, where: str) -> object:
     if isinstance(one, dict) and isinstance(other, dict):
-        return one | {key: _joined(one[key], value, where) if key in one else value for key, value in other.items()}
+        return _merged(one, other, where)
     if isinstance(one, dict) or isinstance(other, dict):
         raise ReadError("parameters.levels", f"{where} has a value, and parameters below it.")
     return other

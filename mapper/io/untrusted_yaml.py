@@ -17,6 +17,7 @@ from yaml.composer import Composer
 from yaml.constructor import SafeConstructor
 from yaml.resolver import Resolver
 
+_EXPONENT = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)[eE][-+]?\d{1,4}", re.ASCII)
 LONGEST_INTEGER = 100  #: characters; the longest integer of 64 bits is binary, with its sign and underscores
 
 
@@ -51,6 +52,19 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
         SafeConstructor.__init__(self)
         Resolver.__init__(self)
         self._anchored: dict[str, tuple[int, int]] = {}  #: values and levels of each node with a name
+        self.twice: list[tuple[str, int, int]] = []  #: keys that stand twice in a mapping, of which the last counts
+
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:  # noqa: ANN401 - PyYAML's own
+        """Return the next mapping; a key that stands in it again is noted in ``twice``."""
+        node = super().compose_mapping_node(anchor)
+        lines: dict[str, int] = {}
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                line = key.start_mark.line + 1
+                if key.value in lines:
+                    self.twice.append((key.value, lines[key.value], line))
+                lines[key.value] = line
+        return node
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
         """Return the next node."""
@@ -86,6 +100,12 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
             problem = f"{node.value!r:.40} is no {node.tag.rpartition(':')[2]}"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from None
 
+    def construct_yaml_float(self, node: yaml.ScalarNode) -> float:
+        """Return a number, which may have an exponent without a point or a sign, as YAML 1.2 and ROS 2 have it."""
+        if _EXPONENT.fullmatch(node.value):
+            return float(node.value)
+        return float(super().construct_yaml_float(node))
+
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """Return an integer of 64 bits."""
         # Bases other than ten, and of YAML 1.1 also 59:59:59, are not limited by Python itself.
@@ -97,6 +117,8 @@ class UntrustedLoader(Composer, CParser, SafeConstructor, Resolver):
         raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
 
 
+UntrustedLoader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, [*"-+.0123456789"])
+UntrustedLoader.add_constructor("tag:yaml.org,2002:float", UntrustedLoader.construct_yaml_float)  # type: ignore[type-var] # stubs
 UntrustedLoader.add_constructor("tag:yaml.org,2002:int", UntrustedLoader.construct_yaml_int)  # type: ignore[type-var] # stubs
 
 
@@ -107,9 +129,17 @@ def text_of(data: bytes) -> str:
 
 def load_untrusted(text: str) -> Any:  # noqa: ANN401 - what yaml holds
     """Return the value of a YAML text. Raises :class:`yaml.YAMLError`."""
+    return load_with_twice(text)[0]
+
+
+def load_with_twice(text: str) -> tuple[Any, list[tuple[str, int, int]]]:
+    """Return the value of a YAML text, and the keys that stand twice in a mapping, with their lines.
+
+    Of such the last counts alone. Raises :class:`yaml.YAMLError`.
+    """
     loader = UntrustedLoader(text)
     try:
-        return loader.get_single_data()
+        return loader.get_single_data(), loader.twice
     finally:
         loader.dispose()
 

@@ -84,11 +84,12 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
     that is no such yaml, and for an invalid value, and :class:`ConfigError` for a value that is impossible, as
     well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
-    values, layout = _node(parse_ros_parameters(data))
+    root = parse_ros_parameters(data)
+    values, layout = _node(root)
     names = NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
     others = {}
-    notes: list[str] = []
+    notes = [*root.notes]
     for name, value in (values | _remarks(data)).items():
         own = names.get(name, name)
         if own in BY_NAME:

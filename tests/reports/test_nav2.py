@@ -121,8 +121,8 @@ def test_amcl_and_the_planner_of_a_dump() -> None:
 
 
 NOT_BUILT = (
-    "nav2_costmap_2d::RangeSensorLayer", "nav2_costmap_2d::PluginContainerLayer",
-    "spatio_temporal_voxel_layer/SpatioTemporalVoxelLayer", "my_robot::ShoutingLayer",
+    "nav2_costmap_2d::RangeSensorLayer", "spatio_temporal_voxel_layer/SpatioTemporalVoxelLayer",
+    "my_robot::ShoutingLayer",
 )  # fmt: skip
 
 
@@ -140,6 +140,83 @@ def test_a_layer_that_is_not_built_is_left_out_with_a_note_and_written_again(plu
     assert again == found
     written = yaml.safe_load(nav2_yaml(found, 0.1))["global_costmap"]["global_costmap"]["ros__parameters"]
     assert written["plugins"] == ["static_layer", "odd", "inflation_layer"]
+
+
+CONTAINER = """
+plugins: [static_layer, c, top]
+static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}
+c:
+  plugin: "nav2_costmap_2d::PluginContainerLayer"
+  combination_method: 1
+  enabled: ENABLED
+  plugins: [static_layer, d]
+  static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}
+  d: {plugin: "nav2_costmap_2d::DenoiseLayer", minimal_group_size: 30}
+top: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.4}
+"""
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_the_layers_of_a_container_are_read_as_if_they_stood_in_the_list(enabled: bool) -> None:
+    """nav2_costmap_2d's PluginContainerLayer, since Kilted: what it holds was left out, with its obstacles."""
+    found = node(CONTAINER.replace("ENABLED", str(enabled).lower()) + "robot_radius: 0.3\n")
+    assert [one.name for one in found.layers] == ["static_layer", "c_static_layer", "d", "top"]
+    assert [one.config.enabled for one in found.layers] == [True, enabled, enabled, True]
+    assert lethal(found) == (0 if enabled else 9)
+    assert len(found.notes) == 1
+    assert "(static_layer, d) are read, and written again, as if they stood in the list of plugins" in found.notes[0]
+    again = parse_nav2_costmap(nav2_yaml(found, 0.1).encode())
+    assert (again.layers, again.skipped) == (found.layers, ())
+    with pytest.raises(MapperError, match=r"global_costmap\.c\.d: The layer has no 'plugin'"):
+        node(CONTAINER.replace('plugin: "nav2_costmap_2d::DenoiseLayer", ', "").replace("ENABLED", "true"))
+
+
+@pytest.mark.parametrize("word", ["7e-1", "7E-01", "0.07e1", ".7", "+7.e-1"])
+def test_numbers_are_those_of_yaml_1_2_and_of_rcl(word: str) -> None:
+    """PyYAML follows YAML 1.1, in which 7e-1 is a text; rcl reads it with strtod."""
+    assert node(f"plugins: []\nrobot_radius: {word}").general.robot_radius == 0.7
+
+
+TWICE = "The key {!r} stands twice, in lines {} and {}: the latter alone counts, as in Nav2’s launch files."
+
+
+def test_a_key_that_stands_twice_has_a_note() -> None:
+    """PyYAML takes the last one without a word: of a block that is repeated the first one's layers were lost."""
+    first = "global_costmap:\n  global_costmap: {ros__parameters: {plugins: [static_layer]}}\n"
+    second = "global_costmap:\n  global_costmap: {ros__parameters: {robot_radius: 0.4, robot_radius: 0.5}}\n"
+    found = parse_nav2_costmap((first + second).encode())
+    assert found.general.robot_radius == 0.5
+    assert found.notes == (TWICE.format("robot_radius", 4, 4), TWICE.format("global_costmap", 1, 3))
+    amcl = parse_amcl_yaml(b"amcl:\n  ros__parameters:\n    alpha1: 0.1\n    alpha1: 0.3\n")
+    assert (amcl.config.alpha1, amcl.notes) == (0.3, (TWICE.format("alpha1", 3, 4),))
+    merged = b"x: &x {a: 1}\namcl: {ros__parameters: {alpha1: 0.3, b: {<<: *x, a: 2}, c: {<<: *x, <<: *x}}}\n"
+    assert not any("twice" in note for note in parse_amcl_yaml(merged).notes)
+
+
+def test_of_a_node_that_stands_in_two_ways_all_parameters_count() -> None:
+    found = parse_nav2_costmap(
+        b"global_costmap: {global_costmap: {ros__parameters: {plugins: [s], s: {plugin: 'N::StaticLayer'}}}}\n"
+        b"/global_costmap/global_costmap: {ros__parameters: {robot_radius: 0.4, s.footprint_clearing_enabled: true}}\n"
+    )
+    assert (found.general.robot_radius, found.layers[0].config) == (0.4, StaticConfig(footprint_clearing_enabled=True))
+
+
+def test_what_looks_right_and_is_not_what_nav2_reads_has_a_note_or_says_why() -> None:
+    """static_layer.cpp asks the costmap for its thresholds; observation sources are split at spaces alone."""
+    found = node(
+        'plugins: [s]\ns: {plugin: "my_pkg::StaticLayer", lethal_cost_threshold: 50}\nlethal_cost_threshold: 80'
+    )
+    assert found.layers[0].config == StaticConfig(lethal_cost_threshold=80)
+    assert [note.partition(": ")[2][:50] for note in found.notes] == [
+        "'my_pkg::StaticLayer' is another package’s; it is ", "Nav2 (Foxy to Kilted) declares no parameter 'letha",
+    ]  # fmt: skip
+    layer = 'plugins: [o]\no: {plugin: "nav2_costmap_2d::ObstacleLayer", '
+    assert "'a, b', has commas" in node(layer + 'observation_sources: "a, b"}').notes[0]
+    with pytest.raises(MapperError, match=r"combination_method must be 0, 1 or 2, not 1\.0"):
+        node(layer + "combination_method: 1.0}")
+    with pytest.raises(MapperError, match="with ros__parameters: 'ros_parameters' stands there in its place"):
+        parse_nav2_costmap(b"global_costmap: {global_costmap: {ros_parameters: {robot_radius: 0.3}}}")
+    assert node("plugins: []\nfootprint: []").footprint is None
 
 
 def test_small_groups_are_removed_as_nav2_does() -> None:
@@ -262,7 +339,7 @@ def test_a_local_costmap_without_the_map_says_so() -> None:
 def test_values_beyond_what_is_computed_with_are_taken_as_the_nearest() -> None:
     """Heights of 1000 m stand for no limit; z_voxels above 16 are 16 in Nav2's VoxelGrid too."""
     found = node(
-        "plugins: [s, v]\ns: {plugin: n::StaticLayer}\n"
+        "plugins: [s, v]\ns: {plugin: nav2_costmap_2d::StaticLayer}\n"
         "v: {plugin: nav2_costmap_2d::VoxelLayer, z_voxels: 20, max_obstacle_height: 1000.0, "
         "min_obstacle_height: -1000.0}"
     )

@@ -5,7 +5,8 @@ Source: the Nav2 documentation, Costmap 2D, and the declarations of :mod:`mapper
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import difflib
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -33,7 +34,14 @@ from mapper.costmap.parameters import (
     StaticConfig,
 )
 from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, checked, undeclared
-from mapper.io.ros_parameters import find_node, names_of, node_names, note_on_others, parse_ros_parameters
+from mapper.io.ros_parameters import (
+    ParameterFile,
+    find_node,
+    names_of,
+    node_names,
+    note_on_others,
+    parse_ros_parameters,
+)
 from mapper.io.untrusted_yaml import load_untrusted
 
 NODES = ("global_costmap", "local_costmap")
@@ -46,6 +54,7 @@ _STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution", "plugin_na
 #: Keys at the top of the files of ROS 1, and what is different in them.
 OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "robot_radius", "inflation_radius"))
 ROS1 = "whose parameters stand in its nodes by themselves: put them below ros__parameters, with a list of plugins"
+OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of the plugins that are built here
 MAX_LAYERS = 20
 
 
@@ -68,14 +77,27 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
     if found is None:
         wanted = node or " or ".join(NODES)
         has = ", ".join(node_names(root))
-        if has:
+        others = (key for key in _keys(root) if key != "ros__parameters")
+        misspelt = difflib.get_close_matches("ros__parameters", others, 1, 0.85)
+        if misspelt:
+            more = f": {misspelt[0]!r:.40} stands there in its place."
+        elif has:
             more = f"; it has {has:.300}."
         else:
             more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
     made = _Reader(root, *found).read()
-    return replace(made, notes=(*note_on_others(root, found[0]), *made.notes))
+    of_file = root.notes if isinstance(root, ParameterFile) else ()
+    return replace(made, notes=(*of_file, *note_on_others(root, found[0]), *made.notes))
+
+
+def _keys(given: Mapping[Any, Any]) -> Iterator[str]:
+    """Yield the keys of a mapping and of those in it."""
+    for key, value in given.items():
+        yield str(key)[:40]
+        if isinstance(value, dict):
+            yield from _keys(value)
 
 
 class _Reader:
@@ -90,7 +112,7 @@ class _Reader:
     def read(self) -> Nav2Costmap:
         names = self._layer_names()
         own = self.given
-        blocks = {name: self._block(name, own.pop(name, None)) for name in names}
+        blocks = self._out_of_containers({name: self._block(name, own.pop(name, None)) for name in names})
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
         footprint = _footprint(own.pop("footprint", None), self.node)
         of_static = {key: own.pop(key) for key in OF_STATIC if key in own}
@@ -146,7 +168,7 @@ class _Reader:
             raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {given!r:.40}.")
         block = {**(given or {})}
         is_default = list(self.given.get("plugins", DEFAULT_LAYERS)) == list(DEFAULT_LAYERS)
-        if is_default and "plugin" not in block and "plugin_names" not in self.given:
+        if is_default and name in DEFAULT_LAYERS and "plugin" not in block and "plugin_names" not in self.given:
             block["plugin"] = f"nav2_costmap_2d::{DEFAULT_LAYERS[name]}"
         if not isinstance(block.get("plugin"), str):
             also = ""
@@ -154,6 +176,28 @@ class _Reader:
                 also = f" Nav2 knows it by its name only where the list 'plugins' is {', '.join(DEFAULT_LAYERS)}."
             raise ConfigError("nav2.plugin", f"{where}: The layer has no 'plugin' that says what it is.{also}")
         return block
+
+    def _out_of_containers(self, blocks: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """Return the layers with those of each PluginContainerLayer in its place, under names that are free."""
+        made: dict[str, dict[str, Any]] = {}
+        for name, block in blocks.items():
+            if _kind(block) != "PluginContainerLayer":
+                made[name] = block
+                continue
+            inner = {
+                one: self._block(f"{name}.{one}", block.get(one))
+                for one in _names(block, "plugins", f"{self.node}.{name}")
+            }
+            for one, own in self._out_of_containers(inner).items():
+                label = one if one not in {*made, *blocks} else f"{name}_{one}"
+                made[label] = own | ({} if block.get("enabled", True) else {"enabled": False})
+            self.notes.append(
+                f"{self.node}.{name}: The layers of the PluginContainerLayer ({', '.join(inner):.200}) are read, and "
+                "written again, as if they stood in the list of plugins; there they are laid over the others together."
+            )
+        if len(made) > MAX_LAYERS:
+            raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
+        return made
 
     def _skip(self, name: str, block: Mapping[str, Any], below: int | None, why: str) -> None:
         self.skipped.append(SkippedLayer(name, block, below))
@@ -166,15 +210,21 @@ class _Reader:
         kind = _kind(block)
         config, table = PLUGINS[kind]
         values = {**block}
+        if _package(block) not in OF_NAV2:
+            self.notes.append(
+                f"{'.'.join(path)}: {block['plugin']!r:.80} is another package’s; it is built as Nav2’s {kind}."
+            )
         if config is StaticConfig:
-            values = {**of_static, **values}
+            # Nav2's static layer asks the costmap for them, not itself.
+            self.notes += [undeclared(".".join(path), name, LAYERS[kind]) for name in OF_STATIC if name in values]
+            values = {name: value for name, value in values.items() if name not in OF_STATIC} | dict(of_static)
         if issubclass(config, ObstacleConfig):
             values |= self._of_source(self._sources(values, path), path)
             # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
             values.setdefault("clearing", False)
             method = values.pop("combination_method", None)
             if method is not None:
-                if method not in (0, 1, 2):
+                if type(method) is not int or method not in (0, 1, 2):
                     message = f"{'.'.join(path)}.combination_method must be 0, 1 or 2, not {method!r:.40}."
                     raise ConfigError("nav2.value", message)
                 values["combination_method"] = COMBINATIONS[method]
@@ -187,6 +237,11 @@ class _Reader:
         sources = values.pop("observation_sources", "")
         if not isinstance(sources, str):
             raise ConfigError("nav2.source", f"{where}.observation_sources must be names with spaces between them.")
+        if "," in sources:
+            self.notes.append(
+                f"{where}.observation_sources, {sources!r:.80}, has commas, which Nav2 takes for parts of the names: "
+                "put spaces alone between them."
+            )
         blocks = []
         for source in dict.fromkeys(sources.split()):
             block = values.pop(source, None)
@@ -245,6 +300,10 @@ class _Reader:
         return replace(config, **values)
 
 
+def _package(block: Mapping[str, Any]) -> str:
+    return str(block["plugin"]).replace("/", "::").rpartition("::")[0]
+
+
 def _kind(block: Mapping[str, Any]) -> str:
     """Return the class of a layer's plugin, without its package."""
     return str(block["plugin"]).replace("/", "::").split("::")[-1]
@@ -279,7 +338,7 @@ def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
 
 
 def _footprint(given: object, where: str) -> Footprint | None:
-    if given is None or given in ("", "[]"):
+    if given is None or given in ("", "[]", []):
         return None
     points: object = given
     if isinstance(given, str):
