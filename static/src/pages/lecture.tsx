@@ -239,7 +239,7 @@ function Page() {
       <Blank />
       <ClassPointer />
       {!isPreview && <ClassHost />}
-      <Toasts meanwhile="The lecture works without it; a class goes on by itself." />
+      <Toasts meanwhile="The lecture works without it; a class continues as soon as it answers." />
     </>
   );
 }

@@ -13,11 +13,18 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
 import { mayPass, whyAgain } from "../wire/ask";
-import type { OfferedPuzzle } from "../wire/http";
 import { nextPuzzle } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
-import { allPuzzles, type Beginning, beginAttempt, preparing, rememberSolved, solvedPoints } from "./puzzles/puzzles";
+import {
+  type Beginning,
+  beginAttempt,
+  fetchList,
+  listed,
+  preparing,
+  rememberSolved,
+  solvedPoints,
+} from "./puzzles/puzzles";
 
 /** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
@@ -27,8 +34,6 @@ const hasList = token === null && followedCode === null;
 const chosen = signal<string | null>(hasList ? new URLSearchParams(location.search).get("puzzle") : "");
 const session = signal<string | null>(null);
 const failure = signal<string | null>(null);
-/** The puzzles of the list, for the one that is opened and for the next one; none where there is no list. */
-const offered = signal<readonly OfferedPuzzle[]>([]);
 let ending: AbortController | null = null;
 const RETRY_MS = 3000;
 
@@ -37,17 +42,14 @@ const beginning = (puzzle: string): Beginning => {
   return token === null ? { puzzle } : { token };
 };
 
-async function loadOffered(): Promise<void> {
-  if (!hasList || offered.peek().length > 0) return;
-  offered.value = await allPuzzles().then(
-    (all) => all.puzzles,
-    () => [], // they are only named: the puzzle itself is what has to be there
-  );
+async function nameListed(): Promise<void> {
+  if (!hasList || listed.peek()) return;
+  await fetchList().catch(() => undefined); // they are only named: the puzzle itself is what has to be there
 }
 
 /** Begin an attempt at a puzzle; a failure that may pass stays in view until a later try succeeds. */
 async function begin(name: string, isRepeated = false): Promise<void> {
-  void loadOffered();
+  void nameListed();
   ending?.abort();
   const own = new AbortController();
   ending = own;
@@ -95,6 +97,7 @@ addEventListener("popstate", () => {
 
 function Page() {
   const name = chosen.value;
+  const offered = listed.value?.puzzles ?? [];
   if (name === null) return <PuzzleList onOpen={open} />;
   if (failure.value !== null && preparing.value === null) {
     return (
@@ -112,7 +115,7 @@ function Page() {
   }
   if (session.value === null) {
     const now = preparing.value;
-    const awaited = offered.value.find((one) => one.name === name);
+    const awaited = offered.find((one) => one.name === name);
     return (
       <div class="viewer-message" role="status">
         {awaited && (
@@ -140,7 +143,7 @@ function Page() {
       session={session.value}
       onClose={hasList ? close : undefined}
       onGone={() => void begin(name)}
-      next={nextPuzzle(offered.value, name, solvedPoints())}
+      next={nextPuzzle(offered, name, solvedPoints())}
       onNext={open}
       onSolved={(points) => {
         if (name) rememberSolved(name, points);

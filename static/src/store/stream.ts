@@ -61,7 +61,7 @@ const LONGEST_WAIT_MS = 8000;
 const DOUBTFUL = 2;
 /** How often the connection is listened to. After a whole interval of silence the server is asked for a `pong`. */
 const LISTEN_MS = 1000;
-const STALLED = "The server does not answer. What is shown stays, and the page goes on by itself.";
+const STALLED = "The server does not answer. What is shown stays; the page continues as soon as it answers.";
 /** Connections with an unreadable frame, after which the page is considered outdated. */
 const MAX_UNREADABLE = 3;
 const OUTDATED = "This page is older than the server. Reload the page.";

@@ -30,7 +30,7 @@ interface ToastsProps {
 }
 
 /** The container of the message: once on each page. Below it stands that the server does not answer, while that is so. */
-export function Toasts({ meanwhile = "What is shown stays, and the page goes on by itself." }: ToastsProps) {
+export function Toasts({ meanwhile = "What is shown stays; the page continues as soon as it answers." }: ToastsProps) {
   const now = shown.value;
   return (
     <div class="toasts" role="status" aria-live="polite">

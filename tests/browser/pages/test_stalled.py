@@ -16,6 +16,7 @@ from tests.browser.running import running_service
 from tests.browser.visits import visiting
 
 Service = tuple[str, Popen[bytes]]
+STAYS = "The server does not answer. What is shown stays; the page continues as soon as it answers."
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def test_a_page_that_waits_for_a_request_says_so_until_the_server_answers(browse
         with standing(process):
             page.get_by_role("button", name="Class", exact=True).click()
             expect(says).to_have_text(
-                "The server does not answer. The lecture works without it; a class goes on by itself."
+                "The server does not answer. The lecture works without it; a class continues as soon as it answers."
             )
         expect(says).to_have_count(0)
         expect(page.get_by_role("dialog")).to_be_visible()
@@ -59,8 +60,37 @@ def test_a_log_that_is_shown_says_so_in_one_place(browser: Browser, own: Service
         await_map(page)
         over = page.locator(".viewer-over")
         with standing(process):
-            expect(over.first).to_have_text(
-                "The server does not answer. What is shown stays, and the page goes on by itself."
-            )
+            expect(over.first).to_have_text(STAYS)
             expect(page.locator(".no-answer")).to_have_count(0)
         expect(over).to_have_count(0)
+
+
+def test_a_list_that_is_awaited_says_so_and_then_comes(browser: Browser, own: Service) -> None:
+    address, process = own
+    with visiting(browser, address, reduced_motion="reduce") as context:
+        page = context.new_page()
+        page.goto(f"{address}/logs.html?log=sample-office")
+        await_map(page)
+        says, logs = page.locator(".no-answer"), page.locator(".log-card")
+        with standing(process):
+            page.get_by_role("button", name="All logs").click()
+            expect(says).to_have_text(STAYS)
+            expect(logs).to_have_count(0)
+        expect(says).to_have_count(0)
+        expect(logs).not_to_have_count(0)
+
+
+def test_a_puzzle_of_a_list_is_opened_once_the_server_answers(browser: Browser, own: Service) -> None:
+    address, process = own
+    with visiting(browser, address, reduced_motion="reduce") as context:
+        page = context.new_page()
+        page.goto(f"{address}/puzzles.html")
+        puzzle = page.get_by_role("button", name="Open The closed doors")
+        expect(puzzle).to_be_visible()
+        says = page.locator(".no-answer")
+        with standing(process):
+            puzzle.click()
+            expect(says).to_have_text(STAYS)
+            expect(page.get_by_role("heading", name="The closed doors")).to_be_visible()
+        expect(says).to_have_count(0)
+        await_map(page)

@@ -8,8 +8,8 @@ import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
 import { addressOf } from "../../wire/ask";
-import type { MadePuzzleAnswer, OfferedPuzzle, PuzzleList as Puzzles } from "../../wire/http";
-import { allPuzzles, giveToClass, removePuzzle, solvedPoints } from "./puzzles";
+import type { MadePuzzleAnswer, OfferedPuzzle } from "../../wire/http";
+import { fetchList, giveToClass, listed, removePuzzle, solvedPoints } from "./puzzles";
 
 /** The map that an attempt at a puzzle begins with. */
 function PuzzlePicture({ puzzle }: { readonly puzzle: OfferedPuzzle }) {
@@ -48,11 +48,10 @@ async function give(puzzle: string): Promise<void> {
 
 /** All puzzles by level, and those that the visitor made. */
 export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void }) {
-  const all = useSignal<Puzzles | null>(null);
   const failure = useSignal<string | null>(null);
   const load = async (): Promise<void> => {
     try {
-      all.value = await allPuzzles();
+      await fetchList();
       failure.value = null;
     } catch (error) {
       failure.value = (error as Error).message;
@@ -60,7 +59,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
   };
   useEffect(() => void load(), []);
   const points = solvedPoints();
-  const puzzles = all.value?.puzzles ?? [];
+  const puzzles = listed.value?.puzzles ?? [];
   const solved = puzzles.filter((puzzle) => puzzle.name in points).length;
   return (
     <div class="puzzles">
@@ -95,13 +94,13 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
       ))}
       <section class="puzzles-level stack" aria-label="Your puzzles">
         <h2>Your puzzles</h2>
-        {(all.value?.mine.length ?? 0) === 0 ? (
+        {(listed.value?.mine.length ?? 0) === 0 ? (
           <p class="quiet">
             None yet. In the lab, or on the page of a log, the group <b>Share</b> makes a puzzle from what you see.
           </p>
         ) : (
           <ul class="puzzles-mine">
-            {all.value?.mine.map((one) => (
+            {listed.value?.mine.map((one) => (
               <Mine key={one.token} made={one} onGone={() => void load()} />
             ))}
           </ul>

@@ -5,7 +5,12 @@ import { ask } from "../../wire/ask";
 import type { Attempt, PuzzleList, SessionAnswer } from "../../wire/http";
 import { followMaking, type Making, newName } from "../making";
 
-export const allPuzzles = (): Promise<PuzzleList> => ask("GET /api/puzzles", {});
+/** The puzzles of the list, with those that the visitor made; null until they were first fetched. */
+export const listed = signal<PuzzleList | null>(null);
+
+export async function fetchList(): Promise<void> {
+  listed.value = await ask("GET /api/puzzles", {});
+}
 
 export const removePuzzle = (token: string): Promise<void> => ask("DELETE /api/puzzles/{token}", { token });
 
