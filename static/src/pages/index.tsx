@@ -152,7 +152,7 @@ function Model() {
         <ProfileFigure
           view={view}
           setParameter={setParameter}
-          beamName={isPointed ? "the beam towards the pointer" : "the beam straight ahead"}
+          where={isPointed ? "towards the pointer" : "straight ahead"}
           fits
         />
       </div>
@@ -183,7 +183,7 @@ function Model() {
         />
         <Slider
           label="Hit"
-          sentence="What each hit adds to a cell, as log-odds; of the step window, its probability."
+          sentence="What a hit adds to the log-odds of a cell; in the step window, the probability of a cell that is hit."
           value={hit.value}
           initial={INITIAL_PARAMETERS[hit.name]}
           {...hit.range}
@@ -192,7 +192,7 @@ function Model() {
         />
         <Slider
           label="Miss"
-          sentence="What each miss adds to a cell, as log-odds; of the step window, its probability."
+          sentence="What a miss adds to the log-odds of a cell; in the step window, the probability of a cell that is passed."
           value={miss.value}
           initial={INITIAL_PARAMETERS[miss.name]}
           {...miss.range}
@@ -255,7 +255,7 @@ function ClampEffect() {
   const needed = miss < 0 ? Math.ceil((1000 * hit - freeBelow) / -miss).toLocaleString("en") : null;
   return (
     <>
-      Without them, a cell that was hit 1,000 times{" "}
+      Without it, a cell that was hit 1,000 times{" "}
       {needed ? `would need ${needed} misses` : "would never become free again,"}{" "}
       {needed ? "to become free again." : "whatever is measured later."}
     </>
@@ -281,8 +281,8 @@ function Page() {
             rule.
           </p>
           <p>
-            The dashed lines clamp it. <ClampEffect /> With the clamp, a table that is removed also disappears from the
-            map.
+            The clamp keeps it between the dashed lines. <ClampEffect /> With the clamp, a table that is removed also
+            disappears from the map.
           </p>
         </div>
         <div class="figure-box">

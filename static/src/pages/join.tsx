@@ -73,9 +73,7 @@ function Waiting() {
   return (
     <main class="class-join" id="main">
       <h1>You are in the class</h1>
-      <p>
-        The lecturer’s present page cannot be followed. This page changes by itself when the lecturer opens another.
-      </p>
+      <p>The lecturer is on a page that cannot be followed. Once the lecturer opens another one, it appears here.</p>
     </main>
   );
 }

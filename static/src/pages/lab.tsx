@@ -143,7 +143,7 @@ function Instruments({ session, comparison, layout, openGroup, isFollowing }: In
         <ProfileFigure
           view={profile}
           setParameter={set}
-          beamName={isPointed.value ? "the beam towards the pointer" : "the beam straight ahead"}
+          where={isPointed.value ? "towards the pointer" : "straight ahead"}
           fits
         />
       </section>

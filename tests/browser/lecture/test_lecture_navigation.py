@@ -105,7 +105,7 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     expect(caption).to_contain_text(re.compile(r"the path is [1-9]\.\d\d m longer"))
     section.get_by_text("lifetime", exact=True).last.click()
     expect(caption).to_contain_text("Forgotten in 9 s")
-    section.get_by_role("slider", name="Taken away since", exact=True).press("End")
+    section.get_by_role("slider", name="Time since its removal", exact=True).press("End")
     expect(caption).to_contain_text("None of its cells is left, and the path is 0.00 m longer")
 
     section = open_section(page, server, "stack")

@@ -205,8 +205,8 @@ export function Springs() {
       </Stage>
       <p class="legend">
         <SpringKey tone="fits">fits</SpringKey>
-        <SpringKey tone="strained">off by {LOOP_STRAINED} σ and more</SpringKey>
-        <SpringKey tone="torn">by {LOOP_CONTRADICTS} σ and more</SpringKey>
+        <SpringKey tone="strained">off by {LOOP_STRAINED} σ or more</SpringKey>
+        <SpringKey tone="torn">by {LOOP_CONTRADICTS} σ or more</SpringKey>
         <SpringKey tone="fits loop">thick: a loop</SpringKey>
       </p>
       <div class="figure-controls no-print">
@@ -224,7 +224,7 @@ export function Springs() {
           label="Robust kernel"
           options={KERNELS}
           value={kernel.value}
-          sentence="How much weight a loop keeps that does not fit the rest."
+          sentence="How much weight is left to a loop that does not fit the rest."
           onChange={(value) => {
             kernel.value = KERNELS.find((option) => option.value === value)?.value ?? "none";
           }}

@@ -47,7 +47,7 @@ export function SensorModels() {
       <div class="figure-controls no-print">
         <Slider
           label="Prior of a cell"
-          sentence="The probability of occupied of each cell before the reading."
+          sentence="Probability that a cell is occupied, before the reading."
           {...bound(prior)}
           initial={PRIOR}
           low={0.01}

@@ -28,7 +28,7 @@ export function Lifetime() {
         }}
       />
       <Slider
-        label="Taken away since"
+        label="Time since its removal"
         sentence="Seconds since the table was taken away; 0: it is still there."
         value={since.value}
         initial={GONE_FOR}

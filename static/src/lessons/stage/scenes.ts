@@ -100,7 +100,10 @@ const MODEL_SCANS = 28;
 
 /** The parameters of the section on the sensor model; its cones measure beams without a return as the lidar does. */
 const modelValues = computed(() => parameters.value as SensorModelParameters & Readonly<Record<string, unknown>>);
-const modelCone = computed(() => (isCone(modelValues.value) ? { ...modelValues.value, no_return: "ignore" } : null));
+/** The cone of the section on the sensor model; null where its model has a thin beam. */
+export const modelCone = computed(() =>
+  isCone(modelValues.value) ? { ...modelValues.value, no_return: "ignore" } : null,
+);
 
 /** The measured range of the stage's beam, or cone, at the section on the sensor model, metres. */
 export const modelBeam = computed(() => {
@@ -132,7 +135,7 @@ export const SCENES = {
       scans: 12,
       marks: ["beams"],
       caption:
-        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; it knows nothing about the rest.",
+        "A robot drives through a building and measures distances with a laser (lidar), 240 beams in each scan. Cells that its beams passed are free, cells in which they ended are occupied; it knows nothing about the rest.",
     }),
   grid: () =>
     scene({

@@ -70,7 +70,7 @@ export function Settings({ store, sensor }: SettingsProps) {
           parameters={store.mapping.values}
           setParameter={set}
           reading={reading}
-          beamName={pointed ? "the beam towards the pointer" : "the beam straight ahead"}
+          where={pointed ? "towards the pointer" : "straight ahead"}
         />
       </section>
       {hello && (

@@ -98,7 +98,7 @@ const SCENES: readonly Scene[] = [
       },
       {
         label: "Take the table away",
-        look: "The path goes around nothing: each cell must be measured as free until the misses outweigh all the hits. Where no beam passes, the robot never drives again.",
+        look: "The path goes around nothing: each cell must be measured as free until the misses outweigh all the hits. Where no beam passes, the robot never drives there again.",
         run: takeAway,
       },
     ],

@@ -10,7 +10,9 @@ import { ProfileView } from "./view";
 it("says beside its title that it can be dragged, until it was", async () => {
   const view = new ProfileView(signal({ ...INITIAL_PARAMETERS }), signal(4));
   const place = document.createElement("div");
-  await act(() => render(<ProfileFigure view={view} setParameter={() => undefined} beamName="the beam" fits />, place));
+  await act(() =>
+    render(<ProfileFigure view={view} setParameter={() => undefined} where="straight ahead" fits />, place),
+  );
   expect(place.querySelector("h2")?.textContent).toBe("The sensor model");
   expect(place.querySelector(".profile-hint")?.textContent).toContain("Drag");
   await act(() => {

@@ -25,8 +25,8 @@ interface ProfileProps {
   readonly setParameter: (name: string, value: number) => void;
   /** Range of the inspected beam, metres; null for no return, undefined if there is no beam. */
   readonly reading: ReadonlySignal<number | null | undefined>;
-  /** Name of the beam in the legend: "the beam straight ahead". */
-  readonly beamName?: string;
+  /** Where its beam or cone is, as the legend names it: "straight ahead". */
+  readonly where: string;
   /** The reading that is set by dragging, metres, where others show it too; null while the figure follows the beam. */
   readonly grabbed?: Signal<number | null>;
 }
@@ -35,10 +35,10 @@ interface ProfileProps {
  * The inverse sensor model along one beam: a curve that can be dragged, the cells below it, its formula with numbers.
  * It is updated in the browser at once; the map follows from the server.
  */
-export function Profile({ parameters, setParameter, reading, beamName = "the beam", grabbed }: ProfileProps) {
+export function Profile({ parameters, setParameter, reading, where, grabbed }: ProfileProps) {
   const view = useProfileView(parameters, reading, grabbed);
   return (
-    <ProfileFigure view={view} setParameter={setParameter} beamName={beamName}>
+    <ProfileFigure view={view} setParameter={setParameter} where={where}>
       <figcaption>
         <ProfileText view={view} />
       </figcaption>
@@ -70,14 +70,14 @@ export function ProfileText({ view }: { readonly view: ProfileView }) {
 interface ProfileFigureProps {
   readonly view: ProfileView;
   readonly setParameter: ProfileProps["setParameter"];
-  readonly beamName: string;
+  readonly where: string;
   /** Whether it fills the height of its place, instead of having the height that it needs; it then has a title. */
   readonly fits?: boolean;
   readonly children?: ComponentChildren;
 }
 
 /** The figure of a profile, and what stands below it. */
-export function ProfileFigure({ view, setParameter, beamName, fits = false, children }: ProfileFigureProps) {
+export function ProfileFigure({ view, setParameter, where, fits = false, children }: ProfileFigureProps) {
   const { reading } = view;
   const controls = useMemo(() => {
     return controlsFor(view, tableBounds, setParameter);
@@ -110,6 +110,7 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
   };
   const hovered = view.hovered.value;
   const cone = isCone(view.values.value);
+  const followed = cone ? "the cone" : "the beam";
   const following = view.grabbed.value === null;
   const isHeld = view.held.value !== null;
   const wasHeld = useSignal(false);
@@ -128,7 +129,7 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
             ) : (
               <>
                 <span class="live-dot" />{" "}
-                {view.hasPointer.value ? "paused while the pointer is here" : `following ${beamName}`}
+                {view.hasPointer.value ? "paused while the pointer is here" : `following ${followed} ${where}`}
               </>
             )
           ) : (
@@ -143,7 +144,7 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
               view.grabbed.value = null;
             }}
           >
-            Follow the beam
+            Follow {followed}
           </Button>
         )}
         <output class="profile-readout" aria-live="off">

@@ -45,7 +45,7 @@ export function AlgorithmSection(head: SectionHead) {
             the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
           </p>
           <p>
-            <b>Beam by beam</b> is that program in Python; <b>one reading</b> follows a single distance.
+            <b>Beam by beam</b> is that program in Python.
           </p>
         </>
       }

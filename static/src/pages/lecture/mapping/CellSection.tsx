@@ -166,7 +166,7 @@ function Derivation() {
       <Line
         why={
           <>
-            These fractions are <b>odds</b>. Their logarithm is ℓ, the <b>log-odds</b>, and the product becomes a sum.
+            The logarithm of these <b>odds</b> is ℓ, the <b>log-odds</b>: the product becomes a sum.
           </>
         }
       >
@@ -276,8 +276,8 @@ export function CellSection(head: SectionHead) {
           <LastUpdate />
           <p>
             Why is adding enough? This is the <b>binary Bayes filter for a static state</b>: the cell does not change,
-            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor, two of p
-            = 0.7 by 7/3 · 7/3, and the logarithm makes that a sum.
+            so nothing has to be predicted between two readings. Each reading multiplies the odds by a factor (two of p
+            = 0.7 by 7/3 · 7/3), and the logarithm turns the product into a sum.
           </p>
           <Derivation />
           <p>
@@ -325,8 +325,7 @@ export function CellSection(head: SectionHead) {
           after="."
         />{" "}
         <span class="no-print">
-          {" "}
-          Press the buttons, or <kbd>H</kbd> and <kbd>M</kbd> on one.{" "}
+          Press a button; then the keys <kbd>H</kbd> and <kbd>M</kbd> work too.
         </span>{" "}
         A cell was hit four times. After how many misses is it more likely free than occupied?
       </p>

@@ -52,7 +52,7 @@ export function DigitsSection(head: SectionHead) {
     >
       <p>
         Probability, odds and log-odds describe the same belief. Why store the logarithm? A wall is seen in many scans,
-        so p comes close to 1, and a 32-bit number has 24 bits to tell the two apart.
+        so p comes close to 1, and just below 1 the numbers of 32 bits lie 2<sup>−24</sup> apart.
       </p>
       <p>
         In the figure a cell is hit{" "}

@@ -21,8 +21,8 @@ export function GridSection(head: SectionHead) {
       after={
         <>
           <p>
-            The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that the beam
-            passes, the others become more probable. In the grid they keep their probability.{" "}
+            In the joint distribution <em>at least one</em> cell has probably caused the echo: with each cell that the
+            beam passes, the probability of the others rises. In the grid it stays as it was.{" "}
             <span class="no-print">Press a cell to change what the narrow beam measured.</span>
           </p>
           <p>
@@ -44,9 +44,10 @@ export function GridSection(head: SectionHead) {
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Occupied is p = 1, free is p = 0. Before any reading each cell has the <b class="noun-prior">prior</b>{" "}
-        probability p(m<sub>i</sub>), usually 0.5. By the third assumption the probability of a whole map, given all
-        readings z<sub>1:t</sub> and poses x<sub>1:t</sub>, is a product over its cells:
+        Occupied is p = 1, free is p = 0. Before any reading cell <i>i</i> is occupied with the{" "}
+        <b class="noun-prior">prior</b> probability p(m<sub>i</sub>), usually 0.5. By the third assumption the
+        probability of a whole map, given all readings z<sub>1:t</sub> and poses x<sub>1:t</sub>, is a product over its
+        cells:
       </p>
       <MapProduct />
       <p>
@@ -54,8 +55,8 @@ export function GridSection(head: SectionHead) {
         ). The figure shows what the third assumption loses: walls are connected, and the grid ignores it.
       </p>
       <p>
-        A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior
-        probability of each cell was{" "}
+        A <b class="noun-beam">sonar</b>, which measures by sound, has received an echo from somewhere on an arc of five
+        cells. The prior probability of each cell was{" "}
         <DragNumber
           label="prior of a cell"
           sentence="Probability that a cell is occupied, before any reading."

@@ -1,7 +1,7 @@
 import { logOdds, probability } from "../../../grid/logOdds";
 import { cellParameters, parameters, setParameter } from "../../../lessons/common/parameters";
 import { modelReading } from "../../../lessons/stage/controls";
-import { modelBeam } from "../../../lessons/stage/scenes";
+import { modelBeam, modelCone } from "../../../lessons/stage/scenes";
 import { readable } from "../../../tools/parameters/parameters";
 import { Profile } from "../../../tools/profile/Profile";
 import { Choice } from "../../../ui/Choice";
@@ -27,6 +27,7 @@ const MODELS = Object.keys(DESCRIPTIONS).map((value) => ({ value, label: readabl
 export function ModelSection(head: SectionHead) {
   const { window: w, range_max, p_free, p_occ, log_odds_prior } = cellParameters.value;
   const model = String(parameters.value.model);
+  const beam = modelCone.value ? "cone" : "beam";
   return (
     <Section
       {...head}
@@ -40,7 +41,7 @@ export function ModelSection(head: SectionHead) {
             parameters={parameters}
             setParameter={setParameter}
             reading={modelBeam}
-            beamName="the beam on the stage"
+            where="on the stage"
             grabbed={modelReading}
           />
         </OnStage>
@@ -54,9 +55,9 @@ export function ModelSection(head: SectionHead) {
       ]}
       after={
         <p>
-          A forward model predicts the reading from the world; this one is <em>inverse</em>, from a reading to the
-          world. It is a design choice, not a physical law: the more reliable the sensor, the larger the increments. Too
-          large, and the map follows every wrong reading; too small, and cells stay unknown for long.
+          A forward model predicts readings from the world; an <em>inverse</em> one infers the world from a reading. It
+          is a design choice, not a physical law: the more reliable the sensor, the larger the increments. Too large,
+          and the map follows every wrong reading; too small, and cells stay unknown for long.
         </p>
       }
     >
@@ -101,8 +102,8 @@ export function ModelSection(head: SectionHead) {
       <p>
         As log-odds to add, these are logit p − ℓ₀, with logit p = log(p/(1 − p)): {signed(logOdds(p_free))},{" "}
         {signed(logOdds(p_occ))} and 0. Many programs set the two increments directly (<em>fixed increments</em>). The
-        curve belongs to one beam of the stage.{" "}
-        <span class="no-print">Drag any part of it: the beam, its cells and the whole map follow.</span>
+        curve is that of one {beam} of the stage.{" "}
+        <span class="no-print">Drag any part of it: the {beam}, its cells and the whole map follow.</span>
       </p>
     </Section>
   );

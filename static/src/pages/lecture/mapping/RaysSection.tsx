@@ -12,8 +12,8 @@ export function RaysSection(head: SectionHead) {
         <>
           <h3>A worked example</h3>
           <p>
-            From (0, 0) to (4, 3): each step to the right adds 2dy to the error, at first 0. Where the sum is at least
-            dx, the line also goes one cell up, and 2dx is subtracted. The figure’s ∇ is that sum minus dx.
+            Each step to the right adds 2dy to the error, at first 0. Where the sum is at least dx, the line also goes
+            one cell up, and 2dx is subtracted. The figure’s ∇ is that sum minus dx.
           </p>
           <Worked />
           <h3>All eight octants</h3>

@@ -88,7 +88,8 @@ export function SonarSection(head: SectionHead) {
           </math>
           <p>
             This is a heuristic: both numbers can only grow, and the order of the readings matters. By 1989 Elfes had
-            based the grid on Bayes’ rule; with independent cells (<SectionLink to="grid" />) the problem returned.
+            based the grid on Bayes’ rule, with independent cells (<SectionLink to="grid" />
+            ): an echo counts for its whole arc again.
           </p>
         </>
       }
@@ -121,7 +122,7 @@ export function SonarSection(head: SectionHead) {
           after=","
           onInput={(value) => set({ window: value })}
         />{" "}
-        there is an <b class="noun-hit">obstacle</b>; where on the arc, it does not say. The figure shows two maps from
+        there is an <b class="noun-hit">obstacle</b>. It does not say where on the arc. The figure shows two maps from
         the same readings of a robot with 16 sonars.
       </p>
     </Section>

@@ -161,7 +161,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   "sensor-models": {
     // Probabilistic Robotics, section 9.3: the inverse model takes a prior over maps and a sum over all of them.
     right: 2,
-    answer: "The probability of a cell also takes a prior, and a sum over all maps that agree with the reading.",
+    answer: "The probability of a cell also takes a prior over maps, and a sum over all maps in which it is occupied.",
     notes:
       "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
   },

@@ -57,7 +57,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   },
   mount: {
     question: "The map assumes a mount that is 8° off. What looks wrong?",
-    options: ["The whole map is turned", "Walls are seen in two places", "Nothing: the error cancels"],
+    options: ["The whole map is turned", "Walls appear in several places", "Nothing: the error cancels"],
   },
   forgetting: {
     question: "ℓ is clamped. A table is taken away after an hour. When is it forgotten?",
@@ -106,12 +106,12 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
   },
   probable: {
-    question: "Scan and odometry disagree about the pose. Which of them is right?",
-    options: ["The scan", "The odometry", "The pose that makes both probable"],
+    question: "Scan and odometry disagree about the pose. Which pose is taken?",
+    options: ["That of the scan", "That of the odometry", "The most probable one given both"],
   },
   graph: {
     question: "The robot is back at its start, but not by its odometry. Which pose is wrong?",
-    options: ["The last one", "The first one", "All of them, a little each"],
+    options: ["The last one", "The first one", "All after the first, a little each"],
   },
   particles: {
     question: "A robot sees a door, and the corridor has three. Where is the robot?",
@@ -130,7 +130,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Yes, the particles follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {
-    question: "A plane of 9 points leaves a residual of 0.4 m². If each is measured twice?",
+    question: "A plane fitted to 9 points has a residual of 0.4 m². With each point twice?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
   },
   layers: {
@@ -142,11 +142,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Yes", "No, they keep away"],
   },
   path: {
-    question: "How does a robot find the cheapest way without trying all of them?",
+    question: "How does a robot find the cheapest path without trying all of them?",
     options: [
       "It drives straight and turns at obstacles",
       "It spreads costs from cell to cell, like a wave",
-      "It learns the way from earlier drives",
+      "It learns the path from earlier drives",
     ],
   },
   lifetime: {

@@ -22,10 +22,7 @@ export function FileSection(head: SectionHead) {
             for an unknown one (205). What is below free_thresh is free. With a free_thresh above 0.196 the unknown
             cells of the same image are read as free, and a planner may drive through them.
           </p>
-          <p>
-            The first row of the image is the top of the map, the first row of the grid the bottom. The origin is the
-            lower left corner, in metres.
-          </p>
+          <p>The first row of the image is the top of the map, the first row of the grid the bottom.</p>
         </>
       }
     >

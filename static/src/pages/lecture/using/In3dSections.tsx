@@ -95,8 +95,8 @@ export function TsdfSection(head: SectionHead) {
     >
       <p>
         An occupancy map says whether something is in a cell. A <b>truncated signed distance function (TSDF)</b> says
-        how far away the surface is: positive in front of it, negative behind, 0 on it. The figure shows one beam and
-        what each map stores of it. <span class="no-print">Drag the wall through a cell.</span>
+        how far away the surface is: positive in front of it, negative behind, 0 on it.{" "}
+        <span class="no-print">Drag the wall through a cell.</span>
       </p>
     </Section>
   );
@@ -117,9 +117,9 @@ export function TerrainSection(head: SectionHead) {
           </p>
           <p>
             Two slips are common: the root in the slope is forgotten, and the residual hᵀh − …, a <b>sum</b> of squares,
-            is not divided by n, so that the roughness grows with every point. The class compares a weighted sum of
-            slope, roughness and the step to the next patch, each divided by its safe limit, with a threshold. A stone
-            tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
+            is not divided by n, so that the roughness grows with every point. A weighted sum of slope, roughness and
+            the step to the next patch, each divided by its safe limit, is compared with a threshold: safe or unsafe. A
+            stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
           </p>
         </>
       }

@@ -32,8 +32,7 @@ export function ParticlesSection(head: SectionHead) {
           <KldNumber />
           <p>
             In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is this quantile itself, so its default of 0.99 means 84
-            %: 296 particles for 24 bins and ε = 0.05, where 99 % needs 417.{" "}
-            <span class="no-print">Step on above and watch B; drag ε and q.</span>
+            %: 296 particles for 24 bins and ε = 0.05, where 99 % needs 417. <span class="no-print">Drag ε and q.</span>
           </p>
           <LaterMore id="particles" />
         </>
@@ -61,16 +60,16 @@ export function SensorModelsSection(head: SectionHead) {
           <p>
             Why can’t we get the inverse model from p(z | m) alone? It is a distribution over <b>readings</b>, for one
             whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and sums
-            over all maps that agree with the reading.
+            over all maps in which the cell has that state.
           </p>
           <p>
             Some texts add ln p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>)), as the dashed curve does. Bayes’ rule
             gives ln p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>): how likely the reading is with the cell occupied,
-            over how likely with it free. For a yes-or-no sensor with equal error rates both are the same; otherwise the
-            heuristic works because its sign is right and the clamp limits its size. The sum over all maps, exact here
-            for one beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to have
-            its shape. Section 9.4 of the book keeps the forward model and searches for the most probable map, without
-            independent cells.
+            over how likely with it free. For a yes-or-no sensor with equal error rates both are the same. Otherwise the
+            heuristic has the right sign before the reading and at it; cells behind are left out, and the clamp limits
+            its size. The sum over all maps, exact here for one beam, is too costly on a plane: the model of{" "}
+            <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps the forward
+            model and searches for the most probable map, without independent cells.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest
@@ -114,10 +113,7 @@ export function KidnappingSection(head: SectionHead) {
             max(0, 1 − fast average / slow average). The fast rate has to be much larger: with equal rates no particle
             is ever added.
           </p>
-          <p>
-            In AMCL both rates are 0 by default, so it does not recover; its documentation suggests 0.001 and 0.1. A
-            blocked sensor also gives poor weights: too strong a reaction scatters particles that were right.
-          </p>
+          <p>In AMCL both rates are 0 by default, so it does not recover; its documentation suggests 0.001 and 0.1.</p>
         </>
       }
     >

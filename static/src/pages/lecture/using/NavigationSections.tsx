@@ -16,13 +16,13 @@ export function LayersSection(head: SectionHead) {
         <p>
           The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass. It cannot
           clear a wall of the static layer, whose cost is greater. The <b>dynamic layer</b> removes what has not been
-          seen for some time, in Nav2 the spatio-temporal voxel layer.
+          seen for some time, for Nav2 the spatio-temporal voxel layer, a plugin.
         </p>
       }
     >
       <p>
         A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
-        is free, 254 is lethal, 253 is a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
+        is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
         saved map first, and the greatest cost counts.{" "}
         <span class="no-print">Drag the crate into view, switch layers off, and read the costs with the cross.</span>
       </p>

@@ -55,11 +55,11 @@ export function MountSection(head: SectionHead) {
       }
     >
       <p>
-        A reading is measured in the frame of the sensor. Two poses, one after the other (∘), place it in the map: that
-        of the robot in the map (from odometry, which adds up the turns of the wheels, from localization, or from SLAM,
-        which makes the map at the same time) and that of the sensor on the robot, its <b class="noun-beam">mount</b>{" "}
-        (in ROS stated by the robot’s description, the URDF). If either is wrong, or the grid’s origin or resolution,
-        the map is smeared, rotated or mirrored.
+        A reading is measured in the frame of the sensor. Two poses, one after the other (∘), place it in the map: the
+        pose of the robot in the map, and that of the sensor on the robot, its <b class="noun-beam">mount</b> (in ROS
+        stated in the URDF, the robot’s description). The first comes from odometry, which adds up the turns of the
+        wheels, from localization, or from SLAM (simultaneous localization and mapping). If a pose is wrong, or the
+        grid’s origin or resolution, the map is smeared, rotated or mirrored.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>

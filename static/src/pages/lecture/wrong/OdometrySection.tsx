@@ -50,7 +50,7 @@ export function OdometrySection(head: SectionHead) {
       sources={[["probabilistic-robotics", "chapter 5"]]}
       after={
         <p>
-          Errors of the heading matter most: they rotate everything driven afterwards. Between two scans the lidar is
+          Errors of the heading matter most: they rotate all of the path that follows. Between two scans the lidar is
           more accurate than the wheels; for the right map each scan was matched with the three before it. Small errors
           remain and add up slowly; <SectionLink to="graph" /> removes them.
         </p>

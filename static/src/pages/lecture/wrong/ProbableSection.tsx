@@ -15,14 +15,14 @@ export function ProbableSection(head: SectionHead) {
       after={
         <p>
           <b>With cabinets</b> one position fits the scan, and the product has its maximum there. <b>With doors</b> at
-          equal distances several fit, and the odometry decides: if it is off by more than half that distance, wrongly.
+          equal distances several fit, and the odometry decides: wrongly, if it is off by more than half that distance.
           In the <b>bare</b> corridor every position fits, and the product is the odometry alone.
         </p>
       }
     >
       <p>
-        Scan and odometry are both evidence about the pose. Before a scan is added to the map, its pose becomes the most
-        probable one given both (maximum a posteriori, MAP):
+        Scan and odometry are both evidence about the pose. Before a scan is added to the map, its pose is set to the
+        most probable one given both (maximum a posteriori, MAP):
       </p>
       <math display="block" class="lesson-formula pose-formula">
         <mrow>
