@@ -4,7 +4,7 @@
  */
 
 import { batch, computed, signal } from "@preact/signals";
-import { ask, RequestError } from "../wire/ask";
+import { addressOf, ask, RequestError, socketAddress } from "../wire/ask";
 import { decodeClassText } from "../wire/decodeClassText";
 import { OutdatedPageError } from "../wire/decodeText";
 import type { OpenClassAnswer } from "../wire/http";
@@ -118,10 +118,9 @@ export class Classroom {
   }
 
   #connect(): void {
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const path = addressOf("GET /api/classes/{code}", { code: this.code });
     const query = this.isFollowed ? "?follows=true" : ""; // the lecturer may follow the class in a second tab
-    const address = `${scheme}://${location.host}/api/classes/${this.code}/stream${query}`;
-    const socket = new WebSocket(address, SUBPROTOCOL);
+    const socket = new WebSocket(socketAddress(`${path}/stream${query}`), SUBPROTOCOL);
     this.#socket = socket;
     socket.onopen = () => {
       for (const command of this.#last.values()) socket.send(JSON.stringify(command));

@@ -1,7 +1,7 @@
 /** A store and the stream that it receives from. */
 
 import type { ReadonlySignal } from "@preact/signals";
-import { addressOf } from "../wire/ask";
+import { addressOf, socketAddress } from "../wire/ask";
 import type { Command } from "../wire/protocol";
 import { Store } from "./store";
 import { type Status, Stream } from "./stream";
@@ -15,8 +15,6 @@ export interface Connection {
   start(): void;
   stop(): void;
 }
-
-const address = (path: string): string => `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 
 async function isGone(path: string): Promise<boolean> {
   try {
@@ -57,7 +55,7 @@ function connection(
 ): Connection {
   let stream: Stream;
   const store = new Store((command) => may(command) && stream.send(command));
-  stream = new Stream(address(streamPath(store.page)), store, () => isGone(statePath));
+  stream = new Stream(socketAddress(streamPath(store.page)), store, () => isGone(statePath));
   const { status, trouble } = stream;
   return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

@@ -112,6 +112,10 @@ export function addressOf<K extends Asked>(
   return search.size > 0 ? `${address}?${search}` : address;
 }
 
+/** The address of the WebSocket at a path of the service. */
+export const socketAddress = (path: string): string =>
+  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+
 /** The address of a file of a session. */
 export const fileAddress = (session: string, file: SessionFile): string =>
   `${addressOf("GET /api/sessions/{session_id}", { session_id: session })}/${file}`;
