@@ -329,13 +329,11 @@ def observation_of_scan(
     *,
     inf_is_valid: bool = False,
     height: float = 0.0,
-    stamp: float | None = None,
 ) -> Observation:
     """Return the end points of a scan by a sensor at ``sensor_pose`` (x, y, yaw) in the map, ``height`` m up.
 
     With ``inf_is_valid`` a beam without return ends at the scan's greatest range, otherwise it is left out, as are
-    readings that are invalid. ``stamp`` in seconds is that of the scan unless given. Source: nav2_costmap_2d,
-    obstacle_layer.cpp, laserScanValidInfCallback.
+    readings that are invalid. Source: nav2_costmap_2d, obstacle_layer.cpp, laserScanValidInfCallback.
     """
     x, y, yaw = (float(v) for v in sensor_pose)
     ranges = scan.ranges.astype(np.float64)
@@ -344,4 +342,4 @@ def observation_of_scan(
     valid = (ranges >= scan.range_min) & (ranges <= scan.range_max)
     ranges, angles = ranges[valid], scan.angles[valid] + yaw
     points = np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles), np.full(len(ranges), height)])
-    return Observation(np.array([x, y, height]), points, scan.stamp_ns * 1e-9 if stamp is None else stamp)
+    return Observation(np.array([x, y, height]), points, scan.stamp_ns * 1e-9)

@@ -3,12 +3,17 @@
 from mapper.evaluation.alignment import ALIGNMENTS, Alignment, align
 from mapper.evaluation.association import associate
 from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
-from mapper.evaluation.pose_error import absolute_errors, relative_errors
 from mapper.evaluation.published import PUBLISHED, PublishedResult, benchmark_named
 from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
 from mapper.evaluation.same_path import is_same_path, stated_before
 from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
-from mapper.evaluation.trajectory_error import Comparison, ComparisonOptions, compare_trajectories
+from mapper.evaluation.trajectory_error import (
+    Comparison,
+    ComparisonOptions,
+    absolute_errors,
+    compare_trajectories,
+    relative_errors,
+)
 
 __all__ = [
     "ALIGNMENTS",

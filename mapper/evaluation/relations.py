@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import check_poses, compose, inverse
-from mapper.evaluation.pose_error import magnitudes
 from mapper.evaluation.statistics import ErrorSeries
+from mapper.evaluation.trajectory_error import magnitudes
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 Float64Array = NDArray[np.float64]

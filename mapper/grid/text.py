@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.grid.occupancy_grid import (
-    FREE_THRESHOLD,
     OCCUPIED,
-    OCCUPIED_THRESHOLD,
     UNKNOWN,
     GridGeometry,
     OccupancyGrid,
@@ -25,17 +23,12 @@ OCCUPIED_CHARACTER, FREE_CHARACTER, UNKNOWN_CHARACTER = "#", ".", "?"
 RAMP = ".:-=+*#%@"  #: from p_occ 0 to 1; a block that was never observed is a space
 
 
-def three_state(
-    grid: OccupancyGrid,
-    width: int = 80,
-    occupied_threshold: float = OCCUPIED_THRESHOLD,
-    free_threshold: float = FREE_THRESHOLD,
-) -> str:
+def three_state(grid: OccupancyGrid, width: int = 80) -> str:
     """Return the map in ``#`` occupied, ``.`` free and ``?`` unknown, at most ``width`` characters wide.
 
-    Raises :class:`ConfigError` for a width below 1 or bad thresholds.
+    Raises :class:`ConfigError` for a width below 1.
     """
-    state = grid.classify(occupied_threshold, free_threshold)
+    state = grid.classify()
     characters = np.full(256, UNKNOWN_CHARACTER)
     characters[[0, OCCUPIED]] = FREE_CHARACTER, OCCUPIED_CHARACTER
     return _text(characters[_blocks(_observed_part(grid, state), width)])

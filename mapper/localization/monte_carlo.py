@@ -101,13 +101,13 @@ class MonteCarloLocalizer:
         """Spread the particles uniformly over the free cells and all headings."""
         self._begin(anywhere(self.model, int(self.config.global_particles), self._key(_START)))
 
-    def start_at(self, pose: ArrayLike, covariance: ArrayLike = INITIAL_COVARIANCE) -> None:
-        """Spread the particles normally around a pose (3,). Raises :class:`ConfigError` for one outside the map."""
+    def start_at(self, pose: ArrayLike) -> None:
+        """Spread the particles by :data:`INITIAL_COVARIANCE` around a pose (3,).
+
+        Raises :class:`ConfigError` for a pose outside the map.
+        """
         place = check_pose(self.model.geometry, pose)
-        spread = np.asarray(covariance, dtype=np.float64)
-        if spread.shape != (3, 3) or not np.isfinite(spread).all():
-            raise ConfigError("localization.covariance", "The covariance of a pose must be 3 × 3 finite numbers.")
-        self._begin(around(place, spread, int(self.config.max_particles), self._key(_START)))
+        self._begin(around(place, INITIAL_COVARIANCE, int(self.config.max_particles), self._key(_START)))
 
     def set_particles(self, particles: ArrayLike, weights: ArrayLike | None = None) -> None:
         """Replace the particles (n, 3) and their weights (n,), which need not sum to 1.

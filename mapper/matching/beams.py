@@ -111,8 +111,6 @@ class Beams:
         ranges: Float32Array,
         scans: ScanArrays,
         velocities: Float64Array | None = None,
-        half_width: int = HALF_WIDTH,
-        reach: float = REACH,
     ) -> None:
         """Write the points, normals and kinds of the readings ``ranges`` (n_scans, n) of these beams into ``scans``.
 
@@ -131,7 +129,7 @@ class Beams:
             scans.points,
             scans.kind,
         )
-        write_normals(scans, half_width, reach, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
+        write_normals(scans, HALF_WIDTH, REACH, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
 
 
 def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
@@ -149,21 +147,13 @@ def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
     )
 
 
-def prepare_scans(
-    log: ScanLog,
-    first: int = 0,
-    stop: int | None = None,
-    *,
-    range_max: float = np.inf,
-    half_width: int = HALF_WIDTH,
-    reach: float = REACH,
-) -> ScanArrays:
+def prepare_scans(log: ScanLog, first: int = 0, stop: int | None = None) -> ScanArrays:
     """Return the points of the scans ``first`` to ``stop`` of a log in the frame of its base, and their normals.
 
-    Readings from the log's ``range_min`` up to the smaller of its ``range_max`` and the argument ``range_max``
-    metres are points. The mount is applied, of a sensor that moves on the robot that of each scan, and the order is
-    that of the bearing counter-clockwise; beams beyond one whole turn are left out. The normal of a point is that of
-    the line through the points of ``half_width`` beams on either side and of those within ``reach`` metres, see
+    Readings from the log's ``range_min`` up to its ``range_max`` are points. The mount is applied, of a sensor that
+    moves on the robot that of each scan, and the order is that of the bearing counter-clockwise; beams beyond one whole
+    turn are left out. The normal of a point is that of the line through the points of :data:`HALF_WIDTH` beams on
+    either side and of those within :data:`REACH` metres, see
     :func:`mapper.matching.kernels.scan_points.write_normals`.
 
     Raises :class:`ConfigError` for scans that the log lacks, and as :meth:`mapper.matching.beams.Beams.of`.
@@ -171,14 +161,14 @@ def prepare_scans(
     last = log.n_scans if stop is None else stop
     if not 0 <= first < last <= log.n_scans:
         raise ConfigError("matching.scans", f"The log has {log.n_scans} scans, not those from {first} to {last}.")
-    beams = Beams.of(log, range_max=range_max)
+    beams = Beams.of(log)
     scans = beams.room_for(last - first)
     ranges = np.ascontiguousarray(log.ranges[first:last, beams.indices])
     if log.mounts is None:
-        beams.write(ranges, scans, half_width=half_width, reach=reach)
+        beams.write(ranges, scans)
         return scans
     for n in range(last - first):
         placed = beams.at(log.mounts[first + n])
         scans.first[n], scans.sensor[n] = placed.first, placed.sensor
-        placed.write(ranges[n : n + 1], scan_rows(scans, n, n + 1), half_width=half_width, reach=reach)
+        placed.write(ranges[n : n + 1], scan_rows(scans, n, n + 1))
     return scans

@@ -12,13 +12,15 @@ import asyncio
 import os
 import socket
 import tempfile
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import rich
 import viser
 import websockets.asyncio.server
@@ -26,12 +28,61 @@ import websockets.datastructures
 import websockets.exceptions
 import zstandard
 from viser import _assignable_props_api as _props
-from viser.infra import _infra
+from viser.infra import Message, _infra
+from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
 from server.process_folder import process_folder
-from server.scenes.message_buffer import MessageBuffer
 from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer, viewer_of_connection
+
+MAX_TOGETHER = 4 << 20  #: bytes of messages that are sent at once; a larger message is sent alone
+
+
+def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
+    """Return the bytes of the arrays and byte strings in a message or one of its fields."""
+    if isinstance(value, np.ndarray):
+        return value.nbytes
+    if isinstance(value, bytes):
+        return len(value)
+    if isinstance(value, dict):
+        return sum(size_of(one) for one in value.values())
+    if isinstance(value, Message) or is_dataclass(value):
+        return sum(size_of(held) for held in vars(value).values())
+    return 0
+
+
+def parts_of(window: Sequence[Message]) -> Iterator[Sequence[Message]]:
+    """Yield the messages in order, in parts of at most :data:`MAX_TOGETHER` bytes or of one message."""
+    part: list[Message] = []
+    size = 0
+    for message in window:
+        more = size_of(message)
+        if part and size + more > MAX_TOGETHER:
+            yield part
+            part, size = [], 0
+        part.append(message)
+        size += more
+    if part:
+        yield part
+
+
+class MessageBuffer(AsyncMessageBuffer):
+    """viser's buffer of outgoing messages, with its windows divided by :func:`parts_of`.
+
+    viser sends up to 128 messages of any size in one WebSocket message; a browser that connects gets the whole scene.
+    """
+
+    async def _window_loop(
+        self, client_id: int, backlog_last_id: int, backlog_done_message: Message | None
+    ) -> AsyncGenerator[Sequence[Message], None]:
+        windows = super()._window_loop(client_id, backlog_last_id, backlog_done_message)
+        try:
+            async for window in windows:
+                for part in parts_of(window):
+                    yield part
+        finally:
+            await windows.aclose()
+
 
 ZSTD_LEVEL = 6  #: of messages to browsers,
 QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes

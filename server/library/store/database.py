@@ -22,10 +22,42 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from server.library.store.announcing import announce_changes
 from server.library.store.migrations import HEAD
 from server.library.store.recorded_changes import record_changes
-from server.library.store.reserve import RESERVE_BYTES, Reserve
 from server.library.store.revision import alembic_config, refuse_unknown
 from server.library.store.tables import alembic_version, metadata
 from server.storage import RECORDS_FILE, StorageError, disk_full
+
+RESERVE_BYTES = 1 << 18  #: a deletion writes a few pages of 4 KiB, and 32 KiB of the index of the write-ahead log
+LEAST_BYTES = 1 << 15  #: less is of no use
+
+
+class Reserve:
+    """A file beside the database, which takes room on the disk until it is given up. Any thread, one call at a time.
+
+    It is kept for deletions: on a full disk SQLite cannot even write that a row is gone.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def keep(self) -> None:
+        """Take the room that is not taken, or as much of it as there is now."""
+        with contextlib.suppress(OSError):
+            handle = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o600)
+            try:
+                taken, size = os.fstat(handle).st_size, RESERVE_BYTES
+                while size >= max(LEAST_BYTES, taken + 1):
+                    with contextlib.suppress(OSError):
+                        os.posix_fallocate(handle, 0, size)
+                        break
+                    os.ftruncate(handle, taken)  # what was taken before it failed
+                    size //= 2
+            finally:
+                os.close(handle)
+
+    def give_up(self) -> None:
+        """Give the room back to the disk."""
+        self._path.unlink(missing_ok=True)
+
 
 PAGE_BYTES = 4096  #: of SQLite, as it is built
 BUSY_S = 5.0  #: how long to wait for a lock that another program holds

@@ -8,8 +8,8 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, wrap_angle
-from mapper.matching.landscape import score_landscape
 from mapper.matching.parameters import MatchConfig
+from mapper.matching.search import score_landscape
 from mapper.matching.target import Target
 from mapper.sensors.scan import ScanLog
 from mapper.slam.scan_store import scans_of

@@ -8,7 +8,7 @@ import pytest
 from mapper.core.se2 import compose, inverse
 from mapper.matching import MatchConfig, match_scan, prepare_scans, scan_target
 from mapper.matching.kernels.types import ScanArrays
-from mapper.matching.landscape import score_landscape
+from mapper.matching.search import score_landscape
 from mapper.matching.target import Target
 from tests.mapper.matching.rooms import ROOM, scan_log
 

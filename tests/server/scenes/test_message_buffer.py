@@ -7,8 +7,7 @@ import pytest
 from viser._messages import ImageMessage, ImageProps, SceneNodeUpdateMessage, SetPositionMessage
 from viser.infra import Message
 
-from server.scenes.message_buffer import MAX_TOGETHER, MessageBuffer, parts_of, size_of
-from server.scenes.viser_server import ViserServer
+from server.scenes.viser_server import MAX_TOGETHER, MessageBuffer, ViserServer, parts_of, size_of
 
 
 def sized(size: int) -> Message:

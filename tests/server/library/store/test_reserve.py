@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 from sqlalchemy import delete, event, insert, select
 
-from server.library.store.database import Database
-from server.library.store.reserve import RESERVE_BYTES, Reserve
+from server.library.store.database import RESERVE_BYTES, Database, Reserve
 from server.library.store.tables import ended_sign_ins as table
 from server.storage import RECORDS_FILE, StorageError
 
