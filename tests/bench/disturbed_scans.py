@@ -21,10 +21,10 @@ def polished(log: ScanLog, world: World) -> ScanLog:
     return replace(log, ranges=with_lengthened(log.ranges, longer, log.range_max))
 
 
-def crowded(log: ScanLog, world: World) -> ScanLog:
+def crowded(log: ScanLog, world: World, kept_m: float = KEPT_M) -> ScanLog:
     """Return a log along its true poses with people who walk straight from one random place to the next.
 
-    They walk through walls too, which hide them.
+    They walk through walls too, which hide them. Who is nearer to the sensor than ``kept_m`` is left out.
     """
     random = np.random.default_rng(7)
     x0, y0, x1, y1 = world.bounds
@@ -39,5 +39,5 @@ def crowded(log: ScanLog, world: World) -> ScanLog:
         far, off = np.hypot(at[:, :1], at[:, 1:]), np.arctan2(at[:, 1:], at[:, :1]) - bearings
         inside = BODY_M**2 - (far * np.sin(off)) ** 2
         met = far * np.cos(off) - np.sqrt(np.maximum(inside, 0.0))
-        ranges = np.where((inside > 0.0) & (met > 0.0) & (far > KEPT_M), np.minimum(ranges, met), ranges)
+        ranges = np.where((inside > 0.0) & (met > 0.0) & (far > kept_m), np.minimum(ranges, met), ranges)
     return replace(log, ranges=ranges.astype(np.float32))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
+from mapper.diagnosis.events.confirming import is_contradicted
 from mapper.diagnosis.events.displacement import displacements
 from mapper.diagnosis.events.event import CLOCK, GAP, LIFTED, PUSHED, SLIPPED, Event
 from mapper.diagnosis.events.gaps import driven_ways, recording_gaps
@@ -71,6 +72,8 @@ def find_events(
         for displacement in displacements(motions, untold):
             kind = _kind(displacement)
             if kind is None or (displacement.moved is None and kind != LIFTED):
+                continue
+            if not displacement.lost and is_contradicted(sensor, motions, displacement):
                 continue
             ahead, left, turned = (
                 (None,) * 3 if displacement.moved is None else (float(value) for value in displacement.moved)

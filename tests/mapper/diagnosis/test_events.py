@@ -9,6 +9,10 @@ import pytest
 
 from mapper.diagnosis import diagnose
 from mapper.diagnosis.events import Event, clock_time, find_events
+from mapper.sensors.scan import ScanLog
+from mapper.simulation import WORLDS
+from tests.bench.causes import clean
+from tests.bench.disturbed_scans import BODY_M, crowded
 from tests.bench.event_runs import RATE_HZ, START_NS, Happening, drive, free_scans
 from tests.bench.events import BLOCKS
 
@@ -51,6 +55,28 @@ def test_a_push_is_found_with_its_time_size_and_side(
     assert event.stamp_ns == pytest.approx(START_NS + scan / RATE_HZ * 1e9, abs=0.25e9)
     assert event.utc is not None
     assert event.utc.startswith("2025-10-09T08:5")
+
+
+@pytest.mark.parametrize(("world", "seed"), [("room", 12), ("office", 14)])
+def test_people_who_touch_the_sensor_push_nobody(world: str, seed: int) -> None:
+    """They cover 40 % of the readings of some scans, which are aligned with them, and those after with these."""
+    log = crowded(clean(world, seed), WORLDS[world], BODY_M + 0.01)
+    covered = (log.ranges < 0.4).mean(axis=1)
+    assert covered.max() > 0.3
+    assert find_events(log) == []
+
+
+def test_a_push_among_people_is_found() -> None:
+    scan = at((0.0, 0.4, 0.0))
+    log = drive(WORLD, N, [Happening("pushed", scan, 2, (0.0, 0.4, 0.0))], seed=SEED)
+
+    def with_first(name: str, one: ScanLog) -> ScanLog:
+        return replace(one, trajectories={name: one.trajectories[name]} | dict(one.trajectories))
+
+    event = the(find_events(with_first("odom", crowded(with_first("true", log), WORLDS[WORLD], BODY_M + 0.01))))
+    assert (event.kind, event.direction) == ("pushed", "left")
+    assert event.seconds == pytest.approx(scan / RATE_HZ, abs=1.0 / RATE_HZ)
+    assert event.left_m == pytest.approx(0.4, abs=0.08)
 
 
 def test_a_slip_lasts_from_when_the_wheels_turn_in_vain_until_they_hold() -> None:
