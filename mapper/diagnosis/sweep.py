@@ -18,10 +18,21 @@ DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: with which deskewe
 def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
     """Compare the map of deskewed beams with that of beams that are all measured at the scan's stamp.
 
+    What was found wrong when the log was read is the finding (:func:`mapper.io.logs.understanding.understood`). Else
     ``log`` states its time increment. Where the poses around the sweeps are not dense nothing is deskewed, and there is
     no finding. Where clocks differ, beams that are deskewed rightly may agree less than others by chance, so they have
     to agree less with every delay.
     """
+    said = next((part.wrong_sweep for part in sensors_of(log) if part.wrong_sweep), "")
+    if said:
+        return [
+            Finding(
+                CHECK,
+                said,
+                "The map is right without; correct time_increment, or the order of the beams, in the sensor’s driver.",
+                0.95,
+            )
+        ]
     name = seen.trajectory
     if not log.can_deskew(name):
         return []

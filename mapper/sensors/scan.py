@@ -260,7 +260,8 @@ class ScanLog:
     ``time_increment`` is the time from one beam to the next and ``scan_time`` from one scan to the next, seconds, 0
     where the file does not state them; where scans state different ones, the median. ``angles_assumed`` says that the
     file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known;
-    ``mount_assumed`` that a recording does not state where the sensor is on the robot.
+    ``mount_assumed`` that a recording does not state where the sensor is on the robot. ``wrong_sweep`` is a sentence on
+    the stated times between beams, where they cannot be, or the readings contradict them: the log is as they say.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
     them scans of several sensors follow one another, and those of one sensor with different beams.
@@ -290,6 +291,7 @@ class ScanLog:
     order_ns: NDArray[np.int64] | None = None
     angles_assumed: bool = False
     mount_assumed: bool = False
+    wrong_sweep: str = ""
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:

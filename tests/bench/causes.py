@@ -135,6 +135,7 @@ REPORTED = {
     "log_open20_all_inf.csv": "readings.few",
     "range_fixed_distance": "readings.few",
     "sim_reset": "clock.backwards",
+    "time_increment_4x": "timing.increment",
 }
 
 

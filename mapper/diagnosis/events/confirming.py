@@ -1,4 +1,4 @@
-"""Whether the scans beside a displacement confirm it: a scan may be aligned with somebody who stands before the lidar."""
+"""Whether the scans beside a displacement confirm it: one may be aligned with somebody who stands before the lidar."""
 
 from __future__ import annotations
 

@@ -38,6 +38,9 @@ def _understood(log: ScanLog) -> ScanLog:
     contradicted = contradicted_sweep(max(sensors_of(log), key=lambda part: part.n_scans))
     if contradicted is not None:
         log, why = each_part(log, _reversed if contradicted.reversed else _at_once), [*why, contradicted.why]
+    said = next(filter(None, why[::-1]), "")
+    if said:
+        log = each_part(log, lambda part: replace(part, wrong_sweep=said))
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
 
 

@@ -26,7 +26,7 @@ from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 from server.library.packs.arrays import UNREADABLE, write_arrays
 
-VERSION = 7
+VERSION = 8
 
 _ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts", "order_ns")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON

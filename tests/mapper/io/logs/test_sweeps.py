@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from mapper.core.se2 import compose
+from mapper.diagnosis import examine, first_cause, sweep
 from mapper.io.logs.understanding import understood
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
@@ -76,6 +78,25 @@ def test_beams_that_were_measured_in_the_other_order_are_taken_so(delay: float, 
     poses = true_poses(log.stamps_ns[:, np.newaxis] * 1e-9 + delay + STEP * np.arange(BEAMS))
     poses[..., 2] += log.angles
     np.testing.assert_allclose(log.ranges, to_the_walls(poses), atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (reversed_order(), "in the other order"),
+        (at_once(STEP), "as measured at once"),
+        (replace(swept(N), time_increment=4.0 * STEP), "the scans are"),
+        (swept(N), None),
+    ],
+    ids=["reversed", "at once", "too long", "true"],
+)
+def test_the_doctor_names_a_sweep_that_was_found_wrong_when_the_log_was_read(made: ScanLog, said: str | None) -> None:
+    """The map is right without it, but the sensor's driver is not; drift or a delay is not named in its place."""
+    log = read(with_poses(made))
+    found = examine(log)
+    assert [one.check for one in found] == ([] if said is None else [sweep.CHECK])
+    assert all(said in one.sentence and one.parameters is None for one in found if said is not None)
+    assert first_cause(log, None, MappingConfig()) is None, "the map of the log is right"
 
 
 @pytest.mark.parametrize("share", [0.05, 0.5, 2.0])
