@@ -1,8 +1,6 @@
 """Clouds as people have them, beside what their formats and other readers make of each; one case of each kind.
 
-Where the situation is known from: umap issue 159 and QGIS issue 52741 (decimal commas); Helios issue 71 and entwine
-issue 305 (units of a LAS file); Open3D issues 6924 and 913 and PDAL issue 3254 (headers, several scans in a PTS file);
-octomap issues 67 and 272 (coloured octrees); plyfile and Open3D (order of elements, lists).
+A test names the report that its situation is known from; those without one are of the same kinds.
 """
 
 from __future__ import annotations
@@ -112,6 +110,7 @@ TEXTS: dict[str, bytes] = {
 
 @pytest.mark.parametrize("case", TEXTS)
 def test_texts(tmp_path: Path, case: str) -> None:
+    """umap#159, QGIS#52741 (decimal commas); Open3D#913 (two scans); CloudCompare, ParaView, VeloView, R, psql."""
     points, _ = read(tmp_path, TEXTS[case])
     np.testing.assert_allclose(points, POINTS, atol=2e-6)
 
@@ -278,7 +277,7 @@ def test_a_las_version_that_is_not_known_is_named(tmp_path: Path) -> None:
     ],
 )
 def test_texts_that_could_be_two_things_are_refused(tmp_path: Path, data: bytes, said: str) -> None:
-    """They were other points before, without a word."""
+    """umap#159, QGIS#52741. They were other points before, without a word."""
     with pytest.raises(ReadError, match=said):
         read(tmp_path, data)
 
@@ -440,6 +439,7 @@ def test_angles_in_grads_are_metres(tmp_path: Path) -> None:
 @pytest.mark.parametrize("end", ["las", "laz"])
 @pytest.mark.parametrize("case", UNITS)
 def test_units_of_the_projection_record(tmp_path: Path, case: str, end: str) -> None:
+    """entwine#305 (feet); GeoTIFF 1.8.2, OGC 01-009 and 18-010, and epsg.org for units of systems."""
     records, sizes, said = UNITS[case]
     cloud = read_cloud(las(tmp_path / f"a.{end}", POINTS, records))
     np.testing.assert_allclose(cloud.points, POINTS * sizes, atol=1e-6)
@@ -448,7 +448,7 @@ def test_units_of_the_projection_record(tmp_path: Path, case: str, end: str) -> 
 
 @pytest.mark.parametrize("records", [{}, {34735: keys((1024, 2), (2048, 4326))}], ids=["not stated", "stated"])
 def test_degrees_of_las_are_metres_with_a_note(tmp_path: Path, records: dict[int, bytes]) -> None:
-    """0.0001° of longitude at the equator are 11.13 m."""
+    """Helios#71. 0.0001° of longitude at the equator are 11.13 m."""
     degrees = np.array([[8.0, 0.0, 5.0], [8.0001, 0.0, 6.0], [8.0, 0.0001, 7.0]])
     cloud = read_cloud(las(tmp_path / "a.las", degrees, records, (1e-7, 1e-7, 0.01)))
     assert cloud.points[1] - cloud.points[0] == pytest.approx([11.132, 0.0, 1.0], abs=0.02)
@@ -505,6 +505,7 @@ def ply(form: str, lists: tuple[int, ...] = ()) -> bytes:
 @pytest.mark.parametrize("lists", [(), (3,), (0, 2, 5)], ids=["no lists", "even", "uneven"])
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
 def test_ply_with_other_elements_before_and_lists_within(tmp_path: Path, form: str, lists: tuple[int, ...]) -> None:
+    """As plyfile and Open3D read them: elements in any order, with lists."""
     points, notes = read(tmp_path, ply(form, lists), "a.ply")
     np.testing.assert_allclose(points, POINTS, atol=1e-6)
     assert notes == ()
@@ -555,6 +556,7 @@ HEADERS: dict[str, tuple[str, bytes]] = {
 
 @pytest.mark.parametrize("case", HEADERS)
 def test_headers_of_pcd(tmp_path: Path, case: str) -> None:
+    """Open3D#6924 (types in lower case), PDAL#3254 (a count of 0), and pcl::PCDReader::readHeader."""
     head, rows = HEADERS[case]
     points, notes = read(tmp_path, head.encode() + rows, "a.pcd")
     np.testing.assert_allclose(points, POINTS, atol=1e-6)
@@ -576,6 +578,7 @@ CUT: dict[str, tuple[str, Callable[[Path], bytes], int]] = {
 
 @pytest.mark.parametrize("case", CUT)
 def test_of_a_cut_cloud_the_whole_points_are_read(tmp_path: Path, case: str) -> None:
+    """Of recordings the intact part is read too."""
     name, made, n = CUT[case]
     points, notes = read(tmp_path, made(tmp_path)[:-70], name)
     assert 24 < len(points) < n
@@ -649,6 +652,7 @@ def test_a_las_file_whose_header_was_not_written_to_the_end(tmp_path: Path) -> N
 
 
 def test_a_coloured_octree_has_its_occupancy_and_bytes_after_a_tree_are_noted() -> None:
+    """octomap#67, octomap#272."""
     masks, values = np.array([0b101, 0, 0], dtype=np.uint8), np.array([0.4, 0.85, -0.4], dtype=np.float32)
     plain = octree_file(Octree(0.1, values, masks), ".ot", VolumeConfig())
     header = plain.header.replace(b"id OcTree", b"id ColorOcTree")

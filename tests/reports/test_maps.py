@@ -1,7 +1,6 @@
 """Map files as people have them, beside what nav2_map_server makes of each; one case of each kind.
 
-Where the situation is known from: navigation issues 31 and 1004, turtlebot3 issue 267 (a path of another computer);
-loadMapYaml and map_mode_from_string of nav2_map_server; stdr_simulator issue 161 (an alpha channel).
+A test names the report that its situation is known from; those without one are of the same kinds.
 """
 
 from __future__ import annotations
@@ -48,6 +47,7 @@ ELSEWHERE = (
 
 @pytest.mark.parametrize("image", ELSEWHERE)
 def test_an_image_that_is_named_elsewhere_is_the_one_beside_the_yaml(tmp_path: Path, image: str) -> None:
+    """navigation#31, navigation#1004, turtlebot3#267: a path of another computer."""
     (tmp_path / "room.pgm").write_bytes(b"P5\n1 1\n255\n\0")  # outside the yaml's folder: not to be read
     loaded = load_map(written(tmp_path / "inside", image))
     assert loaded.values.tolist() == VALUES
@@ -127,6 +127,7 @@ def test_negate_is_each_word_of_yaml_cpp(tmp_path: Path, word: str, is_negated: 
 def test_thresholds_in_the_other_order_are_compared_as_map_server_does(
     tmp_path: Path, mode: str, occupied: float, free: float
 ) -> None:
+    """loadMapFromFile of nav2_map_server compares with occupied_thresh first."""
     path = written(tmp_path, mode=mode, free_thresh=free)
     values, notes = again(path, "occupied_thresh: 0.65", f"occupied_thresh: {occupied}")
     assert values == np.where(occupied < 1.0 - GREYS / 255.0, 100, 0)[::-1].tolist()
@@ -170,6 +171,7 @@ def test_lines_of_a_header_may_end_as_on_windows(tmp_path: Path, kind: str, most
 
 @pytest.mark.parametrize("mode", ["Trinary", "TRINARY", "trinary"])
 def test_a_mode_may_have_capitals(tmp_path: Path, mode: str) -> None:
+    """map_mode_from_string of nav2_map_server."""
     loaded = load_map(written(tmp_path, mode=mode))
     assert (loaded.description.mode, loaded.values.tolist()) == ("trinary", VALUES)
 
@@ -185,6 +187,7 @@ PICTURES: dict[str, tuple[Any, float, float]] = {
 
 @pytest.mark.parametrize("kind", PICTURES)
 def test_unknown_that_counts_as_free_has_a_note_with_the_remedy(tmp_path: Path, kind: str) -> None:
+    """stdr_simulator#161: an alpha channel."""
     pixels, free_thresh, remedy = PICTURES[kind]
     path = written(tmp_path, "room.png", free_thresh=free_thresh)
     Image.fromarray(pixels).save(tmp_path / "room.png")

@@ -1,7 +1,6 @@
 """Parameter files as people of Nav2 have them, beside what Nav2 makes of each; one case of each kind.
 
-Where the situation is known from: the declarations and defaults of costmap_2d_ros.cpp; navigation issues 223 and 261,
-navigation2 issue 4271 and pull request 5148; rcl's parser of parameter files, and what ``ros2 param dump`` writes.
+A test names the source or the report that its situation is known from; those without one are of the same kinds.
 """
 
 from __future__ import annotations
@@ -56,6 +55,7 @@ NAMES = ("static_layer", "obstacle_layer", "inflation_layer")
     ],
 )
 def test_a_file_without_a_list_of_layers_or_their_types_has_nav2_s(parameters: str) -> None:
+    """default_plugins_ and default_types_ of costmap_2d_ros.cpp."""
     found = node(parameters + "\ntrack_unknown_space: true")
     assert tuple(one.name for one in found.layers) == NAMES
     kinds = (StaticConfig, ObstacleConfig, InflationConfig)
@@ -92,6 +92,7 @@ WAYS = {
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("dump", DUMPS)
 def test_names_of_nodes_and_parameters_may_be_written_in_each_way_of_ros_2(dump: str, way: str) -> None:
+    """rcl's parser of parameter files, and what ``ros2 param dump`` writes."""
     form = DUMPS[dump]
     indent = form.rpartition("\n")[2].removesuffix("{}")
     text = form.format(f"\n{indent}".join((*WAYS[way], "use_sim_time: true")))
@@ -263,11 +264,13 @@ KNOWN = {
 
 @pytest.mark.parametrize("case", KNOWN)
 def test_what_nav2_declares_is_no_error_and_has_no_note(case: str) -> None:
+    """The calls of declare_parameter in costmap_2d_ros.cpp and the layers of nav2_costmap_2d."""
     found = node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION}\n{KNOWN[case]}")
     assert (lethal(found), found.notes) == (9, ())
 
 
 def test_an_old_name_is_read_and_named_with_the_new_one() -> None:
+    """Foxy's obstacle_layer.cpp."""
     found = node(
         "plugins: [static_layer, o]\n" + STATIC + "\no: {plugin: nav2_costmap_2d::ObstacleLayer, "
         "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true}}"
@@ -322,6 +325,7 @@ def test_a_value_that_is_wrong_is_an_error_with_its_path(line: str, said: str) -
 
 @pytest.mark.parametrize(("radius", "warns"), [(0.35, True), (0.37, False)])
 def test_an_inflation_radius_below_the_inscribed_radius_has_nav2_s_warning(radius: float, warns: bool) -> None:
+    """navigation2#4271, and its pull request 5148."""
     found = node(
         f'footprint: "[[0.45,0.35],[0.45,-0.35],[-0.45,-0.35],[-0.45,0.35]]"\n'
         f"plugins: [static_layer, i]\n{STATIC}\ni: {{plugin: n::InflationLayer, inflation_radius: {radius}}}"
@@ -437,6 +441,7 @@ ROOM = "image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied
 
 @pytest.mark.parametrize("unknown", [(), ("--no-unknown",)])
 def test_a_path_over_cells_that_count_as_free_says_so(tmp_path: Path, run: Run, unknown: tuple[str, ...]) -> None:
+    """navigation#223, navigation#261: track_unknown_space is off."""
     picture = np.full((30, 60), 254, np.uint8)
     picture[:, 30:40] = 205
     (tmp_path / "room.pgm").write_bytes(b"P5\n60 30\n255\n" + picture.tobytes())
