@@ -67,6 +67,11 @@ RENAMED = {
     "obstacle_range": ("obstacle_max_range", "Galactic"),
     "raytrace_range": ("raytrace_max_range", "Galactic"),
 }
+#: Parameters of costmaps whose values are integers; those of all others that are numbers are doubles.
+WHOLE = _names(
+    "lethal_cost_threshold inscribed_obstacle_cost_value unknown_cost_value width height z_voxels mark_threshold "
+    "unknown_threshold minimal_group_size group_connectivity_type combination_method num_threads"
+)
 PLANNER_SERVER = _names(
     "planner_plugins expected_planner_frequency costmap_update_timeout allow_partial_planning "
     "action_server_result_timeout "  # up to Jazzy
@@ -125,11 +130,26 @@ def checked(row: Parameter, value: object, where: str, notes: list[str]) -> floa
     A number beyond what is computed with here, as a greatest height of 1000 m or .inf, is no error: the nearest value
     is taken, with a note. Raises :class:`ConfigError`, which names the path, for any other value that is none.
     """
+    notes += wrong_type(value, where, is_whole=row.name in WHOLE)
     value = within(row, value, where, notes)
     try:
         return row.check(value)
     except ConfigError as error:
         raise ConfigError("nav2.value", f"{where}: {error.message}{_FILLED_IN * is_filled_in(value)}") from error
+
+
+def wrong_type(value: object, where: str, *, is_whole: bool) -> list[str]:
+    """Return a note on a number that has a point where Nav2 declares an integer, or none where it declares a double.
+
+    rclcpp refuses to set a parameter of one type to a value of another, since Galactic.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float) or isinstance(value, int) == is_whole:
+        return []
+    if is_whole and not float(value).is_integer():
+        return [f"{where} is {value:g}, where Nav2 declares an integer, and does not start: it must be a whole number."]
+    written = str(int(value)) if is_whole else f"{value}.0"
+    wanted = "an integer" if is_whole else "a double"
+    return [f"{where} is {value}, where Nav2 declares {wanted}, and does not start: write {written}."]
 
 
 _FILLED_IN = " It is filled in where Nav2 is launched: put the value into the file."

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.io.nav2_declared import AMCL, NODE, undeclared, within
+from mapper.io.nav2_declared import AMCL, NODE, undeclared, within, wrong_type
 from mapper.io.ros_parameters import MAX_DEPTH, find_node, parse_ros_parameters, read_parameter_file, value_below
 from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
@@ -95,6 +95,8 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
         if own in BY_NAME:
             given[own] = _value(name, own, value)
             if own not in OWN_ROWS:
+                if layout == "nav2" and BY_NAME[own].kind == "number":
+                    notes += wrong_type(value, f"amcl.{name}", is_whole=_is_whole(own))
                 given[own] = within(BY_NAME[own], given[own], f"amcl.{name}", notes)
         elif is_other(name):
             others[name] = _checked_other(name, value)
@@ -211,5 +213,9 @@ def _text(name: str, value: object, layout: Layout) -> str:
     if isinstance(value, str):
         return f'"{value}"'
     number = float(str(value))
-    whole = BY_NAME[name].step >= 1.0
-    return str(int(number)) if whole else repr(number)
+    return str(int(number)) if _is_whole(name) else repr(number)
+
+
+def _is_whole(name: str) -> bool:
+    """Return whether AMCL declares a number as an integer."""
+    return BY_NAME[name].step >= 1.0

@@ -178,6 +178,34 @@ def test_numbers_are_those_of_yaml_1_2_and_of_rcl(word: str) -> None:
     assert node(f"plugins: []\nrobot_radius: {word}").general.robot_radius == 0.7
 
 
+TYPES = {
+    "robot_radius: 1": "global_costmap.robot_radius is 1, where Nav2 declares a double, and does not start: write 1.0.",
+    "width: 3.0": "global_costmap.width is 3.0, where Nav2 declares an integer, and does not start: write 3.",
+    "height: 2.5": "global_costmap.height is 2.5, where Nav2 declares an integer, and does not start: it must be",
+    "footprint: [[1, 0], [0, 1], [0, -1]]": "global_costmap.footprint is a list, where Nav2 declares a text, and does",
+    "lethal_cost_threshold: 90.0": "global_costmap.lethal_cost_threshold is 90.0, where Nav2 declares an integer, and",
+}
+
+
+@pytest.mark.parametrize("line", TYPES)
+def test_a_number_of_the_other_type_has_a_note(line: str) -> None:
+    """navigation2#1874, #1976, #3561: rclcpp refuses an integer for a double, and Nav2 does not start."""
+    found = node(f'plugins: [s]\ns: {{plugin: "nav2_costmap_2d::StaticLayer"}}\n{line}')
+    assert found.notes[0].startswith(TYPES[line])
+    assert parse_nav2_costmap(nav2_yaml(node("plugins: [static_layer]\n" + STATIC), 0.1).encode()).notes == ()
+    assert parse_amcl_yaml(b"amcl: {ros__parameters: {laser_max_range: 100, max_beams: 60}}").notes == (
+        "amcl.laser_max_range is 100, where Nav2 declares a double, and does not start: write 100.0.",
+    )
+
+
+def test_thresholds_are_written_as_the_integers_that_nav2_declares() -> None:
+    """costmap_2d_ros.cpp declares lethal_cost_threshold, inscribed_obstacle_cost_value and unknown_cost_value so."""
+    written = nav2_yaml(node("plugins: [static_layer]\n" + STATIC), 0.1)
+    values = yaml.safe_load(written)["global_costmap"]["global_costmap"]["ros__parameters"]
+    names = ("lethal_cost_threshold", "inscribed_obstacle_cost_value", "unknown_cost_value")
+    assert [(values[name], type(values[name])) for name in names] == [(100, int), (99, int), (255, int)]
+
+
 TWICE = "The key {!r} stands twice, in lines {} and {}: the latter alone counts, as in Nav2’s launch files."
 
 

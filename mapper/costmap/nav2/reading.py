@@ -28,12 +28,13 @@ from mapper.costmap.nav2.filters import NamedFilter, is_filter, named_filter
 from mapper.costmap.parameters import (
     COMBINATIONS,
     COSTMAP_PARAMETERS,
+    STATIC_PARAMETERS,
     CostmapConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
 )
-from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, checked, undeclared
+from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, WHOLE, checked, undeclared, wrong_type
 from mapper.io.ros_parameters import (
     ParameterFile,
     find_node,
@@ -114,8 +115,12 @@ class _Reader:
         own = self.given
         blocks = self._out_of_containers({name: self._block(name, own.pop(name, None)) for name in names})
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
-        footprint = _footprint(own.pop("footprint", None), self.node)
-        of_static = {key: own.pop(key) for key in OF_STATIC if key in own}
+        footprint = _footprint(own.pop("footprint", None), self.node, self.notes)
+        of_static = {
+            row.name: checked(row, own.pop(row.name), f"{self.node}.{row.name}", self.notes)
+            for row in STATIC_PARAMETERS
+            if row.name in OF_STATIC and row.name in own
+        }
         # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
         self.others.update({(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]})
         general = self._config(CostmapConfig(), COSTMAP_PARAMETERS, own, (self.node,), COSTMAP)
@@ -217,7 +222,7 @@ class _Reader:
         if config is StaticConfig:
             # Nav2's static layer asks the costmap for them, not itself.
             self.notes += [undeclared(".".join(path), name, LAYERS[kind]) for name in OF_STATIC if name in values]
-            values = {name: value for name, value in values.items() if name not in OF_STATIC} | dict(of_static)
+            values = {name: value for name, value in values.items() if name not in OF_STATIC}
         if issubclass(config, ObstacleConfig):
             values |= self._of_source(self._sources(values, path), path)
             # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
@@ -228,7 +233,8 @@ class _Reader:
                     message = f"{'.'.join(path)}.combination_method must be 0, 1 or 2, not {method!r:.40}."
                     raise ConfigError("nav2.value", message)
                 values["combination_method"] = COMBINATIONS[method]
-        made: LayerConfig = self._config(config(), table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
+        start = config(**of_static) if config is StaticConfig else config()
+        made: LayerConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
         return made
 
     def _sources(self, values: dict[str, Any], path: tuple[str, str]) -> list[tuple[str, dict[str, Any]]]:
@@ -294,6 +300,8 @@ class _Reader:
                 values[key] = checked(rows[key], value, f"{where}.{key}", self.notes)
             elif key not in _STRUCTURE:
                 self.others[*path[1:], key] = value
+                if key in WHOLE:
+                    self.notes += wrong_type(value, f"{where}.{key}", is_whole=True)
                 # A block in a layer is that of a source of observations that is not in use.
                 if key not in declared and key not in NODE and not isinstance(value, dict):
                     self.notes.append(undeclared(where, key, {*declared, *rows}))
@@ -337,7 +345,7 @@ def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _footprint(given: object, where: str) -> Footprint | None:
+def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
     if given is None or given in ("", "[]", []):
         return None
     points: object = given
@@ -346,6 +354,8 @@ def _footprint(given: object, where: str) -> Footprint | None:
             points = load_untrusted(given[:10_000])
         except yaml.YAMLError as error:
             raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.") from error
+    elif isinstance(given, list):
+        notes.append(f"{where}.footprint is a list, where Nav2 declares a text, and does not start: put it in quotes.")
     if not isinstance(points, list):
         raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.")
     try:

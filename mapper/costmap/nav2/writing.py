@@ -11,14 +11,9 @@ import yaml
 from mapper.costmap.nav2.costmap import OF_SOURCE, OF_STATIC, PLUGINS, Nav2Costmap
 from mapper.costmap.nav2.filters import filter_nodes
 from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
+from mapper.io.nav2_declared import WHOLE
 
 _OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
-_WHOLE = frozenset(
-    (
-        "lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold",
-        "minimal_group_size", "group_connectivity_type",
-    )
-)  # fmt: skip
 
 
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
@@ -44,12 +39,12 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
         if isinstance(layer.config, StaticConfig):
             for key in OF_STATIC:
                 value = values.pop(key)
-                general[key] = int(value) if key in _WHOLE else value
+                general[key] = int(value) if key in WHOLE else value
         if isinstance(layer.config, ObstacleConfig):
             values["combination_method"] = COMBINATIONS.index(layer.config.combination_method)
             source = {key: values.pop(key) for key in OF_SOURCE}
             block |= _sources(costmap.others, layer.name, source)
-        blocks[layer.name] = block | {key: int(value) if key in _WHOLE else value for key, value in values.items()}
+        blocks[layer.name] = block | {key: int(value) if key in WHOLE else value for key, value in values.items()}
     plugins = [layer.name for layer in costmap.layers]
     servers: dict[str, Any] = {}
     for one in costmap.filters:
