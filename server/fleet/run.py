@@ -31,6 +31,7 @@ from server.library.processing.fleet.fleet_job import (
     RUNS,
     ClusterLostError,
     FleetJob,
+    LogOptions,
     MapFacts,
     fleet_facts,
 )
@@ -62,11 +63,17 @@ class Result:
 
 
 class Fleet:
-    """The logs at ``paths`` and their results in ``folder``; used by one process at a time, see :meth:`held`."""
+    """The logs at ``paths`` and their results in ``folder``; used by one process at a time, see :meth:`held`.
 
-    def __init__(self, paths: Sequence[Path], folder: Path, limits: JobLimits = LIMITS) -> None:
+    All logs are read with the same ``options``; with others they have other results.
+    """
+
+    def __init__(
+        self, paths: Sequence[Path], folder: Path, limits: JobLimits = LIMITS, options: LogOptions | None = None
+    ) -> None:
         self.folder = folder
-        self.logs = {key_of(path): path.absolute() for path in paths}
+        self._options = options or LogOptions()
+        self.logs = {key_of(path, self._options): path.absolute() for path in paths}
         self._limits = limits
         self.results: dict[str, Result] = {}
 
@@ -129,7 +136,7 @@ class Fleet:
         """Have a log done."""
         path, began = self.logs[key], time.monotonic()
         out = (self.folder / "maps" / key).absolute()
-        job = FleetJob(str(path), str(out), str(out.with_name(f"{key}.png")), self._limits)
+        job = FleetJob(str(path), str(out), str(out.with_name(f"{key}.png")), self._limits, options=self._options)
         try:
             facts, runs = await fleet_facts(worker, job)
             return Result(key, str(path), round(time.monotonic() - began, 3), runs, facts)
@@ -153,13 +160,15 @@ class Fleet:
         self.results[result.key] = result
 
 
-def key_of(path: Path) -> str:
-    """Return what names a log and its contents in a folder of results."""
+def key_of(path: Path, options: LogOptions) -> str:
+    """Return what names a log, its contents and how it is read in a folder of results."""
     try:
         found = path.stat()
         what = f"{path.absolute()}\n{found.st_size}\n{found.st_mtime_ns}"
     except OSError:  # its result says that it is missing
         what = f"{path.absolute()}"
+    if options != LogOptions():
+        what += "\n" + json.dumps(asdict(options), sort_keys=True)
     return hashlib.sha256(what.encode("utf-8", "surrogateescape")).hexdigest()[:20]
 
 

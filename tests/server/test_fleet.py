@@ -16,11 +16,12 @@ import pytest
 from distributed import LocalCluster
 from distributed.security import Security
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, MapperError
 from mapper.io.maps import load_map
+from mapper.sensors.scan import ScanLog
 from server.fleet import Fleet, Result, workers_at
 from server.fleet.page import ORDERS, line_of, ordered, write_page
-from server.library.processing.fleet.fleet_job import FleetFinding, MapFacts
+from server.library.processing.fleet.fleet_job import FleetFinding, LogOptions, MapFacts
 from tests.server.library.small_logs import carmen
 
 FACTS = MapFacts(
@@ -48,11 +49,13 @@ class StandIn:
 
     def __init__(self, dies: Callable[[str], bool] = lambda _: False) -> None:
         self.done: list[str] = []
+        self.options: list[LogOptions] = []
         self.dies = dies
 
     def submit(self, job: Any) -> Future[Any]:
         out: Future[Any] = Future()
         self.done.append(job.source)
+        self.options.append(job.options)
         if self.dies(job.source):
             out.set_exception(BrokenExecutor("killed"))
         else:
@@ -91,6 +94,34 @@ def test_each_log_is_done_once_however_many_workers_there_are(tmp_path: Path) ->
     assert later.done == []
     paths[7].write_bytes(carmen(6))
     assert [one.log for one in run(Fleet(paths, tmp_path / "out"), later)] == [str(paths[7])], "it is another log now"
+
+
+def test_logs_are_read_with_the_same_options_and_have_other_results_with_others(tmp_path: Path) -> None:
+    path = logs(tmp_path, 1)[0]
+    moved = LogOptions("FLASER", None, "scan", {"mount_yaw": 1.5, "time_offset": 0.5})
+    first, second = StandIn(), StandIn()
+    for _ in range(2):  # the second time both are there
+        run(Fleet([path], tmp_path / "out"), first)
+        run(Fleet([path], tmp_path / "out", options=moved), second)
+    assert first.done == second.done == [str(path)]
+    assert (first.options, second.options) == ([LogOptions()], [moved])
+
+
+def test_the_options_of_a_fleet_are_those_of_a_log(tmp_path: Path) -> None:
+    path = logs(tmp_path, 1)[0]
+
+    def read(options: LogOptions) -> ScanLog:
+        return options.read(path, lambda _: None)
+
+    plain = read(LogOptions())
+    moved = read(LogOptions("FLASER", None, "scan", {"mount_yaw": 1.5, "time_offset": 0.5}))
+    assert moved.default_trajectory == "scan"
+    assert moved.mount[2] - plain.mount[2] == pytest.approx(1.5)
+    assert moved.trajectory().poses[0, 0] - plain.trajectory("scan").poses[0, 0] == pytest.approx(0.5), "at 1 m/s"
+    for other, code in ((LogOptions(trajectory="gps"), "log.trajectory"), (LogOptions("RLASER"), "log.topic")):
+        with pytest.raises(MapperError) as caught:
+            read(other)
+        assert caught.value.code == code
 
 
 def test_an_interrupted_run_goes_on_and_failures_are_done_again_when_asked(tmp_path: Path) -> None:

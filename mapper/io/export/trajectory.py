@@ -5,6 +5,7 @@ Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, second
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,7 +16,8 @@ from mapper.sensors.scan import ScanLog
 def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
     """Return where the robot's base was at each scan, a line a scan, in the file's order and with its stamps.
 
-    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    Poses that are not known, as before a filter has found the robot, are left out. Raises :class:`ConfigError` for a
+    trajectory that the log lacks.
     """
     return "".join(tum_lines(log, trajectory))
 
@@ -24,8 +26,10 @@ def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
     """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
     way = log.trajectory(trajectory)
     half = way.poses[:, 2] / 2.0
+    known = itertools.repeat(True) if way.is_known is None else way.is_known
     rows = zip(log.stamps_ns, way.poses[:, :2] + np.array(way.offset), np.sin(half), np.cos(half), strict=True)
-    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in rows)
+    told = itertools.compress(rows, known)
+    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in told)
 
 
 def _seconds(stamp_ns: int) -> str:

@@ -5,20 +5,32 @@ from __future__ import annotations
 import time
 from itertools import starmap
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from server.cli.commands import app
-from server.cli.common import AsJson, print_json, progress_bar, refusing
+from server.cli.common import (
+    AsJson,
+    Mount,
+    TfTopic,
+    TrajectoryName,
+    configured,
+    given_parameters,
+    print_json,
+    progress_bar,
+    refusing,
+    with_parameter_options,
+)
 from server.fleet import Fleet, Result, workers_at
 from server.fleet.page import PAGE, line_of, ordered, write_page
-from server.library.processing.fleet.fleet_job import LIMITS
+from server.library.processing.fleet.fleet_job import LIMITS, LogOptions
 
 PAGE_EVERY_S = 1.0
 
 
 @app.command()
+@with_parameter_options("mount_upside_down", "time_offset")
 def fleet(
     logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Robot logs, plain or compressed.")],
     out: Annotated[Path, typer.Option(help="Folder of the results; a run that was ended goes on from it.")],
@@ -34,12 +46,21 @@ def fleet(
         Literal["name", "drift", "findings", "sharpness", "scans", "size"],
         typer.Option("--sort", help="Order of the lines: by name, or the most first, of sharpness the least."),
     ] = "name",
+    topic: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The sensor of each log. [the one with most scans]")
+    ] = None,
+    trajectory: TrajectoryName = None,
+    tf: TfTopic = None,
+    mount: Mount = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Read, examine and map many logs; OUT/index.html shows the maps as they are made."""
     began = time.monotonic()
     limits = LIMITS
-    whole = Fleet(logs, out, limits)
+    mapping = given_parameters(parameters, mount)
+    configured(mapping)
+    whole = Fleet(logs, out, limits, LogOptions(topic, tf, trajectory, mapping))
     with refusing(out), whole.held():
         before = len(whole.results)
         written = 0.0

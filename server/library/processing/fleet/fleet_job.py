@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from mapper import diagnosis
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.io import logs, maps
-from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.mapping.sensor_defaults import RECORDED
+from mapper.sensors.joint_log import with_trajectories
+from mapper.sensors.scan import ScanLog
 from server.jobs import process
 from server.jobs.outcome import outcome_of
 from server.jobs.process import JobLimits
@@ -67,6 +69,29 @@ class MapFacts:
 
 
 @dataclass(frozen=True, slots=True)
+class LogOptions:
+    """How each log is read and mapped, as by the options of one: the sensor, the topic of transforms, the poses.
+
+    ``mapping`` are parameters that correct the mount and the clock.
+    """
+
+    topic: str | None = None
+    tf: str | None = None
+    trajectory: str | None = None
+    mapping: Mapping[str, object] = field(default_factory=dict)
+
+    def read(self, source: Path, progress: Callable[[float], None]) -> ScanLog:
+        """Return a log, the trajectory that is wanted as its first.
+
+        Raises :class:`MapperError`, also for a log without what is named here.
+        """
+        log = logs.open_log(source, topic=self.topic, tf=self.tf, progress=progress)
+        if self.trajectory is not None:
+            log = with_trajectories(log, {self.trajectory: log.trajectory(self.trajectory)})
+        return as_mapped(log, MappingConfig().with_values(self.mapping))
+
+
+@dataclass(frozen=True, slots=True)
 class FleetJob:
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
@@ -78,6 +103,7 @@ class FleetJob:
     picture: str
     limits: JobLimits
     background: bool = False
+    options: LogOptions = field(default_factory=LogOptions)
 
     @property
     def timeout_s(self) -> float:
@@ -136,7 +162,7 @@ def _done(job: FleetJob) -> MapFacts:
     if job.background:
         process.lower_priority()
     began = time.process_time()
-    log = logs.open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
+    log = job.options.read(Path(job.source), lambda done: process.note_progress(READ * done))
     process.note_progress(READ)
     found = diagnosis.examine(log)
     process.note_progress(EXAMINED)

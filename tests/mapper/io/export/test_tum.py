@@ -36,3 +36,11 @@ def test_tum_keeps_every_digit_of_a_stamp(log: ScanLog) -> None:
         "-0.000000001",
         "0.999999999",
     ]
+
+
+def test_poses_that_are_not_known_are_left_out(log: ScanLog) -> None:
+    way = log.trajectory("true")
+    known = np.arange(log.n_scans) % 3 != 0
+    text = tum_text(replace(log, trajectories={"found": replace(way, is_known=known)}))
+    assert text == tum_text(replace(log, trajectories={"true": way}).take(known))
+    assert len(text.splitlines()) == np.count_nonzero(known)
