@@ -30,6 +30,7 @@ from server.scenes.cameras import (
     FOV,
     ROBOT_CAMERAS,
     Aim,
+    Vector,
     camera_at,
 )
 from server.scenes.contents import SceneContents
@@ -195,14 +196,17 @@ class Scene:
             view.position, view.look_at = before.position, before.look_at
         elif before is not None and before.aim is not None:
             self._aim_client(client, before.aim.name)
-        elif client.camera.aspect < ASPECT and (view.is_at(self._first_place) or view.is_at(VISERS_FIRST)):
-            self._aim_client(client, "overview")
+        elif view.is_at(self._first_place) or view.is_at(VISERS_FIRST):
+            view.aim = Aim("overview", ASPECT, self._first_place)
+            if client.camera.aspect < ASPECT:
+                self._aim_client(client, "overview")
         client.camera.on_update(self._fit)
         self._note_change()  # its page may have selected a place
 
     @property
-    def _first_place(self) -> NDArray[np.float64]:
-        return self._server.initial_camera.position
+    def _first_place(self) -> Vector:
+        x, y, z = self._server.initial_camera.position
+        return float(x), float(y), float(z)
 
     def _last_of(self, viewer: Viewer) -> View | None:
         """Return the last view of a page; None: it had none.
@@ -228,7 +232,8 @@ class Scene:
     async def _fit(self, camera: viser.CameraHandle) -> None:
         """Aim a camera again that nobody has moved since, once its picture has another aspect ratio.
 
-        A page lays its views out after they have connected.
+        A page lays its views out after they have connected. A busy browser goes to the first camera of the scene only
+        after it was told another one.
         """
         view = self._views.get(camera.client.client_id)
         if view is None:
@@ -237,7 +242,11 @@ class Scene:
         if view.following is not None:
             view.following.reported(camera.position, camera.look_at)
             return
-        if aim is not None and aim.aspect != camera.aspect and view.is_at(aim.position):
+        if aim is None:
+            return
+        is_reshaped = aim.aspect != camera.aspect and view.is_at(aim.position)
+        is_late = aim.position != self._first_place and view.is_at(self._first_place)
+        if is_reshaped or is_late:
             self._aim_client(camera.client, aim.name)
 
     # -- from the page's own controls ---------------------------------------------------------------------------

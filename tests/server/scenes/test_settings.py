@@ -152,6 +152,30 @@ async def test_a_camera_goes_back_when_its_picture_becomes_narrow_until_somebody
         assert cameras_set(client)[-1] == pytest.approx((x, y, z))
 
 
+@pytest.mark.parametrize("is_late", [False, True])
+async def test_the_first_camera_fits_a_picture_that_becomes_narrow_or_that_comes_to_it_late(
+    service: Service, *, is_late: bool
+) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    bounds = session.model.controls().bounds
+    assert bounds is not None
+    first, _ = camera_at("overview", bounds, ASPECT)
+    wanted, _ = camera_at("overview", bounds, 0.5)
+
+    def is_aimed(message: dict[str, Any]) -> bool:
+        return message["type"] == "SetCameraPositionMessage" and message["position"] == pytest.approx(wanted)
+
+    begins = {"position": VISERS_FIRST, "image_width": 300} if is_late else {"position": first}
+    async with viser_client(service.port, session.id, "visitor=ann", **begins) as client:
+        # The pane of the panel comes when the client has connected, so that its camera is known.
+        await client.control("Beams")
+        if is_late:
+            await client.until(is_aimed)
+        client.forget()
+        await client.send(**CAMERA | {"position": first, "image_width": 300})
+        await client.until(is_aimed)
+
+
 @pytest.mark.parametrize("name", CAMERAS)
 def test_cameras_look_at_the_middle_and_go_back_in_narrow_pictures(name: CameraName) -> None:
     bounds = (2.0, 1.0, 12.0, 7.0)
