@@ -5,8 +5,8 @@
  */
 
 import type { Pose } from "../wire/protocol";
-import { wrapped } from "./angles";
 import { compose } from "./lattice";
+import { wrapped } from "./poses";
 
 /** α₁ to α₄, and α₅ of the omnidirectional model. */
 export type Alphas = readonly [number, number, number, number, ...number[]];

@@ -1,5 +1,7 @@
 import type { Pose } from "../wire/protocol";
-import { wrapped } from "./angles";
+
+/** An angle in −π … π, radians. */
+export const wrapped = (angle: number): number => angle - 2 * Math.PI * Math.floor((angle + Math.PI) / (2 * Math.PI));
 
 /** T_a_b of T_o_a and T_o_b: the motion from the one to the other, or the pose of b in the frame of a. */
 export function between(a: Pose, b: Pose): Pose {

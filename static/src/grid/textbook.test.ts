@@ -1,10 +1,9 @@
 import { describe, expect, it } from "vitest";
 import type { Point, Pose } from "../wire/protocol";
-import { amanatidesWoo } from "./amanatidesWoo";
 import { bresenham } from "./bresenham";
 import { emptyStatistics, type GridGeometry, INITIAL_CONFIG, type MappingConfig } from "./occupancyGrid";
 import { beamModel, cellIncrement, INITIAL_PARAMETERS } from "./sensorModel";
-import { evidenceOfBeam, occupancyGridMapping } from "./textbook";
+import { amanatidesWoo, evidenceOfBeam, occupancyGridMapping } from "./textbook";
 import vectors from "./textbook.vectors.json";
 
 const GEOMETRY: GridGeometry = { ...vectors.geometry, origin: vectors.geometry.origin as unknown as Pose };

@@ -20,8 +20,7 @@ import { level, tableBounds } from "../tools/profile/handles";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { profileReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
-import { reducedMotion } from "../ui/browser/reducedMotion";
-import { inHand } from "../ui/browser/touch";
+import { inHand, reducedMotion } from "../ui/browser/media";
 import { Icon } from "../ui/Icon";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Slider } from "../ui/Slider";
@@ -29,10 +28,24 @@ import { Toasts, toast } from "../ui/Toast";
 import { whyAgain } from "../wire/ask";
 import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
-import { Contents } from "./lecture/Contents";
+import { LECTURE_PARTS } from "./lecture/lessons";
 import { Starting } from "./Starting";
 import { shownStore } from "./shownStore";
 import { hadWorld, worldSession } from "./worldSession";
+
+/** The parts of the lecture, each a link to its first section. */
+function Contents() {
+  return (
+    <nav class="contents" aria-label="Parts of the lecture">
+      {LECTURE_PARTS.map(({ title, sentence, lessons }) => (
+        <a key={title} href={`/lecture.html#${lessons[0]?.id}`}>
+          <b>{title}</b>
+          <span>{sentence}</span>
+        </a>
+      ))}
+    </nav>
+  );
+}
 
 /** The connection to the visitor's own live world; null until there is a session. */
 const connection = signal<Connection | null>(null);

@@ -27,6 +27,7 @@ import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { LayoutChoice } from "../ui/stage/LayoutChoice";
 import type { Layout } from "../ui/stage/layout";
+import { Stage as Views } from "../ui/stage/Stage";
 import { useLayout } from "../ui/stage/useLayout";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
@@ -36,15 +37,38 @@ import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
 import { groupsOf } from "./lab/groups";
 import { groupFromAddress, namesNoWorld, visibleState } from "./lab/link";
-import { Stage } from "./lab/Stage";
 import { keepAddress, openSession, restore } from "./lab/session";
-import { KINDS, lastLayout, PRESETS, WORLD_AND_MAP } from "./lab/views";
+import { KINDS, type LabPictures, lastLayout, PRESETS, viewsOf, WORLD_AND_MAP } from "./lab/views";
 import { Starting } from "./Starting";
 import { hasPicture, shownStore } from "./shownStore";
 import { useClass } from "./useClass";
 import { replay } from "./worldSession";
+import "./lab/stage.css";
 import "../style/index.css";
 import "./lab/lab.css";
+
+interface StageProps extends LabPictures {
+  readonly layout: Signal<Layout>;
+  /** Whether nothing in it can be used. */
+  readonly isInert: boolean;
+}
+
+/** The stage of the lab: its views, and the borders between them. */
+function Stage({ layout, isInert, ...pictures }: StageProps) {
+  const now = layout.value;
+  return (
+    <div class="lab-stage" inert={isInert}>
+      <Views
+        views={viewsOf(pictures)}
+        layout={now}
+        onLayout={(next) => {
+          layout.value = next;
+        }}
+        isTogether={now.arrangement === "beside" && `${now.views}` === `${WORLD_AND_MAP.views}`}
+      />
+    </div>
+  );
+}
 
 type Reading = number | null | undefined;
 

@@ -9,7 +9,6 @@ import { fetchLater, isLater, later } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
-import { fontsLoaded } from "../ui/browser/fontsLoaded";
 import { anchorScroll } from "../ui/browser/scrollAnchor";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -27,8 +26,7 @@ import { NoReturnSection } from "./lecture/mapping/NoReturnSection";
 import { RaysSection } from "./lecture/mapping/RaysSection";
 import { SonarSection } from "./lecture/mapping/SonarSection";
 import { WindowSection } from "./lecture/mapping/WindowSection";
-import { ClassPointer } from "./lecture/present/ClassPointer";
-import { attendLecture } from "./lecture/present/classSlides";
+import { attendLecture, shownPointer } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
@@ -63,7 +61,24 @@ import { MountSection } from "./lecture/wrong/MountSection";
 import { OdometrySection } from "./lecture/wrong/OdometrySection";
 import { ProbableSection } from "./lecture/wrong/ProbableSection";
 import { ResolutionSection } from "./lecture/wrong/ResolutionSection";
-import "./lecture/partHead.css";
+
+/** The lecturer's pointer on a follower's slide. */
+function ClassPointer() {
+  const at = shownPointer.value;
+  const box = at && document.querySelector(".slides > main")?.getBoundingClientRect();
+  if (!at || !box) return null;
+  // The position is in the zoomed pixels of the slide: the element is within the zoomed page.
+  const zoom = Number(document.documentElement.style.zoom) || 1;
+  const [left, top] = [(box.x + at[0] * box.width) / zoom, (box.y + at[1] * box.height) / zoom];
+  return <div class="class-pointer" aria-hidden="true" style={`left: ${left}px; top: ${top}px`} />;
+}
+
+/** Resolves when every font of the page has been loaded or has failed, at the latest after `ms` milliseconds. */
+const fontsLoaded = (ms: number): Promise<unknown> =>
+  Promise.race([
+    Promise.allSettled([...document.fonts].map((font) => font.load())),
+    new Promise((done) => setTimeout(done, ms)),
+  ]);
 
 interface PartHeadProps {
   /** Its place among the parts, from 1. */

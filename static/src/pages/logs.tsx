@@ -1,6 +1,5 @@
 import "../style/index.css";
 import "./logs/library/library.css";
-import "./logs/library/card.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";

@@ -9,7 +9,7 @@ import type { Command, ServerMessage } from "../wire/protocol";
 import { shownStore } from "./shownStore";
 import { createWorld } from "./worldSession";
 
-vi.mock("../ui/browser/reducedMotion", () => ({ reducedMotion: { peek: () => false, value: false } }));
+vi.mock("../ui/browser/media", () => ({ reducedMotion: { peek: () => false, value: false } }));
 
 beforeEach(() => {
   vi.stubGlobal("requestAnimationFrame", () => 0);

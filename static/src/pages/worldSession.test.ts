@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { createWorld, starting, worldSession } from "./worldSession";
 
-vi.mock("../ui/browser/reducedMotion", () => ({ reducedMotion: { peek: () => false } }));
+vi.mock("../ui/browser/media", () => ({ reducedMotion: { peek: () => false } }));
 
 beforeEach(() => {
   vi.useFakeTimers();

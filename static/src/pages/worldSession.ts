@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { FIRST_SEED } from "../store/firstPicture";
-import { reducedMotion } from "../ui/browser/reducedMotion";
+import { reducedMotion } from "../ui/browser/media";
 import type { Work } from "../ui/Working";
 import { ask, mayPass, RequestError } from "../wire/ask";
 import type { History, NewSimulation } from "../wire/http";

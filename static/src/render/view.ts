@@ -4,7 +4,7 @@
  * the upper left corner of the picture.
  */
 
-import type { Bounds } from "../grid/bounds";
+import type { Bounds } from "../grid/lattice";
 import type { Point } from "../wire/protocol";
 
 export interface View {

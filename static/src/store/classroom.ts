@@ -5,8 +5,7 @@
 
 import { batch, computed, signal } from "@preact/signals";
 import { addressOf, ask, RequestError, socketAddress } from "../wire/ask";
-import { decodeClassText } from "../wire/decodeClassText";
-import { OutdatedPageError } from "../wire/decodeText";
+import { decodeClassText, OutdatedPageError } from "../wire/decodeText";
 import type { OpenClassAnswer } from "../wire/http";
 import {
   type ClassCommand,

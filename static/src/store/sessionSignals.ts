@@ -2,8 +2,7 @@
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
-import { around, type Bounds } from "../grid/bounds";
-import { type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
+import { around, type Bounds, type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
 import type { MapPicture } from "../render/map/mapPicture";
 import type { Size, View } from "../render/view";
 import type { Work } from "../ui/Working";

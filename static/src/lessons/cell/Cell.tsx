@@ -7,7 +7,7 @@ import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
 import "./cell.css";
-import { type CellEvent, type CellParameters, logOddsHistory, readingsUntil } from "../../grid/cellUpdate";
+import { type CellEvent, type CellParameters, logOddsHistory, readingsUntil } from "../../grid/sensorModel";
 import {
   evidenceScale,
   FREE,

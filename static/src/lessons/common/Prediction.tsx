@@ -4,11 +4,10 @@ import { classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { bound, shownDecimals, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { type GuessQuestion, useClassGuess } from "./classGuess";
-import { GuessColumns } from "./GuessColumns";
+import { GuessColumns, type GuessQuestion, useClassGuess } from "./classGuess";
 import { Plot } from "./Plot";
 import { useSeen } from "./useSteps";
-import "./prediction.css";
+import "./lesson.css";
 
 const HEIGHT = 92;
 const AXIS = 66;

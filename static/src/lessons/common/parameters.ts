@@ -1,8 +1,8 @@
 /** The parameters that the stage and the sections on a cell and on the sensor model share. */
 
 import { computed } from "@preact/signals";
-import type { CellParameters } from "../../grid/cellUpdate";
 import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
+import type { CellParameters } from "../../grid/sensorModel";
 import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
 import { onPath } from "../stage/path";
 

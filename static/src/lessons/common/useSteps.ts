@@ -1,7 +1,43 @@
-import { type ReadonlySignal, type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { computed, type ReadonlySignal, type Signal, untracked, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { watchVisibility } from "../../ui/browser/visibility";
+
+/**
+ * What a figure shows, where that takes long to compute, for example from a map. While the figure is out of sight it
+ * keeps what it has, so that a handle that is dragged elsewhere does not wait for figures that are not visible.
+ *
+ * `current` reads the signals that the value depends on. It must be the same function in each render.
+ */
+export function useInSight<T>(figure: RefObject<Element | null>, current: () => T): T {
+  const isSeen = useSeen(figure);
+  const isPrinted = useSignal(false);
+  useEffect(() => {
+    const print = (): void => {
+      isPrinted.value = true;
+    };
+    const end = (): void => {
+      isPrinted.value = false;
+    };
+    addEventListener("beforeprint", print);
+    addEventListener("afterprint", end);
+    return () => {
+      removeEventListener("beforeprint", print);
+      removeEventListener("afterprint", end);
+    };
+  }, [isPrinted]);
+  const value = useMemo(() => {
+    let last: { readonly value: T } | null = null;
+    return computed(() => {
+      // Both are read each time: out of sight the value depends on nothing else.
+      const isShown = [isSeen.value, isPrinted.value].includes(true);
+      if (isShown) last = { value: current() };
+      last ??= { value: untracked(current) };
+      return last.value;
+    });
+  }, [current, isSeen, isPrinted]);
+  return value.value;
+}
 
 /** Whether an element is on screen in a visible tab. */
 export function useSeen(element: RefObject<Element | null>): ReadonlySignal<boolean> {

@@ -2,7 +2,7 @@ import { useRef } from "preact/hooks";
 import { toLattice } from "../../grid/lattice";
 import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { useInSight } from "../common/useInSight";
+import { useInSight } from "../common/useSteps";
 import { cellSide, originAt, pipelineBeam } from "../stage/controls";
 import { readingOf } from "../stage/reading";
 import { nowOf } from "../stage/scene";

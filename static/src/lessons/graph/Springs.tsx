@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { compose } from "../../grid/lattice";
 import { linePath } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";

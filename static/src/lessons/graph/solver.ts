@@ -4,8 +4,7 @@
  * (the kernel whose scale shrinks), Zhang 1997 (the weights).
  */
 
-import { wrapped } from "../../grid/angles";
-import { between } from "../../grid/poses";
+import { between, wrapped } from "../../grid/poses";
 import type { Pose } from "../../wire/protocol";
 import type { Symmetric } from "../matching/symmetric";
 

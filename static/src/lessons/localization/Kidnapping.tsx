@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { linePath } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";

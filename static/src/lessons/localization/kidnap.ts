@@ -1,8 +1,8 @@
 /** A robot that walks about the floor and may be carried away, and the augmented MCL that follows it. */
 
-import { wrapped } from "../../grid/angles";
 import { type Alphas, odometryControl, odometrySigmas, sampleMotion } from "../../grid/motionModel";
 import { augmentedShare, lowVarianceSampler, normalized } from "../../grid/particleFilter";
+import { wrapped } from "../../grid/poses";
 import { seeded } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
 import { castRay } from "../common/world";

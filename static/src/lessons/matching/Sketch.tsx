@@ -7,7 +7,7 @@ import type { Point, Pose } from "../../wire/protocol";
 import { oneStep, scoreLandscape } from "./matching";
 import { nearestPairs, type PointScan, placed } from "./model";
 import { ransac, wallsOf } from "./ransac";
-import "./sketch.css";
+import "./matching.css";
 import { GEOMETRY, problemIn, scanFromPose } from "./world";
 
 const DEGREE = Math.PI / 180;

@@ -1,8 +1,8 @@
 /** What the figure does with two scans: a match by a method, its result, and the score fields. */
 
-import { wrapped } from "../../grid/angles";
 import { centreOf } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { wrapped } from "../../grid/poses";
 import type { Pose } from "../../wire/protocol";
 import {
   iterate,

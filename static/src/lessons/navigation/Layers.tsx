@@ -3,7 +3,7 @@ import { NO_INFORMATION, nameOfCost } from "../../grid/costs";
 import { isDark } from "../../ui/browser/theme";
 import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { useInSight } from "../common/useInSight";
+import { useInSight } from "../common/useSteps";
 import type { Costs } from "./costmap";
 import { coloursOf } from "./paint";
 import { LAYERS, lifetime, probeAt, type Sheet as SheetOf, sheets, switched } from "./state";

@@ -1,12 +1,11 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { bound, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { useInSight } from "../common/useInSight";
-import { useSeen, useSteps } from "../common/useSteps";
+import { useInSight, useSeen, useSteps } from "../common/useSteps";
 import {
   groundCosts,
   method,

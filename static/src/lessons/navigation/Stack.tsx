@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { Slider } from "../../ui/Slider";
 import { useSeen, useSteps } from "../common/useSteps";
 import { begin, FIRST_STEP, LENGTH, type Phase, phaseOf, restart, step } from "./stack";

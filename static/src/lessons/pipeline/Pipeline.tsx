@@ -5,17 +5,36 @@ import { probability } from "../../grid/logOdds";
 import { indexOf } from "../../grid/occupancyGrid";
 import { bayesFilter } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { bound, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { useInSight } from "../common/useInSight";
-import { useSeen, useSteps } from "../common/useSteps";
+import { useInSight, useSeen, useSteps } from "../common/useSteps";
 import { pipelineBeam, pipelineStep } from "../stage/controls";
 import { readingOf } from "../stage/reading";
 import { nowOf, type Scene } from "../stage/scene";
 import { ALGORITHM } from "../stage/scenes";
-import { densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
+
+/** More than 0.5 of log-odds decides. */
+const DECIDED = 0.5;
+
+export const stateCharacter = (logOdds: number): string => (logOdds > DECIDED ? "#" : logOdds < -DECIDED ? "." : "?");
+
+/** The least probability of each character; below all of them, the most certainly free. */
+const STEPS = [
+  [0.9, "#"],
+  [0.7, "o"],
+  [0.55, "+"],
+  [0.45, " "],
+  [0.3, "−"],
+  [0.1, "."],
+] as const;
+
+/** The character of the first step that p reaches; a dot, as for 0.1, below them all. */
+export const densityCharacter = (logOdds: number): string => {
+  const p = probability(logOdds);
+  return STEPS.find(([least]) => p >= least)?.[1] ?? ".";
+};
 
 const MS = 1400;
 const LAST = 6;

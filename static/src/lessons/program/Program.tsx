@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { GridGeometry, LaserScan } from "../../grid/occupancyGrid";
 import { bearingOf } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import type { Point, Pose } from "../../wire/protocol";

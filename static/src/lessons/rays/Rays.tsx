@@ -1,11 +1,11 @@
 import { computed, useSignal } from "@preact/signals";
 import { useId, useMemo, useRef } from "preact/hooks";
-import { amanatidesWoo } from "../../grid/amanatidesWoo";
 import { bresenhamSteps, type Fixes, type Line, octant } from "../../grid/bresenham";
 import type { Cell } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { amanatidesWoo } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import { keyedIndex } from "../../ui/seek";
 import { Toggle, ToggleOf } from "../../ui/Toggle";

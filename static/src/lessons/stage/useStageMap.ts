@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useMemo } from "preact/hooks";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { historyOf } from "./history";
 import { planOf, type Scene, type Shown, shownOf } from "./scene";
 

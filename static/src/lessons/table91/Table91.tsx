@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { signed } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useSeen, useSteps } from "../common/useSteps";

@@ -2,6 +2,8 @@ import { expect, test } from "vitest";
 import { heightsOf, limitsOf, placesOf } from "./AskedPatch";
 import { momentsOf, planeOf, ratiosOf, scoreOf, stepOf } from "./model";
 
+// @vitest-environment happy-dom
+
 const VALUES = {
   max_slope: 45,
   max_roughness: 0.5,

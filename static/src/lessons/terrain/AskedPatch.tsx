@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { inHand } from "../../ui/browser/touch";
+import { inHand } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import type { TerrainMessage } from "../../wire/messages";
 import type { Values } from "../../wire/protocol";

@@ -1,10 +1,10 @@
 import { render } from "preact";
 import { act } from "preact/test-utils";
-import { afterEach, expect, test, vi } from "vitest";
+import { afterEach, describe, expect, it, test, vi } from "vitest";
 import { Store } from "../../store/store";
 import type { LogEvent } from "../../wire/http";
 import type { Command } from "../../wire/protocol";
-import { confidenceLabel, Events, examine, isLongEnough, measureOf, wellLabel } from "./Doctor";
+import { confidenceLabel, Events, examine, isLongEnough, measureOf, standsStill, wellLabel } from "./Doctor";
 import { PUSH } from "./push.fixture";
 
 // @vitest-environment happy-dom
@@ -76,4 +76,24 @@ test("poses that do not move are not said to be without problems", () => {
   const [result, about] = wellLabel("standing still", true);
   expect(result).toBe("No problems found in the readings.");
   expect(about).toContain("drift, delay and mount cannot be checked");
+});
+
+describe("poses at one place", () => {
+  it("are those of a log that states none", () => {
+    expect(standsStill([])).toBe(false);
+    expect(standsStill([[1, 2]])).toBe(false);
+    expect(
+      standsStill([
+        [0, 0],
+        [0, 0],
+        [0, 0],
+      ]),
+    ).toBe(true);
+    expect(
+      standsStill([
+        [0, 0],
+        [0, 0.001],
+      ]),
+    ).toBe(false);
+  });
 });

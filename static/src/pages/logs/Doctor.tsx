@@ -11,11 +11,16 @@ import { progressText } from "../../ui/Working";
 import { ask } from "../../wire/ask";
 import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
 import type { DoctorAnswer, FindingAnswer, LogEvent } from "../../wire/http";
-import type { LogInfo } from "../../wire/protocol";
+import type { LogInfo, Point } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
 import { SENSOR_SEPARATOR, trajectoryLabel } from "./library/describeLog";
-import { standsStill } from "./slam/standsStill";
 import "./doctor.css";
+
+/** Whether several poses are all at one place. */
+export function standsStill(poses: readonly Point[]): boolean {
+  const first = poses[0];
+  return first !== undefined && poses.length > 1 && poses.every(([x, y]) => x === first[0] && y === first[1]);
+}
 
 /**
  * Whether the server certainly examines a log: it refuses one in which no sensor has enough scans. The numbers of the

@@ -3,10 +3,10 @@ import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { isBoolean, isWithin, kept } from "../../ui/browser/kept";
-import { useMedia } from "../../ui/browser/useMedia";
+import { useMedia } from "../../ui/browser/media";
 import { Icon } from "../../ui/Icon";
 import { Splitter } from "../../ui/split/Splitter";
-import "./viewerFrame.css";
+import "./viewer.css";
 
 const LIMITS = { low: 0.25, high: 0.82 };
 const BESIDE = 2 / 3;

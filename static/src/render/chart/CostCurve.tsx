@@ -6,7 +6,7 @@ import { useDrawing } from "../../ui/browser/useDrawing";
 import { Handle } from "../../ui/Handle";
 import { keyed, type Range, snap, written } from "../../ui/numbers";
 import { toPixel } from "./scale";
-import "./costCurve.css";
+import "./chart.css";
 
 const HEIGHT = 190;
 const [LEFT, RIGHT, TOP, BOTTOM] = [34, 12, 38, HEIGHT - 38];

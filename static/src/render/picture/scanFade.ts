@@ -1,4 +1,4 @@
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 
 const FADE_MS = 260;
 

@@ -5,8 +5,7 @@ import { Button } from "../../ui/Button";
 import { toastFailure } from "../../ui/browser/attempts";
 import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
-import { OutdatedPage } from "./OutdatedPage";
-import { useRefused } from "./useRefused";
+import { OutdatedPage, useRefused } from "./bars";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {

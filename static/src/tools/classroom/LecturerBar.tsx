@@ -4,12 +4,11 @@ import { type Classroom, endClass, openClass, questionInHeading, questionOnPage 
 import { Button } from "../../ui/Button";
 import { toastFailure } from "../../ui/browser/attempts";
 import type { ClassQuestion } from "../../wire/protocol";
+import { OutdatedPage, useRefused } from "./bars";
 import { Histogram } from "./Histogram";
-import { OutdatedPage } from "./OutdatedPage";
 import { codeIsShown } from "./opening";
 import { PollForm } from "./PollForm";
 import { PuzzleBoard } from "./PuzzleBoard";
-import { useRefused } from "./useRefused";
 
 /** Whether an address is reached only by the machine that it is opened on. */
 const isLoopback = (address: string): boolean => /^(localhost|127\.[\d.]+|\[::1\])$/.test(new URL(address).hostname);

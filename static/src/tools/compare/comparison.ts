@@ -8,7 +8,7 @@ import type { Layer } from "../../render/map/renderer";
 import { toScreen } from "../../render/view";
 import { MAP, SECOND_MAP } from "../../store/layers";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import type { Point } from "../../wire/protocol";
 
 /** A left and B right of a divider; A and B alternating; their difference; their sum. */

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { type Cell, cellAt, centreOf } from "../../grid/lattice";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { useWidth } from "../../ui/browser/useSize";
 import { zoomOf } from "../../ui/browser/zoom";
 import { Slider } from "../../ui/Slider";

@@ -3,7 +3,7 @@
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { inHand } from "../../ui/browser/touch";
+import { inHand } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";

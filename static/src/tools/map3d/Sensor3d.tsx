@@ -4,8 +4,7 @@ import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Choice } from "../../ui/Choice";
 import type { Value } from "../../wire/protocol";
-import { ParameterRows } from "../parameters/ParameterRows";
-import { useTable } from "../parameters/useTable";
+import { ParameterRows, useTable } from "../parameters/ParameterRows";
 
 const NONE = "none";
 const KINDS = [

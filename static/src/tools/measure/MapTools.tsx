@@ -4,7 +4,7 @@ import { useComputed } from "@preact/signals";
 import type { ComponentChildren, RefObject } from "preact";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { inHand } from "../../ui/browser/touch";
+import { inHand } from "../../ui/browser/media";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { IconName } from "../../ui/Icon";
 import { LiveRegion } from "../../ui/LiveRegion";

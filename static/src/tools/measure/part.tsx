@@ -3,7 +3,7 @@
 import type { Brush } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
-import { labelFont } from "../../style/labelFont";
+import { labelFont } from "../../style/colour";
 import { written } from "../../ui/numbers";
 import type { Point } from "../../wire/protocol";
 import type { PagePart } from "../part";

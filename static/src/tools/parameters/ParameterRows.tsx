@@ -1,11 +1,18 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
+import type { Store } from "../../store/store";
 import { Choice } from "../../ui/Choice";
 import type { Range } from "../../ui/numbers";
 import { Slider, type Tone } from "../../ui/Slider";
 import { Toggle } from "../../ui/Toggle";
 import type { Parameter, Value, Values } from "../../wire/protocol";
 import { boundsOf, isEnabled, isShown, readable } from "./parameters";
+
+/** The rows of a part's parameters that `isShown` accepts; `type` is that of the part's command. */
+export function useTable(store: Store, type: string, isShown: (row: Parameter) => boolean): readonly Parameter[] {
+  const table = store.hello.value?.tables[type];
+  return useMemo(() => table?.filter(isShown) ?? [], [table]);
+}
 
 const TONES: Record<string, Tone> = {
   log_odds_hit: "hit",

@@ -18,7 +18,7 @@ import type { Picture } from "../../render/picture/Picture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import { scanFade } from "../../render/picture/scanFade";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { KINDS } from "../../wire/kinds";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";

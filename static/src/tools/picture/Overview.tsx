@@ -12,7 +12,7 @@ import { useSize } from "../../ui/browser/useSize";
 import type { Point } from "../../wire/protocol";
 import { GIVEN_MAP } from "../localization/model";
 import { centredAt, type OverviewBox, overviewBox } from "./overviewBox";
-import "./overview.css";
+import "./picture.css";
 
 /** Between two paintings of a map that changes, ms. */
 const PAUSE_MS = 250;

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import "./plate.css";
+import "./picture.css";
 
 interface PlateProps {
   readonly title: string;

@@ -18,12 +18,12 @@ import { pictureColours } from "../../render/picture/pictureColours";
 import { type ScanFade, scanFade } from "../../render/picture/scanFade";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { paintNavigation, paintPathOf, watchNavigation } from "../costmap/paint";
 import { paintEditing } from "../editing/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
-import { act } from "./act";
+import { act } from "./keyboard";
 import { LinkedPicture } from "./LinkedPicture";
 
 /** The floor plan: painted only when the view, the world or the theme changes. */

@@ -3,7 +3,19 @@
 import { centreOf } from "../../grid/lattice";
 import { type Size, toScreen, zoomedAt } from "../../render/view";
 import type { Store } from "../../store/store";
-import { act } from "./act";
+import type { Point } from "../../wire/protocol";
+import { useTool } from "../costmap/mapTool";
+import { editAt } from "../editing/strokes";
+
+/**
+ * What a click on a place of the world does, or Enter at the keyboard's cursor (`isKey`): the selected tool edits the
+ * world there; without one the robot is placed there.
+ */
+export function act(store: Store, point: Point, isKey = false): void {
+  if (useTool(store, point)) return;
+  if (store.editing.tool.peek() === null) store.teleport(point);
+  else editAt(store, point, isKey);
+}
 
 const FORWARD = 0.8; // m/s
 const BACK = -0.5;

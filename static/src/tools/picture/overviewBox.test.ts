@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Bounds } from "../../grid/bounds";
+import type { Bounds } from "../../grid/lattice";
 import { fitted, toWorld } from "../../render/view";
 import { centredAt, overviewBox } from "./overviewBox";
 

@@ -1,6 +1,6 @@
 /** The arithmetic of the overview beside a zoomed map. */
 
-import type { Bounds } from "../../grid/bounds";
+import type { Bounds } from "../../grid/lattice";
 import { fitted, type Size, toScreen, type View } from "../../render/view";
 import type { Point } from "../../wire/protocol";
 

@@ -1,6 +1,6 @@
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { inHand } from "../../ui/browser/touch";
+import { inHand } from "../../ui/browser/media";
 import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
 import type { MapTool } from "../costmap/state";

@@ -8,11 +8,9 @@ import { Button } from "../../ui/Button";
 import { kept } from "../../ui/browser/kept";
 import { Slider } from "../../ui/Slider";
 import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
-import { savePicture } from "./picture";
-import { SceneButtons } from "./SceneButtons";
-import { fullScreen, SceneFrame } from "./SceneFrame";
+import { SceneButtons, savePicture } from "./SceneButtons";
+import { changeScene, fullScreen, SceneFrame } from "./SceneFrame";
 import { useSelectedPlace } from "./selection";
-import { changeScene } from "./settings";
 import "./scene.css";
 
 interface SceneProps {

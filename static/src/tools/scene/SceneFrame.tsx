@@ -4,8 +4,22 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
-import { sceneAddress } from "./settings";
+import { ask } from "../../wire/ask";
+import type { SceneSettings } from "../../wire/http";
 import "./scene.css";
+
+/** The address of a session's 3D view in this page, in the colours of the page. */
+const sceneAddress = (session: string, { page }: Store, isDark: boolean): string =>
+  `/scenes/${encodeURIComponent(session)}/plain/${page}/${isDark ? "?darkMode" : ""}`;
+
+/** Change some settings of a session's 3D view. */
+export async function changeScene(session: string, body: SceneSettings): Promise<void> {
+  try {
+    await ask("POST /scenes/{session_id}/settings", { session_id: session }, { body });
+  } catch {
+    toast("The server does not answer.", "error");
+  }
+}
 
 interface SceneFrameProps {
   readonly store: Store;

@@ -5,7 +5,7 @@ import { useRef } from "preact/hooks";
 import { linePath, ticks } from "../../render/chart/scale";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../ui/browser/media";
 import { useDrawing } from "../../ui/browser/useDrawing";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";

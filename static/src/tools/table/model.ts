@@ -1,8 +1,7 @@
 /** The moving table: where it can be placed, and how many beams a cell needs to become free again. */
 
 import { along } from "../../grid/beams";
-import { type CellParameters, readingsUntil } from "../../grid/cellUpdate";
-import { INITIAL_PARAMETERS } from "../../grid/sensorModel";
+import { type CellParameters, INITIAL_PARAMETERS, readingsUntil } from "../../grid/sensorModel";
 import { FREE } from "../../render/chart/LogOddsBackground";
 import type { DrawnSolid, Forgetting, Frame, Values } from "../../wire/protocol";
 

@@ -1,9 +1,23 @@
 /** What is shown of a map in 3D: its table with the values, and how to change them. */
 
 import { type ReadonlySignal, useComputed } from "@preact/signals";
+import type { Optimistic } from "../../store/optimistic";
 import type { Store } from "../../store/store";
 import type { Parameter, Value, Values } from "../../wire/protocol";
-import { lookOf } from "./state";
+
+/** What is shown of a map in 3D, and how, as the user wants it. */
+class LookState {
+  readonly values: Optimistic;
+
+  constructor(store: Store) {
+    const { message, values } = store.part("volume");
+    this.values = values;
+    store.joins("volume_look");
+    message.subscribe((volume) => volume && values.update(volume.look.values));
+  }
+}
+
+export const lookOf = (store: Store): Optimistic => store.of(LookState).values;
 
 export interface Look {
   readonly rows: readonly Parameter[];

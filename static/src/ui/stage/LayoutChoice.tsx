@@ -2,7 +2,7 @@ import type { Signal } from "@preact/signals";
 import { Icon, type IconName } from "../Icon";
 import { Select } from "../Select";
 import { ARRANGEMENTS, type Arrangement, arranged, type Layout, written } from "./layout";
-import "./layoutChoice.css";
+import "./stage.css";
 
 const LABELS: Readonly<Record<Arrangement, readonly [icon: IconName, label: string]>> = {
   one: ["viewOne", "One view (1)"],

@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
-import { useMedia } from "../browser/useMedia";
+import { useMedia } from "../browser/media";
 import { Select } from "../Select";
 import { Splitter } from "../split/Splitter";
 import { type Layout, LIMITS, withView } from "./layout";

@@ -10,7 +10,7 @@ import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
 import { axisStyle, colourOf, labelsOn, numberLabels, timeAxis } from "../../logs/contents/plotParts";
 import { PLOTTED, Samples } from "./samples";
-import "./labPlots.css";
+import "../stage.css";
 
 const HEIGHT = 84;
 /** Time between two paintings: as often as scans come at the usual speed. */

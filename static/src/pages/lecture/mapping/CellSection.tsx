@@ -1,7 +1,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { type CellEvent, logOddsHistory } from "../../../grid/cellUpdate";
 import { probability } from "../../../grid/logOdds";
+import { type CellEvent, logOddsHistory } from "../../../grid/sensorModel";
 import { Cell } from "../../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../../lessons/common/parameters";
 import { DragNumber } from "../../../ui/DragNumber";

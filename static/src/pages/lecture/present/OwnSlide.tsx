@@ -5,12 +5,32 @@ import { useSeen, useSteps } from "../../../lessons/common/useSteps";
 import { DRIVE } from "../../../lessons/stage/floor";
 import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
-import { reducedMotion } from "../../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../../ui/browser/media";
 import { printing } from "../../../ui/browser/theme";
 import { act, canAct } from "./acts";
-import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
 import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
+
+interface FormulaPart {
+  readonly text: string;
+  readonly place: "line" | "sub" | "sup";
+}
+
+const PART = /([_^])(?:\{([^{}]*)\}|(\S))|([^_^]+|[_^])/gu;
+
+/**
+ * The formula of a line between two dollar signs such as `$p_t = 1 - e^{-x}$`, with indices and exponents as in LaTeX;
+ * null where the line is none.
+ */
+export function formulaOf(line: string): readonly FormulaPart[] | null {
+  const inside = /^\s*\$(.+)\$\s*$/u.exec(line)?.[1];
+  if (!inside) return null;
+  return [...inside.matchAll(PART)].map(([, mark, braced, single, plain]) =>
+    mark
+      ? { text: (braced ?? single ?? "").replaceAll("-", "−"), place: mark === "_" ? "sub" : "sup" }
+      : { text: (plain ?? "").replaceAll("-", "−"), place: "line" },
+  );
+}
 
 const MS = 180;
 

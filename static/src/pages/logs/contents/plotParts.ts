@@ -2,7 +2,7 @@
 
 import type { Signal } from "@preact/signals";
 import type UPlot from "uplot";
-import { labelFont } from "../../../style/labelFont";
+import { labelFont } from "../../../style/colour";
 import { clock } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { Span } from "./series";

@@ -1,7 +1,7 @@
 import { computed, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../../render/picture/Picture";
-import type { SharedView } from "../../../render/view";
+import type { SharedView, View } from "../../../render/view";
 import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/costmap/CostFiles";
 import { MapTools } from "../../../tools/measure/MapTools";
@@ -15,13 +15,42 @@ import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
 import { GuestNote } from "../Head";
 import { ShareLinks } from "../share/ShareLinks";
-import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/sharedView";
+import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/shown";
 import { Transport } from "../Transport";
 import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
-import { fragmentOf, viewOf } from "./address";
 import "../../../tools/readout/readout.css";
 import "../../../tools/costmap/costmap.css";
 import "./costmaps.css";
+
+/** A view of recorded costmaps, as an address has it. */
+interface CostmapView {
+  readonly topic: string;
+  /** The number of the costmap, 1 for the first. */
+  readonly index: number;
+  /** The visible part of the world; null: all of it. */
+  readonly view: View | null;
+}
+
+/** A view as the fragment of an address. */
+export function fragmentOf({ topic, index, view }: CostmapView): string {
+  const query = new URLSearchParams({ costmap: String(index), topic });
+  if (view) for (const [name, value] of Object.entries(view)) query.set(name, String(Number(value.toPrecision(6))));
+  return `#${query}`;
+}
+
+/** The view in the fragment of an address; null where it has none. */
+export function viewOf(fragment: string): CostmapView | null {
+  const query = new URLSearchParams(fragment.slice(1));
+  const index = Number(query.get("costmap"));
+  const topic = query.get("topic");
+  if (!Number.isInteger(index) || index < 1 || !topic) return null;
+  const [x = Number.NaN, y = Number.NaN, scale = Number.NaN] = ["x", "y", "scale"].map((name) => {
+    const text = query.get(name);
+    return text ? Number(text) : Number.NaN;
+  });
+  const isView = Number.isFinite(x) && Number.isFinite(y) && Number.isFinite(scale) && scale > 0;
+  return { topic, index, view: isView ? { x, y, scale } : null };
+}
 
 /** What the costs of Nav2's costmaps mean. Source: nav2_costmap_2d, cost_values.hpp. */
 interface Meaning {

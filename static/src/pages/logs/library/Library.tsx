@@ -4,6 +4,7 @@ import { Button } from "../../../ui/Button";
 import { toastFailure } from "../../../ui/browser/attempts";
 import { Dropzone } from "../../../ui/files/Dropzone";
 import { Icon } from "../../../ui/Icon";
+import { bytes, clock } from "../../../ui/numbers";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { Select } from "../../../ui/Select";
 import { groupIntoLogs } from "./groupFiles";
@@ -26,7 +27,20 @@ import {
   watch,
 } from "./library";
 import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
-import { uploadText } from "./uploadText";
+
+/** A rate is stated once it was measured for so long. */
+const MEASURED_MS = 2000;
+
+/** The bytes that are sent of all, the share, the rate and the time that is left, as far as they are known at `now`. */
+export function uploadText({ bytes: all, sent, since }: Upload, now: number): string {
+  if (since === null) return `waiting, ${bytes(all)}`;
+  if (sent >= all) return `${bytes(all)} sent; the server stores them …`;
+  const share = `${bytes(sent)} of ${bytes(all)}, ${Math.floor((100 * sent) / all)} %`;
+  const elapsed = now - since.at;
+  const rate = (1000 * (sent - since.sent)) / elapsed;
+  if (elapsed < MEASURED_MS || rate <= 0) return share;
+  return `${share}, ${bytes(rate)}/s, ${clock((all - sent) / rate)} left`;
+}
 
 /** Number of logs from which on they are searched and sorted. */
 const MANY = 7;

@@ -3,8 +3,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { describe, expect, it } from "vitest";
-import { groupIntoLogs } from "./groupFiles";
-import { tarred } from "./tar";
+import { groupIntoLogs, tarred } from "./groupFiles";
 
 const file = (name: string, text = name): File => new File([text], name);
 const names = (folder: string, ...files: string[]): string[] =>

@@ -1,5 +1,30 @@
 import type { Folder } from "../../../ui/files/droppedFiles";
-import { tarred } from "./tar";
+
+const BLOCK = 512;
+
+/**
+ * Several files as one upload: a tar archive (POSIX.1-2017, pax: the ustar format) which has `name`, without copying the
+ * files. The same files give the same bytes.
+ */
+export function tarred(files: readonly File[], name: string): File {
+  const parts = files.flatMap((file) => [header(file), file, new Uint8Array(-file.size & (BLOCK - 1))]);
+  return new File([...parts, new Uint8Array(2 * BLOCK)], name);
+}
+
+function header(file: File): Uint8Array<ArrayBuffer> {
+  const block = new Uint8Array(BLOCK);
+  const put = (at: number, text: string): void => block.set(new TextEncoder().encode(text), at);
+  block.set(new TextEncoder().encode(file.name).slice(-100)); // the end of the name contains the number of the part
+  put(100, "0000644\0");
+  put(124, file.size.toString(8).padStart(11, "0"));
+  put(148, " ".repeat(8));
+  put(156, "0");
+  put(257, "ustar\0");
+  put(263, "00");
+  const sum = block.reduce((all, byte) => all + byte, 0);
+  put(148, `${sum.toString(8).padStart(6, "0")}\0`);
+  return block;
+}
 
 /** Files beside logs that are not logs by themselves: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
 const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;

@@ -1,7 +1,7 @@
 /** The list of logs, and what is asked of the server about one of them. */
 
 import { effect, signal } from "@preact/signals";
-import { reducedMotion } from "../../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../../ui/browser/media";
 import { ask as send, whyAgain } from "../../../wire/ask";
 import type { LogAnswer, NewVolume, SessionAnswer, Topic } from "../../../wire/http";
 import { followMaking, type Making, newName } from "../../making";

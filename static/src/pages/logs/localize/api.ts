@@ -2,7 +2,7 @@
 
 import { ask } from "../../../wire/ask";
 import type { FilterHistory, LocalizationStatus, MapAnswer, MapOfLog, NewLocalization } from "../../../wire/http";
-import { tarred } from "../library/tar";
+import { tarred } from "../library/groupFiles";
 
 export type { FilterHistory, LocalizationStatus, MapAnswer };
 

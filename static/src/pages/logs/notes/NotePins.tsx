@@ -2,9 +2,30 @@ import { useSignal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { type Size, toScreen } from "../../../render/view";
 import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
 import type { NoteAnswer } from "../../../wire/http";
 import { goToNote } from "./Notes";
 import type { NotesState } from "./useNotes";
+
+/** The text of the chosen note over the map, until it is closed: for a guest, who came for it. */
+export function NoteCard({ state }: { readonly state: NotesState }) {
+  const closed = useSignal<string | null>(null);
+  const note = (state.notes.value ?? []).find(({ id }) => id === state.chosen.value);
+  if (!note || closed.value === note.id) return null;
+  return (
+    <aside class="note-card" aria-label="Note">
+      <p class="note-text">{note.text}</p>
+      <Button
+        kind="quiet"
+        icon="close"
+        label="Close the note"
+        onClick={() => {
+          closed.value = note.id;
+        }}
+      />
+    </aside>
+  );
+}
 
 interface NotePinsProps {
   readonly store: Store;

@@ -6,7 +6,7 @@ import type { LogInfo, Trajectory } from "../../../wire/protocol";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
 import { UtcSwitch } from "../time/Moment";
-import "./overview.css";
+import "../viewer.css";
 
 /** The length of the path through the poses that the page has of a trajectory, which need not be all, m. */
 export function lengthOf({ poses }: Pick<Trajectory, "poses">): number {

@@ -1,7 +1,7 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { SharedView } from "../../../render/view";
-import { reducedMotion } from "../../../ui/browser/reducedMotion";
+import { reducedMotion } from "../../../ui/browser/media";
 import { ask } from "../../../wire/ask";
 import type { LinkAnswer as Link, SessionAnswer, SharedAnswer, Shown } from "../../../wire/http";
 import { followMaking, newName } from "../../making";

@@ -1,8 +1,7 @@
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
-import { type DoctorState, findsDrift } from "../Doctor";
+import { type DoctorState, findsDrift, standsStill } from "../Doctor";
 import type { PoseCorrection } from "./poseCorrection";
-import { standsStill } from "./standsStill";
 
 interface CorrectionOfferProps {
   readonly store: Store;

@@ -1,7 +1,7 @@
 import { SurfaceProfile } from "../../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../../store/store";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
-import { lookOf } from "../../../tools/volume/state";
+import { lookOf } from "../../../tools/volume/useLook";
 import { Button } from "../../../ui/Button";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";

@@ -1,7 +1,7 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import { ComputingMap } from "../../../tools/picture/ComputingMap";
-import { lookOf } from "../../../tools/volume/state";
+import { lookOf } from "../../../tools/volume/useLook";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";

@@ -1,4 +1,17 @@
+import { useSignalEffect } from "@preact/signals";
+import type { Classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { toast } from "../../ui/Toast";
+
+/** Tell why a command to the class was refused. */
+export function useRefused(room: Classroom): void {
+  useSignalEffect(() => {
+    const refused = room.refused.value;
+    if (!refused) return;
+    toast(refused, "error");
+    room.refused.value = null;
+  });
+}
 
 /** In place of the line of a class: the server was replaced by a newer one while the page was open. */
 export function OutdatedPage() {

@@ -1,7 +1,9 @@
 import { expect, test } from "vitest";
 import { Store } from "../../../store/store";
 import type { Frame, Hello } from "../../../wire/protocol";
-import { cloudsAt } from "./cloudsAt";
+import { cloudsAt } from "./Clouds";
+
+// @vitest-environment happy-dom
 
 /** A store of a session on a log that begins at a time and has scans for some seconds. */
 function logStore(start_s: number | null, duration_s: number, n_scans: number): Store {

@@ -1,5 +1,7 @@
 import { expect, test } from "vitest";
-import { fragmentOf, viewOf } from "./address";
+import { fragmentOf, viewOf } from "./CostmapViewer";
+
+// @vitest-environment happy-dom
 
 test("a view comes back from its address", () => {
   const all = { topic: "/local_costmap/costmap", index: 42, view: null };

@@ -5,7 +5,7 @@ import { useRef } from "preact/hooks";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test, vi } from "vitest";
 import { type Scene, scene } from "../stage/scene";
-import { useInSight } from "./useInSight";
+import { useInSight } from "./useSteps";
 
 afterEach(() => vi.unstubAllGlobals());
 

@@ -1,5 +1,7 @@
 import { expect, test } from "vitest";
-import { formulaOf } from "./formula";
+import { formulaOf } from "./OwnSlide";
+
+// @vitest-environment happy-dom
 
 test("a line between dollar signs is a formula, with indices, exponents and a minus sign", () => {
   expect(formulaOf("$p_t = 1 - e^{-x}$")).toEqual([

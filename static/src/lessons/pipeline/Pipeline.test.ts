@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { logOdds } from "../../grid/logOdds";
-import { densityCharacter, stateCharacter } from "./density";
+import { densityCharacter, stateCharacter } from "./Pipeline";
+
+// @vitest-environment happy-dom
 
 describe("a map of characters", () => {
   it("has three states at ±0.5 of log-odds", () => {

@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
+import { uploadText } from "./Library";
 import type { Upload } from "./uploading";
-import { uploadText } from "./uploadText";
+
+// @vitest-environment happy-dom
 
 const upload = (sent: number, since: Upload["since"]): Upload => ({
   key: 1,
