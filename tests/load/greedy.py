@@ -32,7 +32,7 @@ from websockets.typing import Subprotocol
 from tests.browser.running import running_server
 from tests.load.timed_loop import LIMIT_S
 from tests.mapper.slam.worlds import along, drive
-from tests.server.cli.test_slam import carmen
+from tests.server.cli.poses.test_slam import carmen
 from tests.server.library.small_logs import carmen as small_log
 from tests.server.scenes.viser_client import CAMERA, Client
 from tests.server.service import once_read

@@ -28,7 +28,7 @@ from server.storage import RECORDS_FILE
 from tests.hostile.test_clock import PROGRAM, TOKEN
 from tests.load.troubles import Disk, lock, set_ahead, set_back
 from tests.mapper.slam.worlds import along, drive
-from tests.server.cli.test_slam import carmen
+from tests.server.cli.poses.test_slam import carmen
 from tests.server.service import once_read, until
 from tests.server.test_serving import started
 from tests.tmpfs import tmpfs

@@ -26,7 +26,7 @@ from server.parts.localization.logged import LogLocalization
 from server.parts.wire import command_of
 from server.sessions.parts import Recording
 from tests.mapper.localization.rooms import office, two_lidars
-from tests.server.cli.test_slam import carmen as written
+from tests.server.cli.poses.test_slam import carmen as written
 from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.sent import sent_one
 from tests.server.service import Service, once_read, running, settings_for, until

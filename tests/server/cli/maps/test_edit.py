@@ -10,8 +10,8 @@ from mapper.editing import EditedMap, parse_operation
 from mapper.editing.files import edits_text
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
+from tests.server.cli.maps.test_costmap import small_map
 from tests.server.cli.running import Run
-from tests.server.cli.test_costmap import small_map
 
 
 def test_edits_are_carried_out_and_errors_name_the_edit(run: Run, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from tests.server.cli.test_drift import run_of_a_robot
+from tests.server.cli.maps.test_drift import run_of_a_robot
 
 __all__ = ["run_of_a_robot"]  # a fixture
 

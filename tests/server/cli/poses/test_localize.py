@@ -18,8 +18,8 @@ from server.cli.poses.localize import doubts
 from tests.mapper.io.contents.recorded_robot import T0
 from tests.mapper.io.logs import recorded
 from tests.mapper.localization.rooms import office, two_lidars
+from tests.server.cli.poses.test_slam import carmen
 from tests.server.cli.running import Run
-from tests.server.cli.test_slam import carmen
 
 FEW = ("--set", "global_particles=8000")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from server.settings import Settings, unknown_setting
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def test_version_is_that_of_the_package(run):

@@ -18,7 +18,7 @@ from server.cli.common import SHORT_NAMES
 from tests.mapper.io.logs import recorded
 from tests.server.cli.running import state_counts
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def test_map_as_json_has_the_figures_that_programs_need(run, log, tmp_path):
