@@ -27,17 +27,20 @@ class PosedClouds:
 
     Clouds at times of which the recording does not say where their frame was are left out. With ``deskew`` points that
     state their times are put where they are seen from the sensor's pose at the cloud's stamp. With ``given`` the poses
-    are those that it returns, not those of the transforms.
+    are those that it returns, not those of the transforms. They are those of ``time_offset`` seconds after each stamp.
     """
 
     stream: CloudStream
     deskew: bool = True
     given: Mounts | None = None
+    time_offset: float = 0.0
+
+    def _where(self, frame_id: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+        return (self.given or self.stream.poses)(frame_id, stamps_ns + round(self.time_offset * 1e9))
 
     def __iter__(self) -> Iterator[PosedCloud]:
-        where = self.given or self.stream.poses
         for cloud in self.stream:
-            poses = where(cloud.frame_id, np.array([cloud.stamp_ns]))
+            poses = self._where(cloud.frame_id, np.array([cloud.stamp_ns]))
             if poses is None:
                 raise ReadError(
                     "clouds.no_poses",
@@ -45,7 +48,7 @@ class PosedClouds:
                     "was: it needs tf up to a fixed frame, or odometry.",
                 )
             if np.isfinite(poses[0]).all():
-                yield PosedCloud(deskewed(cloud, where) if self.deskew else cloud, poses[0])
+                yield PosedCloud(deskewed(cloud, self._where) if self.deskew else cloud, poses[0])
 
 
 def deskewed(cloud: PointCloud, poses: Mounts) -> PointCloud:
@@ -82,6 +85,8 @@ def open_posed_clouds(
     *,
     topic: str | None = None,
     tf: str | None = None,
+    trajectory: str | None = None,
+    time_offset: float = 0.0,
     deskew: bool = True,
     given: Mounts | None = None,
     limits: Limits = DEFAULT_LIMITS,
@@ -91,7 +96,8 @@ def open_posed_clouds(
 
     A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or a CompressedImage of them, with its
     CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. ``tf`` names
-    the topic of transforms where there are several, as a name behind ``topic`` does: ``/points#/tf_gt``. ``given``
+    the topic of transforms where there are several, as a name behind ``topic`` does: ``/points#/tf_gt``. ``trajectory``
+    names the poses, as ``tf/map`` or ``odom``, and ``time_offset`` seconds are added to stamps to find them. ``given``
     returns the poses, ``T_map_sensor`` (n, 4, 4), at stamps, in place of the transforms. Raises
     :class:`ReadError` for a file that is no recording, has no clouds, or lacks a topic, and as
     :func:`mapper.io.clouds.open_clouds`.
@@ -102,7 +108,7 @@ def open_posed_clouds(
     if topic is not None:
         topic, _, named = topic.partition("#")
         tf = named or tf
-    streams = kind.streams(files, limits, progress, tf=tf)
+    streams = kind.streams(files, limits, progress, tf=tf, trajectory=trajectory)
     known = {**streams.clouds, **streams.depths}
     # What an image's encoding is, only its messages tell; drivers name the topics of depths so. Beside an image's
     # compressedDepth there may be a JPEG of it.
@@ -115,4 +121,4 @@ def open_posed_clouds(
     if topic is not None and topic not in known:
         has = ", ".join(known) or "none"
         raise ReadError("clouds.topic", f"The recording has no clouds on {topic!r:.80}; it has them on: {has:.300}.")
-    return PosedClouds(known[topic or usual[0]], deskew, given)
+    return PosedClouds(known[topic or usual[0]], deskew, given, time_offset)

@@ -44,6 +44,8 @@ def open_source(
     *,
     topic: str | None = None,
     tf: str | None = None,
+    trajectory: str | None = None,
+    time_offset: float = 0.0,
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
     number: int = 0,
@@ -55,13 +57,14 @@ def open_source(
 
     The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
     Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several, and ``tf`` the
-    topic of transforms, where there are several. With ``poses``
+    topic of transforms, where there are several; ``trajectory`` and ``time_offset`` are as in
+    :func:`mapper.io.clouds.posed.open_posed_clouds`, and of nothing else. With ``poses``
     the points of a cloud's file are in the frame of its sensor, whose pose is that of ``number``, and a recording's
     are placed by the poses at their times; a scan graph and a folder of depth images have poses of their own. With
     ``offset`` the scans are moved to a map's coordinates, which the first of them decides where it is not yet.
     Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
     """
-    found = _opened_source(Path(path), topic, tf, sensor, poses, number, limits, progress)
+    found = _opened_source(Path(path), topic, tf, trajectory, time_offset, sensor, poses, number, limits, progress)
     if offset is not None:
         found.scans = offset.placed(found.scans)
     return found
@@ -71,6 +74,8 @@ def _opened_source(
     path: Path,
     topic: str | None,
     tf: str | None,
+    trajectory: str | None,
+    time_offset: float,
     sensor: Float64Array | None,
     poses: GivenPoses | None,
     number: int,
@@ -88,7 +93,16 @@ def _opened_source(
         return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
         given = None if poses is None else poses.at
-        clouds = open_posed_clouds(path, topic=topic, tf=tf, given=given, limits=limits, progress=progress)
+        clouds = open_posed_clouds(
+            path,
+            topic=topic,
+            tf=tf,
+            trajectory=trajectory,
+            time_offset=time_offset,
+            given=given,
+            limits=limits,
+            progress=progress,
+        )
         return _of_recording(clouds)
     cloud = read_cloud(path, limits=limits, progress=progress)
     notes = list(cloud.notes)

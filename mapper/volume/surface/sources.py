@@ -44,6 +44,8 @@ def fuse_all(
     *,
     topic: str | None = None,
     tf: str | None = None,
+    trajectory: str | None = None,
+    time_offset: float = 0.0,
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
     offset: MapOffset | None = None,
@@ -53,7 +55,7 @@ def fuse_all(
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic``, ``tf``, ``sensor``, ``poses`` and ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
+    ``topic`` to ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
     ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
     :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
     sensor is not known and where nothing was used.
@@ -77,6 +79,8 @@ def fuse_all(
             path,
             topic=topic,
             tf=tf,
+            trajectory=trajectory,
+            time_offset=time_offset,
             sensor=sensor,
             poses=poses,
             number=into.given_poses,

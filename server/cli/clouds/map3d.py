@@ -27,7 +27,10 @@ from server.cli.commands import app
 from server.cli.common import (
     AsJson,
     TfTopic,
+    TrajectoryName,
+    configured,
     fail,
+    given_parameters,
     given_values,
     numbers,
     print_json,
@@ -44,7 +47,7 @@ OF_SURFACES = tuple(row for row in TSDF_PARAMETERS if row.name not in _ROWS)  # 
 
 
 @app.command()
-@with_parameter_options(more=(*VOLUME_PARAMETERS, *OF_SURFACES))
+@with_parameter_options("time_offset", more=(*VOLUME_PARAMETERS, *OF_SURFACES))
 def map3d(
     inputs: Annotated[
         list[Path],
@@ -75,6 +78,7 @@ def map3d(
         str | None, typer.Option(metavar="NAME", help="The clouds of a recording that has several.")
     ] = None,
     tf: TfTopic = None,
+    trajectory: TrajectoryName = None,
     sensor: Annotated[
         str | None,
         typer.Option(
@@ -99,12 +103,26 @@ def map3d(
     """Map point clouds in three dimensions: occupied voxels as OctoMap does, or with --tsdf a surface as a mesh."""
     heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
     place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
+    if poses_file is not None and trajectory is not None:
+        fail("--poses and --trajectory are both the poses of a recording; give one of them.")
     poses = None if poses_file is None else _poses(poses_file, inputs, place)
+    time_offset = configured(given_parameters({"time_offset": parameters.pop("time_offset")})).time_offset
     typed = {name: value for name, value in parameters.items() if value is not None}
     if tsdf:
         if projection is not None or band is not None:
             fail("--map and --band are of occupied voxels and have no meaning with --tsdf.")
-        map_surface(inputs, out, typed, topic=topic, tf=tf, sensor=place, poses=poses, as_json=as_json)
+        map_surface(
+            inputs,
+            out,
+            typed,
+            topic=topic,
+            tf=tf,
+            trajectory=trajectory,
+            time_offset=time_offset,
+            sensor=place,
+            poses=poses,
+            as_json=as_json,
+        )
         return
     endings = (*KINDS, *MESHES)
     for path in out:
@@ -138,7 +156,17 @@ def map3d(
     posed = 0  # clouds so far, each of which takes one of the poses
     for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
-            source = open_source(path, topic=topic, tf=tf, sensor=place, poses=poses, number=posed, offset=offset)
+            source = open_source(
+                path,
+                topic=topic,
+                tf=tf,
+                trajectory=trajectory,
+                time_offset=time_offset,
+                sensor=place,
+                poses=poses,
+                number=posed,
+                offset=offset,
+            )
             posed += source.given_poses
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]

@@ -32,6 +32,8 @@ def map_surface(
     *,
     topic: str | None,
     tf: str | None,
+    trajectory: str | None,
+    time_offset: float,
     sensor: NDArray[Any] | None,
     poses: GivenPoses | None,
     as_json: bool,
@@ -51,7 +53,19 @@ def map_surface(
     volume, did, notes, offset = TsdfVolume(config), Fusions(), [], MapOffset()
     for path in inputs:
         with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
-            fuse_all(volume, path, did, topic=topic, tf=tf, sensor=sensor, poses=poses, offset=offset, progress=bar)
+            fuse_all(
+                volume,
+                path,
+                did,
+                topic=topic,
+                tf=tf,
+                trajectory=trajectory,
+                time_offset=time_offset,
+                sensor=sensor,
+                poses=poses,
+                offset=offset,
+                progress=bar,
+            )
         notes += [f"{path.name}: {note}" for note in did.notes]
         did.notes.clear()
     mesh = surface_mesh(volume)

@@ -100,12 +100,13 @@ class Container:
         progress: Progress | None,
         *,
         tf: str | None = None,
+        trajectory: str | None = None,
         also: MessageSink | None = None,
     ) -> Streams:
         """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
 
-        ``tf`` names the topic of transforms where there are several; ``also`` takes the messages in the same pass.
-        Raises :class:`ReadError` where the recording has no transforms on that topic.
+        ``tf`` names the topic of transforms where there are several, ``trajectory`` the poses of clouds; ``also`` takes
+        the messages in the same pass. Raises :class:`ReadError` where the recording has no transforms on that topic.
         """
         recording = Recording(limits, Selection((NO_SENSOR,), tf=tf))
         sink = _with(recording, also)
@@ -113,7 +114,7 @@ class Container:
             self.take(file, sink, limits, part_of(progress, done, len(files)))
             sink.next_file()
         recording.finish()
-        return streams_of(files, self.take, recording.parts)
+        return streams_of(files, self.take, recording.parts, trajectory)
 
 
 def _with(recording: Recording, also: MessageSink | None) -> MessageSink:

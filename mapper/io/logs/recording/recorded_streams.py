@@ -42,6 +42,7 @@ class _Recorded:
     files: Sequence[Source]
     take: Take
     taken: Taken
+    trajectory: str | None = None  #: the one along which clouds are, by its name in the log; None: the usual one
     _motions: dict[tuple[str, str], Motion] = field(default_factory=dict)  #: made when first asked
 
     @property
@@ -92,8 +93,9 @@ class _Recorded:
         """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
 
         The fixed frame is tf's ``map`` around the frame, else the farthest in which it moves, else that of odometry
-        messages, or of others with poses, of a frame to which this one is connected. Where the clock of the recording
-        began again, a stamp that is one of several runs has no pose.
+        messages, or of others with poses, of a frame to which this one is connected; or that of the ``trajectory``.
+        Where the clock of the recording began again, a stamp that is one of several runs has no pose. Raises
+        :class:`ReadError` where the recording lacks the trajectory.
         """
         found = np.full((len(stamps_ns), 4, 4), np.nan)
         times_known = np.zeros(len(stamps_ns), dtype=np.int64)
@@ -109,14 +111,24 @@ class _Recorded:
 
     def _poses_at(self, topic: str, frame: str, when: Moments) -> NDArray[np.float64] | None:
         tree = self.taken.tf.tree_of(topic, frame)
-        worlds = tree.worlds(frame)
+        worlds, sources = tree.worlds(frame), dict(self.taken.poses)
+        if self.trajectory is not None:
+            has = [*(f"tf/{path[-1]}" for path in worlds), *(name.lstrip("/") for name in sources)]
+            worlds = [path for path in worlds if f"tf/{path[-1]}" == self.trajectory]
+            sources = {name: one for name, one in sources.items() if name.lstrip("/") == self.trajectory}
+            if not worlds and not sources:
+                raise ReadError(
+                    "clouds.trajectory",
+                    f"The recording has no trajectory {self.trajectory!r:.80} of {frame!r:.100}; it has "
+                    f"{', '.join(map(repr, has)) or 'none'}.",
+                )
         if worlds:
             if (topic, frame) not in self._motions:
                 self._motions[topic, frame] = motion_along(tree, worlds[0])
             motion = self._motions[topic, frame]
             return _matrices(motion.at(when), motion.covers(when.stamps_ns))
         base = tree.base_of(frame, self.taken.children)
-        for known in self.taken.poses.values():
+        for known in sources.values():
             mount = tree.relative(frame, known.child or base, when) if len(known.timeline) else None
             if mount is not None:
                 return _matrices(known.timeline.at(when.stamps_ns) @ mount, known.timeline.covers(when.stamps_ns))
@@ -185,9 +197,12 @@ class Streams(NamedTuple):
     depths: dict[str, CloudStream]
 
 
-def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
-    """Return the clouds, IMUs and images of a recording, which are read from ``files`` when asked for."""
-    recorded = _Recorded(files, take, taken)
+def streams_of(files: Sequence[Source], take: Take, taken: Taken, trajectory: str | None = None) -> Streams:
+    """Return the clouds, IMUs and images of a recording, which are read from ``files`` when asked for.
+
+    Clouds are along the ``trajectory``, if one is named.
+    """
+    recorded = _Recorded(files, take, taken, trajectory)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
         if stream.kind in (*CLOUD_DECODERS, IMU, *DEPTH_DECODERS):

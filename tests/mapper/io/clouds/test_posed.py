@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,6 +52,22 @@ def test_clouds_lie_where_the_recording_s_poses_put_them(with_tf: bool, tmp_path
         np.testing.assert_allclose(one.pose, expected, atol=1e-9)
         np.testing.assert_allclose(one.points_in_map()[1], (expected @ [0.0, 2.0, 0.4, 1.0])[:3], atol=1e-6)
         assert one.cloud.finite.tolist() == [True, True, False]
+
+
+def test_clouds_follow_the_trajectory_and_the_time_offset_that_are_wanted(tmp_path: Path) -> None:
+    said = [one for one in drive(with_tf=True) if one.topic != "/odom"]
+    said += [odometry(T0 + k * SECOND, 0.5 * k + 7.0, 0.1, 0.2 * k) for k in range(4)]
+    path = written(tmp_path, sorted(said, key=lambda one: one.stamp_ns), "mcap")
+
+    def places(**options: Any) -> list[tuple[float, ...]]:
+        return [tuple(one.pose[:3, 3].round(6)) for one in open_posed_clouds(path, **options)]
+
+    plain = places()
+    assert places(trajectory="tf/odom") == plain
+    np.testing.assert_allclose(np.subtract(places(trajectory="odom"), plain), [[7.0, 0.0, 0.0]] * 4, atol=1e-6)
+    assert places(time_offset=1.0) == plain[1:], "the last cloud is behind the last pose then"
+    with pytest.raises(ReadError, match=r"no trajectory 'gps' of 'velodyne'; it has 'tf/odom', 'odom'\."):
+        places(trajectory="gps")
 
 
 def test_clouds_without_poses_are_told_and_those_outside_left_out(tmp_path: Path) -> None:

@@ -22,11 +22,12 @@ from tests.server.cli.running import Run
 
 OF_A_LOG = {"--topic", "--trajectory", "--tum-trajectory", "--tf", "--mount", "--mount-upside-down", "--time-offset"}
 #: Of these commands fewer have a meaning: each of two logs would need its own trajectory, poses are what is evaluated,
-#: and clouds are placed in three dimensions, by tf or by --poses.
+#: clouds are placed in three dimensions, by tf or by --poses, and a TUM file is of one log.
 FEWER = {
     "merge": OF_A_LOG - {"--trajectory", "--tum-trajectory"},
     "evaluate": {"--topic", "--tf"},
-    "map3d": {"--topic", "--tf"},
+    "map3d": {"--topic", "--tf", "--trajectory", "--time-offset"},
+    "fleet": OF_A_LOG - {"--tum-trajectory"},
 }
 WHOLE = ("info", "doctor", "check", "report", "map", "why", "compare", "match", "slam", "localize", "bench map")
 
@@ -87,6 +88,15 @@ def test_clouds_and_the_scans_cut_out_of_them_follow_the_transforms_that_are_nam
     assert length("--topic", "/points") == pytest.approx(0.2)
     assert length(*named) == pytest.approx(0.5)
     assert np.subtract(high(*named), high("--topic", "/points")) == pytest.approx([0.2, 0.3, 0.0])
+
+
+def test_clouds_are_mapped_along_one_source_of_poses(run: Run, both: Path) -> None:
+    out = ("--out", both.with_suffix(".bt"))
+    told = run("map3d", both, "--trajectory", "tf/odom", "--poses", both.parent / "gt.tum", *out)
+    assert (told.status, "give one of them" in told.err) == (2, True)
+    told = run("map3d", both, "--trajectory", "gps", *out)
+    assert (told.status, "no trajectory 'gps'" in told.err) == (2, True)
+    assert "time_offset" in run("map3d", both, "--time-offset", "nan", *out).err
 
 
 @pytest.mark.parametrize("command", ["info", "map3d"])
