@@ -9,7 +9,7 @@ import json
 import re
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlsplit
@@ -227,6 +227,12 @@ def open_groups(page: Page, every: int = 1) -> Iterator[str]:
             yield tab.inner_text().split("\n")[0]
 
 
+def open_sample(page: Page, server: str) -> None:
+    """Open the sample log from the list of logs."""
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+
+
 def await_map(page: Page) -> None:
     """Wait until the page holds a map with something in it."""
     await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
@@ -282,11 +288,25 @@ def still(locator: Locator) -> tuple[float, float]:
     return centre(locator)
 
 
+def place_on(picture: Locator, xy: Sequence[float]) -> tuple[float, float]:
+    """Return where a place of the world, metres, lies on its picture, in CSS pixels of the viewport."""
+    box = picture.bounding_box()
+    assert box is not None
+    x, y = picture.page.evaluate("(xy) => gridbloom.screen(xy)", list(xy))
+    return box["x"] + x, box["y"] + y
+
+
+def drag_along(page: Page, *places: tuple[float, float], steps: int = 3) -> None:
+    """Drag with the mouse from the first of some places of the viewport along the others."""
+    page.mouse.move(*places[0])
+    page.mouse.down()
+    for one in places[1:]:
+        page.mouse.move(*one, steps=steps)
+    page.mouse.up()
+
+
 def drag(page: Page, locator: Locator, dx: float, dy: float) -> None:
     """Go to an element with the mouse, and when it stands still under it drag it by its middle."""
     page.mouse.move(*centre(locator))
     x, y = still(locator)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + dx, y + dy, steps=6)
-    page.mouse.up()
+    drag_along(page, (x, y), (x + dx, y + dy), steps=6)

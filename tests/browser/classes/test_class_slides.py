@@ -14,6 +14,7 @@ from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Reques
 from tests.browser.classes.test_class import ended
 from tests.browser.conftest import standing_world
 from tests.browser.lecturing import never_idle
+from tests.browser.looking import drag_along
 from tests.browser.slides import cut_off, settle, slide_ids
 from tests.marks import also_long
 
@@ -293,10 +294,7 @@ def test_a_slide_is_scaled_to_the_room_above_the_line_of_the_class(page: Page, s
     before = dot.bounding_box()
     assert before
     x, y = before["x"] + before["width"] / 2, before["y"] + before["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x - 100, y + 40, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x - 100, y + 40), steps=4)
     after = dot.bounding_box()
     assert after
     cell = page.locator("#rays .stage").evaluate("e => e.getBoundingClientRect().width") / 26

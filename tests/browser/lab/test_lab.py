@@ -11,7 +11,19 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import await_map, drag, frame, map_digest, observed, open_group, settled_digest, still, until
+from tests.browser.looking import (
+    await_map,
+    drag,
+    drag_along,
+    frame,
+    map_digest,
+    observed,
+    open_group,
+    place_on,
+    settled_digest,
+    still,
+    until,
+)
 from tests.marks import also_long_rows
 
 pytestmark = pytest.mark.moving
@@ -82,10 +94,7 @@ def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, m
         fraction = float(slider.input_value()) / 1000
         # Grab the thumb where it is, and go a quarter of the way towards the farther end.
         x, y = box["x"] + 10 + fraction * (box["width"] - 20), box["y"] + box["height"] / 2
-        still_lab.mouse.move(x, y)
-        still_lab.mouse.down()
-        still_lab.mouse.move(x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y, steps=8)
-        still_lab.mouse.up()
+        drag_along(still_lab, (x, y), (x + (0.25 if fraction < 0.5 else -0.25) * box["width"], y), steps=8)
         assert settled_digest(still_lab) != first, row.name
         if row.group == "model" or row.name == "resolution":
             assert profile(still_lab) != profile_before, row.name
@@ -127,17 +136,13 @@ def test_each_handle_of_the_curve_changes_profile_and_map_by_mouse_and_keys(stil
 
 
 def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) -> None:
-    world = lab.locator(".picture").first
-    box = world.bounding_box()
-    assert box is not None
     x, y = frame(lab)["pose"][:2]
     # The far end of the office: wherever the robot is, the other side.
     bounds = lab.evaluate("() => gridbloom.connection.store.world.peek().bounds")
     target = [bounds[2] - 2.5 if x < (bounds[0] + bounds[2]) / 2 else bounds[0] + 2.5, bounds[1] + 2.5]
-    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", target)
     unseen = lab.evaluate("(xy) => gridbloom.readState(xy)", target)
     before = observed(lab)
-    lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
+    lab.mouse.click(*place_on(lab.locator(".picture").first, target))
     until("the robot to be there", lambda: abs(frame(lab)["pose"][0] - x) > 3.0)
     settled_digest(lab)
     assert observed(lab) > before + 200
@@ -151,14 +156,11 @@ def test_a_click_teleports_the_robot_and_new_cells_fill_in_around_it(lab: Page) 
 
 
 def test_a_teleport_into_a_wall_moves_beside_it_and_shows_a_notice(lab: Page) -> None:
-    box = lab.locator(".picture").first.bounding_box()
-    assert box is not None
     wall = lab.evaluate(
         "() => { const [first] = gridbloom.connection.store.world.peek().polygons;"
         " const n = first.length; return [0, 1].map((k) => first.reduce((sum, p) => sum + p[k], 0) / n); }"
     )
-    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", wall)
-    lab.mouse.click(box["x"] + pixel[0], box["y"] + pixel[1])
+    lab.mouse.click(*place_on(lab.locator(".picture").first, wall))
     expect(lab.locator(".toast").first).to_contain_text(re.compile("nearest free", re.IGNORECASE))
 
 
@@ -173,12 +175,7 @@ def test_the_robot_drives_by_the_keyboard(lab: Page) -> None:
 
 
 def test_hovering_a_cell_reads_it(lab: Page) -> None:
-    belief = lab.locator(".picture").nth(1)
-    box = belief.bounding_box()
-    assert box is not None
-    x, y = frame(lab)["pose"][:2]
-    pixel = lab.evaluate("(xy) => gridbloom.screen(xy)", [x, y])
-    lab.mouse.move(box["x"] + pixel[0], box["y"] + pixel[1])
+    lab.mouse.move(*place_on(lab.locator(".picture").nth(1), frame(lab)["pose"][:2]))
     readout = lab.locator(".readout dl")
     # Beams start in the robot's own cell, so it is as free as can be: the lower clamp, p = 1 − 1 / (1 + e^−2).
     expect(readout).to_contain_text("free")

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import SECONDS, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, drag_along, frame, open_group, place_on, settled_digest, until
 
 
 def edits(page: Page) -> dict[str, Any]:
@@ -21,18 +21,12 @@ def edits(page: Page) -> dict[str, Any]:
 
 def pixel(page: Page, xy: list[float]) -> tuple[float, float]:
     """Return where a place of the world lies in the viewport, on the picture of the world."""
-    box = page.locator(".picture").first.bounding_box()
-    assert box is not None
-    x, y = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
-    return box["x"] + x, box["y"] + y
+    return place_on(page.locator(".picture").first, xy)
 
 
 def stroke(page: Page, start: list[float], end: list[float]) -> None:
     """Drag on the world from one place to another."""
-    page.mouse.move(*pixel(page, start))
-    page.mouse.down()
-    page.mouse.move(*pixel(page, end), steps=5)
-    page.mouse.up()
+    drag_along(page, pixel(page, start), pixel(page, end), steps=5)
 
 
 def send_robot(page: Page, xy: list[float]) -> None:

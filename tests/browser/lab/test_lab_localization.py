@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_true, centre, open_group
+from tests.browser.looking import await_true, centre, drag_along, open_group
 
 _MESSAGE = "() => gridbloom.connection.store.part('localization').message.peek()"
 _FOUND = f"() => {{ const m = ({_MESSAGE})(); return m?.is_converged && m.error_m < 0.5; }}"
@@ -36,10 +36,7 @@ def test_the_robot_is_kidnapped_by_a_click_and_found_again(open_lab: Callable[..
     sigma = panel.get_by_role("slider", name="sigma_hit", exact=True)
     updates = page.evaluate(f"() => ({_MESSAGE})().n_updates")
     x, y = centre(sigma)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 60, y, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x + 60, y), steps=4)
     await_true(page, f"() => ({_MESSAGE})().values.sigma_hit > 0.4")
     assert page.evaluate(f"() => ({_MESSAGE})().n_updates") >= updates
     sigma.press("Home")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_true, open_group, settled_digest
+from tests.browser.looking import await_true, drag_along, open_group, place_on, settled_digest
 
 _STORE = "gridbloom.connection.store"
 _PATH = f"{_STORE}.part('path').message.peek()"
@@ -19,18 +19,7 @@ _LENGTH = f"() => {_PATH}?.length"
 
 def place(page: Page, x: float, y: float) -> tuple[float, float]:
     """Return the place on the page of a point of the map, in the belief's picture."""
-    box = page.locator(".lab .picture").last.bounding_box()
-    assert box is not None
-    px, py = page.evaluate("(xy) => gridbloom.screen(xy)", [x, y])
-    return box["x"] + px, box["y"] + py
-
-
-def drag(page: Page, *places: tuple[float, float]) -> None:
-    page.mouse.move(*places[0])
-    page.mouse.down()
-    for one in places[1:]:
-        page.mouse.move(*one, steps=3)
-    page.mouse.up()
+    return place_on(page.locator(".lab .picture").last, (x, y))
 
 
 def check_the_sheet_in_front(page: Page) -> None:
@@ -73,7 +62,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     settled_digest(page)  # the path that is left is measured, none on the way there
     straight = page.evaluate(_LENGTH)
     # The goal is dragged into the kitchen: the path ends there.
-    drag(page, place(page, 12.0, 7.0), place(page, 9.0, 7.1), place(page, 7.5, 9.5))
+    drag_along(page, place(page, 12.0, 7.0), place(page, 9.0, 7.1), place(page, 7.5, 9.5))
     await_true(page, f"() => Math.hypot({_PATH}.goal[0] - 7.5, {_PATH}.goal[1] - 9.5) < 0.2")
     await_true(page, f"() => {{ const c = {_POINTS}; return c && Math.abs(c[1].at(-1) - 9.5) < 0.2; }}")
     # A click in the other picture sets it back.
@@ -81,14 +70,14 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     await_true(page, f"() => Math.abs({_PATH}?.length - {straight}) < 0.2")
     # A keepout zone across half of the corridor: the path leads around it, and back after undo.
     page.get_by_role("radio", name="Keepout").check()
-    drag(page, place(page, 10.0, 6.1), place(page, 10.0, 6.6), place(page, 10.0, 7.1))
+    drag_along(page, place(page, 10.0, 6.1), place(page, 10.0, 6.6), place(page, 10.0, 7.1))
     await_true(page, f"() => {_PATH}?.length > {straight} + 0.1")
     await_true(page, f"() => {_STORE}.part('costmap').message.peek().keepout.length === 1")
     page.get_by_role("button", name="Undo stroke").click()
     await_true(page, f"() => {_PATH}?.length < {straight} + 0.05")
     # A speed limit there: the path stays as it is, and the limit is told where it holds. Undone, none is painted.
     page.get_by_role("radio", name="Speed limit").check()
-    drag(page, place(page, 6.3, 7.0), place(page, 9.0, 7.1), place(page, 10.0, 7.1))
+    drag_along(page, place(page, 6.3, 7.0), place(page, 9.0, 7.1), place(page, 10.0, 7.1))
     await_true(page, "() => gridbloom.connection.store.layers.grid('speed_filter').map.peek() !== null")
     await_true(page, f"() => {_PATH}?.speed_limit === '40 %: 0.20 m/s' && {_PATH}.length < {straight} + 0.05")
     expect(page.get_by_text("40 %: 0.20 m/s")).to_be_visible()

@@ -16,6 +16,7 @@ from tests.browser.looking import (
     frame,
     map_bytes,
     open_group,
+    place_on,
     settled_digest,
     until,
     without_canvas_in_3d,
@@ -119,11 +120,8 @@ def test_a_distance_is_measured_on_the_belief(page: Page, open_lab: Callable[...
     belief.get_by_role("button", name="Measure a distance").click()
     measured = belief.get_by_role("region", name="Measured")
     measured.get_by_role("switch", name="Snap to walls").click()
-    box = belief.locator(".picture").bounding_box()
-    assert box is not None
-    for place in ([3.0, 4.0], [6.0, 8.0]):
-        x, y = page.evaluate("(xy) => gridbloom.screen(xy)", place)
-        page.mouse.click(box["x"] + x, box["y"] + y)
+    for place in ((3.0, 4.0), (6.0, 8.0)):
+        page.mouse.click(*place_on(belief.locator(".picture"), place))
     words = until("a length", lambda: re.match(r"(\d+\.\d+) m", measured.locator(".number").inner_text()))
     metres = float(words[1])
     assert abs(metres - 5.0) < 0.1  # of two pixels

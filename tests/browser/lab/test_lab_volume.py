@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import never_idle
-from tests.browser.looking import await_true, open_group, until, without_canvas_in_3d
+from tests.browser.looking import await_true, drag_along, open_group, until, without_canvas_in_3d
 from tests.marks import also_long
 
 _STORE = "gridbloom.connection.store"
@@ -122,10 +122,7 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
     box = truncation.locator(".handle-mark").bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 20, y, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x + 20, y), steps=4)
     until("the curve to change", lambda: curve.get_attribute("d") != drawn)
     until("the truncation to change", lambda: page.evaluate(surface)["truncation"] < first["truncation"])
     await_true(page, settled)

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.lecturing import never_idle, open_lecture
-from tests.browser.looking import await_true, centre, still
+from tests.browser.looking import await_true, centre, drag_along, still
 from tests.marks import also_long_rows
 
 # What each place of the lecture makes visible to a reader who only scrolls.
@@ -150,10 +150,7 @@ def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, serv
     expect(back).to_be_visible()
     # The mouse moves it too, and what was done stays from section to section.
     x, y = centre(robot)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 30, y, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x + 30, y), steps=4)
     assert robot.get_attribute("aria-valuetext") != moved
     moved = robot.get_attribute("aria-valuetext")
     hit = page.get_by_role("slider", name="evidence of a hit")

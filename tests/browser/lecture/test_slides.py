@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import still, until
+from tests.browser.looking import drag_along, still, until
 from tests.browser.pages.test_axe import nothing_wrong, violations
 from tests.browser.pages.test_targets import small
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
@@ -110,10 +110,7 @@ def test_a_dragged_handle_follows_the_pointer_on_an_enlarged_slide(page: Page, s
     box = dot.bounding_box()
     assert box
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x - 200, y + 120, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x - 200, y + 120), steps=4)
     after = dot.bounding_box()
     assert after
     cell = page.locator("#rays .stage").evaluate("e => e.getBoundingClientRect().width") / 26
@@ -175,10 +172,7 @@ def drag_to(page: Page, grip: Locator, onto: Locator) -> None:
     """Drag the row of a grip above the middle of another one's."""
     (x, y), box = still(grip), onto.bounding_box()
     assert box is not None
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 0.2 * box["height"], steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (box["x"] + box["width"] / 2, box["y"] + 0.2 * box["height"]), steps=4)
 
 
 # --- decks -----------------------------------------------------------------------------------------------------------

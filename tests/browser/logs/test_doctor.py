@@ -6,12 +6,11 @@ import re
 
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import await_true, open_group
+from tests.browser.looking import await_true, open_group, open_sample
 
 
 def opened_sample(page: Page, server: str) -> None:
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     open_group(page, "Overview")
     expect(page.get_by_role("region", name="Log doctor")).to_be_visible()
 

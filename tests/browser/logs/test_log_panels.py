@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, frame, open_group, until
+from tests.browser.looking import await_map, drag_along, frame, open_group, until
 from tests.browser.pages.test_axe import violations
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -41,10 +41,7 @@ def plots_under_the_timeline(page: Page) -> None:
     page.mouse.click(box["x"] + 0.25 * box["width"], middle)
     until("a quarter of the log", lambda: abs(frame(page)["index"] - 10) <= 1)
 
-    page.mouse.move(box["x"] + 0.5 * box["width"], middle)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.75 * box["width"], middle, steps=4)
-    page.mouse.up()
+    drag_along(page, (box["x"] + 0.5 * box["width"], middle), (box["x"] + 0.75 * box["width"], middle), steps=4)
     slider = panel.get_by_role("slider", name="Moment in the plots")
     until("the third quarter", lambda: abs(float(slider.get_attribute("aria-valuemin") or 0) - 1.95) < 0.1)
     expect(panel.get_by_role("button", name="Show the whole log")).to_be_enabled()

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_true, open_group
+from tests.browser.looking import await_true, drag_along, open_group, open_sample, place_on
 
 _STORE = "gridbloom.connection.store"
 _PATH = f"{_STORE}.part('path').message.peek()"
@@ -16,18 +16,7 @@ _PATH = f"{_STORE}.part('path').message.peek()"
 
 def place(page: Page, x: float, y: float) -> tuple[float, float]:
     """Return the place on the page of a point of the map."""
-    box = page.locator(".viewer .picture").bounding_box()
-    assert box is not None
-    px, py = page.evaluate("(xy) => gridbloom.screen(xy)", [x, y])
-    return box["x"] + px, box["y"] + py
-
-
-def drag(page: Page, *places: tuple[float, float]) -> None:
-    page.mouse.move(*places[0])
-    page.mouse.down()
-    for one in places[1:]:
-        page.mouse.move(*one, steps=3)
-    page.mouse.up()
+    return place_on(page.locator(".viewer .picture"), (x, y))
 
 
 def terrain_files(folder: Path) -> list[Path]:
@@ -63,8 +52,7 @@ def test_the_terrain_of_a_map_is_a_sheet_of_the_costmap(page: Page, server: str,
 
 
 def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     open_group(page, "Path")
     await_true(page, f"() => window.gridbloom && {_STORE}.part('costmap').message.peek()?.is_on")
     await_true(page, "() => { const f = gridbloom.connection.store.frame.peek(); return f?.index === f?.count; }")
@@ -75,7 +63,7 @@ def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
     page.mouse.click(*place(page, *first))
     await_true(page, f"() => {_PATH}?.reaches_goal")
     assert page.get_by_role("button", name="Drive there").count() == 0
-    drag(page, place(page, *first), place(page, *second))
+    drag_along(page, place(page, *first), place(page, *second))
     await_true(
         page,
         f"(to) => {{ const g = {_PATH}?.goal; return g && Math.hypot(g[0] - to[0], g[1] - to[1]) < 0.3; }}",

@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 from mapper.io.export import write_mcap
 from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.simulation.lidar import SensorConfig
-from tests.browser.looking import SECONDS, await_true, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_true, drag_along, frame, open_group, settled_digest, until
 from tests.mapper.io.contents.recorded_robot import T0, imu
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recording.test_clouds import recording_of_room
@@ -156,10 +156,7 @@ def test_a_plot_is_zoomed_into_finer_values(page: Page, server: str, tmp_path: P
     assert box is not None
     x, y = box["x"], box["y"] + 0.5 * box["height"]
     with page.expect_response(lambda answer: "start=" in answer.url) as answered:
-        page.mouse.move(x + 0.50 * box["width"], y)
-        page.mouse.down()
-        page.mouse.move(x + 0.60 * box["width"], y, steps=4)
-        page.mouse.up()
+        drag_along(page, (x + 0.50 * box["width"], y), (x + 0.60 * box["width"], y), steps=4)
     found = answered.value.json()
     # A tenth of the values, which are few enough to be sent as they are: one for each millisecond.
     assert 350 < found["samples"] < 450

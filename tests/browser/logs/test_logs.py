@@ -19,10 +19,12 @@ from tests.browser.looking import (
     await_map,
     await_true,
     drag,
+    drag_along,
     frame,
     map_bytes,
     map_digest,
     open_group,
+    open_sample,
     painted,
     settled_digest,
     until,
@@ -139,10 +141,12 @@ def the_overview_moves_the_view(intel: Page) -> None:
 
     intel.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"])
     assert share() == pytest.approx([0.25, 0.75], abs=0.03)
-    intel.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"])
-    intel.mouse.down()
-    intel.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.75 * box["height"], steps=4)
-    intel.mouse.up()
+    drag_along(
+        intel,
+        (box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"]),
+        (box["x"] + 0.5 * box["width"], box["y"] + 0.75 * box["height"]),
+        steps=4,
+    )
     assert share() == pytest.approx([0.5, 0.25], abs=0.03)
     intel.locator(".picture").first.press("0")
     expect(overview).to_have_count(0)
@@ -316,8 +320,7 @@ def test_the_opening_of_a_log_shows_its_progress_and_can_be_cancelled(page: Page
     progress = {"what": "Reading the log", "fraction": 0.437, "elapsed_s": 75.2}
     page.route("**/api/sessions", held)
     page.route("**/api/sessions/making/*", lambda route: route.fulfill(json=progress))
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     opening = page.locator(".viewer-message")
     expect(opening).to_contain_text("Reading the log … 43 %, 1:15")
     assert len(asked) == 1
@@ -330,8 +333,7 @@ def test_the_opening_of_a_log_shows_its_progress_and_can_be_cancelled(page: Page
 def test_progress_is_shown_on_the_map_and_can_be_cancelled(page: Page, server: str) -> None:
     sent: list[str] = []
     page.on("websocket", lambda socket: socket.on("framesent", lambda data: sent.append(str(data))))
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     # Again and again: the server ends what it shows itself.
     page.evaluate(

@@ -11,8 +11,8 @@ import yaml
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from tests.browser.logs.test_log_path import drag, place
-from tests.browser.looking import await_true, open_group, until
+from tests.browser.logs.test_log_path import place
+from tests.browser.looking import await_true, drag_along, open_group, until
 
 _STORE = "gridbloom.connection.store"
 _EDITS = f"{_STORE}.part('map_edits').message.peek()"
@@ -59,7 +59,7 @@ def test_an_edited_map_is_measured(page: Page, server: str, tmp_path: Path) -> N
     expect(page.locator(".map-point")).to_contain_text(re.compile(r"x (1\.9|2\.0)\d  y (2\.9|3\.0)\d m"))
     page.get_by_role("radio", name="Line", exact=True).check(force=True)
     expect(measured).to_have_count(0)
-    drag(page, *(place(page, *one) for one in ((2.0, 3.05), (6.0, 3.05))))
+    drag_along(page, *(place(page, *one) for one in ((2.0, 3.05), (6.0, 3.05))))
     edited(page, 1)
 
 
@@ -79,7 +79,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
 
     def use(tool: str, *places: tuple[float, float]) -> None:
         page.get_by_role("radio", name=tool, exact=True).check(force=True)
-        drag(page, *(place(page, *one) for one in places))
+        drag_along(page, *(place(page, *one) for one in places))
 
     assert state(page, 4.05, 3.05) == "free"
     use("Brush", (2.0, 3.05), (4.0, 3.05), (6.0, 3.05))
@@ -92,7 +92,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     limit = page.get_by_label("Limit, as a number")
     limit.fill("30")
     limit.press("Enter")
-    drag(page, *(place(page, *one) for one in ((3.0, 4.0), (4.0, 4.8))))
+    drag_along(page, *(place(page, *one) for one in ((3.0, 4.0), (4.0, 4.8))))
     edited(page, 3)
     until("the speed limit", lambda: state(page, 3.55, 4.45) == "free, speed 30 %")
     page.keyboard.press("Control+z")

@@ -18,6 +18,7 @@ from tests.browser.looking import (
     frame,
     map_bytes,
     open_group,
+    open_sample,
     still,
     until,
     without_canvas_in_3d,
@@ -261,8 +262,7 @@ def test_axe_finds_nothing_in_views_for_their_owner_and_a_guest_and_in_the_repor
 
 
 def test_a_distance_is_measured_from_wall_to_wall(page: Page, server: str) -> None:
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     await_map(page)
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     until("the log to stand", lambda: not frame(page)["playing"])

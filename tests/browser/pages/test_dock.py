@@ -6,13 +6,12 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import centre, open_group, until
+from tests.browser.looking import centre, drag_along, open_group, open_sample, until
 from tests.browser.text_boxes import hidden_texts
 
 
 def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     sections = page.locator(".dock-tabs").get_by_role("tab")
     expect(sections).to_have_count(7)
     sections.first.focus()
@@ -40,8 +39,7 @@ def test_the_tabs_go_by_keys(page: Page, server: str) -> None:
 
 
 def test_the_column_is_resized_and_hidden(page: Page, server: str) -> None:
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     stage = page.locator(".viewer-map")
     border = page.get_by_role("separator", name="Size of the column")
     border.wait_for()
@@ -55,10 +53,7 @@ def test_the_column_is_resized_and_hidden(page: Page, server: str) -> None:
     border.press("PageUp")
     until("a narrower map", lambda: width() < first - 50)
     x, y = centre(border)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 200, y, steps=4)
-    page.mouse.up()
+    drag_along(page, (x, y), (x + 200, y), steps=4)
     until("a wider map", lambda: width() > first)
     page.get_by_role("button", name="Hide the column").click()
     expect(page.locator(".dock")).to_be_hidden()

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, Route, WebSocket, expect
 
 from server.scenes.pacing import DRAWN, MOST_AHEAD
-from tests.browser.looking import await_map, frame, open_group, settled_digest, until
+from tests.browser.looking import await_map, frame, open_group, place_on, settled_digest, until
 from tests.browser.visits import SIZES
 
 pytestmark = pytest.mark.moving
@@ -74,13 +74,10 @@ def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
     await_map(page)
     world = page.locator(".picture").first
     world.scroll_into_view_if_needed()
-    box = world.bounding_box()
-    assert box is not None
     x = frame(page)["pose"][0]
     bounds = page.evaluate("() => gridbloom.connection.store.world.peek().bounds")
     target = [bounds[2] - 2.5 if x < (bounds[0] + bounds[2]) / 2 else bounds[0] + 2.5, bounds[1] + 2.5]
-    pixel = page.evaluate("(xy) => gridbloom.screen(xy)", target)
-    page.touchscreen.tap(box["x"] + pixel[0], box["y"] + pixel[1])
+    page.touchscreen.tap(*place_on(world, target))
     until("the robot to be there", lambda: abs(frame(page)["pose"][0] - x) > 3.0)
     # Both pictures share one scale: they are equally large, below each other and, on a tablet, beside each other.
     world_size, map_size = page.evaluate(PICTURES)

@@ -10,7 +10,7 @@ from playwright.sync_api import ElementHandle, Locator, Page, expect
 
 from tests.browser.fingers import Fingers, Place
 from tests.browser.lecturing import open_lecture, open_section, set_up_every_figure
-from tests.browser.looking import await_map, centre, frame, open_group, settled_digest, until
+from tests.browser.looking import await_map, centre, frame, open_group, place_on, settled_digest, until
 from tests.marks import also_long
 
 pytestmark = [pytest.mark.parametrize("context", ["phone"], indirect=True), pytest.mark.moving]
@@ -251,10 +251,7 @@ def test_a_finger_holds_a_handle_that_moves_up_and_down(page: Page, server: str,
 
 def on_world(page: Page, xy: list[float]) -> Place:
     """Position of a point of the world on its picture."""
-    box = page.locator(".picture").first.bounding_box()
-    assert box is not None
-    x, y = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
-    return box["x"] + x, box["y"] + y
+    return place_on(page.locator(".picture").first, xy)
 
 
 def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callable[..., Page]) -> None:

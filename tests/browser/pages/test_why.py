@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import await_map, frame, open_group, settled_digest, still, until
+from tests.browser.looking import await_map, frame, open_group, open_sample, place_on, settled_digest, still, until
 from tests.marks import also_long
 
 # The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
@@ -41,8 +41,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 @pytest.fixture
 def viewer(page: Page, server: str) -> Page:
     """The viewer on the sample log, standing at its end."""
-    page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_sample(page, server)
     await_map(page)
     page.get_by_role("slider", name="Scans in the map").focus()
     page.keyboard.press("End")
@@ -55,10 +54,7 @@ def wall_pixel(page: Page, picture: Locator) -> tuple[list[float], tuple[float, 
     """Return the place of a wall cell, now seen from near, and where it lies in the viewport."""
     xy = page.evaluate(_WALL)
     picture.scroll_into_view_if_needed()
-    box = picture.bounding_box()
-    assert box is not None
-    px, py = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
-    return xy, (box["x"] + px, box["y"] + py)
+    return xy, place_on(picture, xy)
 
 
 def store(page: Page, name: str) -> Any:

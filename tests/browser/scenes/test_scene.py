@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, expect
 
 from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion
 from server.sources.simulation import SimulationModel
-from tests.browser.looking import until
+from tests.browser.looking import drag_along, until
 from tests.browser.visits import visiting
 from tests.server.service import running, settings_for
 
@@ -44,10 +44,7 @@ def test_a_dragged_gizmo_reaches_the_session(browser: Browser, tmp_path: Path, m
             box = canvas.bounding_box()
             assert box is not None
             x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"]
-            page.mouse.move(x, y)
-            page.mouse.down()
-            page.mouse.move(x + 30, y, steps=5)
-            page.mouse.up()
+            drag_along(page, (x, y), (x + 30, y), steps=5)
             return bool(positions)
 
         until("the session to be told of the move", dragged)

@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import msgspec
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Locator, Page, WebSocket, expect
+from playwright.sync_api import Page, WebSocket, expect
 
 from tests.browser.drifting import drifting_ring
 from tests.browser.looking import SECONDS, await_true, frame, map_bytes, settled_digest, until
@@ -190,18 +191,25 @@ def test_a_cell_a_pose_and_a_loop_are_picked_with_the_mouse(page: Page, server: 
 RULER = np.array([110, 40, 200])
 
 
-def measured(view: View, pane: Locator, press: Press) -> None:
+@pytest.mark.parametrize(
+    ("context", "press"), [("desktop", "mouse.click"), ("tablet", "touchscreen.tap")], indirect=["context"]
+)
+def test_a_distance_is_measured_in_3d(page: Page, server: str, press: str) -> None:
     """Measure from one column to another in the 3D view, against where they are on the map."""
-    page = view.page
+    view = View(page)
+    opened(page, server)
+    view.open()
+    pane = page.get_by_role("region", name="3D", exact=True)
+    hand = attrgetter(press)(page)
     pane.get_by_role("button", name="Measure a distance").click()
     said = pane.get_by_role("region", name="Measured")
     said.get_by_role("switch", name="Snap to walls").click()  # off
     places, cell = view.occupied()
     ends = places[[0, -1]]
     undo = said.get_by_role("button", name="Remove the last point")
-    view.press(ends[0], press)
+    view.press(ends[0], hand)
     expect(undo).to_be_enabled()
-    view.press(ends[1], press)
+    view.press(ends[1], hand)
     expect(said).to_contain_text("direction")
     length = float(np.linalg.norm(ends[0] - ends[1]))
     said_m = float(re.findall(r"(\d+\.\d\d) m ± 0\.\d\d m, direction", said.inner_text())[0])
@@ -216,21 +224,6 @@ def measured(view: View, pane: Locator, press: Press) -> None:
     until("the line in the view", is_drawn)
     pane.get_by_role("button", name="Close the ruler").click()
     until("the line is gone", lambda: not is_drawn())
-
-
-def test_a_distance_is_measured_in_3d(page: Page, server: str) -> None:
-    view = View(page)
-    opened(page, server)
-    view.open()
-    measured(view, page.get_by_role("region", name="3D", exact=True), page.mouse.click)
-
-
-@pytest.mark.parametrize("context", ["tablet"], indirect=True)
-def test_a_distance_is_measured_in_3d_with_a_finger(page: Page, server: str) -> None:
-    view = View(page)
-    opened(page, server)
-    view.open()
-    measured(view, page.get_by_role("region", name="3D", exact=True), page.touchscreen.tap)
 
 
 @pytest.mark.parametrize("context", ["tablet"], indirect=True)
