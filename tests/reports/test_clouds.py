@@ -85,7 +85,8 @@ TEXTS: dict[str, bytes] = {
     "exponents of Fortran below names": lines("{:.6E},{:.6E},{:.6E}", head="x,y,z\n").replace(b"E", b"D"),
     "exponents of Fortran, decimal commas": lines("{:.6E} {:.6E} {:.6E}").replace(b"E", b"D").replace(b".", b","),
     "remarks of MATLAB": lines("{:.3f} {:.3f} {:.3f}", head="% by a program\n% x y z\n"),
-    "separators of psql": lines("{:.3f} | {:.3f} | {:.3f}", head=" x | y | z\n"),
+    "separators of psql": lines("{:.3f} | {:.3f} | {:.3f}", head=" x | y | z\n---+---+---\n"),
+    "a table of Markdown": lines("| {:.3f} | {:.3f} | {:.3f} |", head="| x | y | z |\n|:--|--:|---|\n"),
     "Excel's first line": lines("{:.3f};{:.3f};{:.3f}", head="sep=;\nx;y;z\n"),
     "German names, in Windows' letters": lines("{:.3f};{:.3f};{:.3f}", head="Rechtswert;Hochwert;H\u00f6he\n")
     .decode()

@@ -93,7 +93,7 @@ def columns_of(names: Sequence[str]) -> Columns | None:
 
 def _split(name: str) -> tuple[str, str | None]:
     """Return a name in lower case with _ for blanks, without its unit, and the unit, where it is one that is known."""
-    lower = name.strip().lower()
+    lower = name.strip()[:LONGEST_NAME].lower()
     for form in (_BRACKETS, _SUFFIX):
         found = form.match(lower)
         if found and found[2] in _UNITS:
@@ -110,6 +110,7 @@ _ANY_NUMBERS = re.compile(rb"(?=[^\d]*\d)[-+.,;|\s\deE]+")
 _SIGNS = {"\u2212".encode(): b"-", "\u00a0".encode(): b" ", "\u202f".encode(): b" "}
 _LETTER = re.compile(r"[^\W\d_]")
 _NAME_SEPARATORS = (",", ";", "|", "\t")
+LONGEST_NAME = 200  #: characters of a column's name that are looked at: the patterns of units take quadratic time
 MOST_LINES_BEFORE = 40  #: the names of the columns
 
 
@@ -183,7 +184,7 @@ def _beginning(data: bytes) -> _Beginning:
         end = len(data) if end < 0 else end
         line = data[at : min(end, at + MOST_LINE_BYTES)]
         found = names_of(line)
-        is_remark = line.lstrip().startswith((b"#", b"//", b"%"))
+        is_remark = line.lstrip().startswith((b"#", b"//", b"%")) or (names is not None and _is_rule(line))
         count = _COUNT.fullmatch(line)
         if found is not None and names is not None and len(found) == len(names) and _are_units(found):
             names = tuple(f"{name} ({unit.strip('()[]')})" for name, unit in zip(names, found, strict=True))
@@ -224,6 +225,11 @@ def _tidied(data: bytes) -> bytes:
         if sign in data:
             data = data.replace(sign, plain)
     return data
+
+
+def _is_rule(line: bytes) -> bool:
+    """Return whether a line below names is drawn there, as psql and Markdown do, and holds nothing."""
+    return b"--" in line and not line.strip(b"-:|+ \t\r")
 
 
 def _are_units(words: Sequence[str]) -> bool:
@@ -270,7 +276,8 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     points = rows[:, list(columns.axes)] * columns.metres
     notes = (*notes, *columns.notes)
     if begin.others:
-        notes = (*notes, f"The first {begin.others} lines, before the names of the columns, are passed over.")
+        lines = "1 line" if begin.others == 1 else f"{begin.others} lines"
+        notes = (*notes, f"What stands before the names of the columns is passed over: {lines}.")
     if words:
         listed = ", ".join(printable(names[k][:100]) for k in words[:6])
         notes = (*notes, f"Columns with other things than numbers are left out: {listed}.")
