@@ -163,7 +163,8 @@ async def test_the_first_camera_fits_a_picture_that_becomes_narrow_or_that_comes
     wanted, _ = camera_at("overview", bounds, 0.5)
 
     def is_aimed(message: dict[str, Any]) -> bool:
-        return message["type"] == "SetCameraPositionMessage" and message["position"] == pytest.approx(wanted)
+        is_camera = message["type"] == "SetCameraPositionMessage"
+        return bool(is_camera and message["position"] == pytest.approx(wanted))
 
     begins = {"position": VISERS_FIRST, "image_width": 300} if is_late else {"position": first}
     async with viser_client(service.port, session.id, "visitor=ann", **begins) as client:
