@@ -202,7 +202,7 @@ function Nablas({ line, at, onGo }: { line: Line; at: number; onGo: (step: numbe
         Steps through the cells of the line and shows ∇ at each of them.
       </span>
       <svg viewBox={`0 0 ${CHART.width} ${CHART.height}`} role="presentation">
-        <text class="axis-title" x={8} y={CHART.middle + 6}>
+        <text class="axis-title" x={8} y={CHART.middle + 8}>
           ∇
         </text>
         <line class="zero" x1={CHART.left} x2={CHART.width} y1={CHART.middle} y2={CHART.middle} />
