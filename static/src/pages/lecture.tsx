@@ -228,7 +228,7 @@ function Page() {
                 How a robot makes a map from measured distances, and how it uses that map.{" "}
                 <span class="no-print">
                   Drag the coloured parts of the figures, and <span class="drag-number-sample">underlined</span>{" "}
-                  numbers.
+                  numbers. The large map beside the text is the <b>stage</b>: it follows what you read.
                 </span>
               </p>
               <div class="actions no-print">

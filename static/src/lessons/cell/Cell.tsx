@@ -33,6 +33,9 @@ interface CellProps {
 const stateOf = (value: number): "free" | "unknown" | "occupied" =>
   value > OCCUPIED ? "occupied" : value < FREE ? "free" : "unknown";
 
+/** What the sign of ℓ says: negative, 0 (up to rounding), positive. */
+const LIKELIER = [", more likely free", "", ", more likely occupied"];
+
 /** One cell that the reader updates with hits and misses: a step chart of its log-odds between the clamp's limits. */
 export function Cell({ parameters, events: given }: CellProps) {
   const values = useMemo(
@@ -122,9 +125,10 @@ export function Cell({ parameters, events: given }: CellProps) {
       </Plot>
       <figcaption>
         ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
+        {LIKELIER[Math.sign(Math.round(1e6 * value)) + 1]}
         {until !== null &&
           until > 0 &&
-          ` · ${state === "occupied" ? "free" : "occupied"} after ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"}`}
+          ` · the map says ${state === "occupied" ? "free" : "occupied"} after ${until} more ${state === "occupied" ? (until === 1 ? "miss" : "misses") : until === 1 ? "hit" : "hits"}`}
       </figcaption>
     </figure>
   );

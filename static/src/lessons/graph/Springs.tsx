@@ -111,6 +111,7 @@ export function Springs() {
   const scale = useSignal(SCALE);
   const poses = useSignal<readonly Pose[]>(BY_ODOMETRY);
   const held = useSignal<Held | null>(null);
+  const isSettling = useSignal(false);
   const edges = useComputed<readonly GraphEdge[]>(() => [
     ...ODOMETRY,
     ...(hasLoop.value ? [RIGHT_LOOP] : []),
@@ -129,15 +130,20 @@ export function Springs() {
       poses.value = target;
       return;
     }
+    isSettling.value = true;
     let frame = 0;
     const relax = (): void => {
       const step = gaussNewtonStep(poses.peek(), edges.peek(), weights, [0]);
       const largest = Math.max(...step.flat().map(Math.abs));
       poses.value = largest < STILL ? target : moved(poses.peek(), step, PART);
       if (largest >= STILL) frame = requestAnimationFrame(relax);
+      else isSettling.value = false;
     };
     frame = requestAnimationFrame(relax);
-    return () => cancelAnimationFrame(frame);
+    return () => {
+      isSettling.value = false;
+      cancelAnimationFrame(frame);
+    };
   });
 
   const hold = (node: number, [x, y]: Point): void => {
@@ -160,7 +166,7 @@ export function Springs() {
   };
 
   const { residuals, weights } = judged.value;
-  const energy = residuals.reduce((sum, r) => sum + r * r, 0);
+  const energy = residuals.reduce((sum, r, k) => sum + (weights[k] ?? 1) * r * r, 0);
   const at = (edge: GraphEdge): number => edges.value.indexOf(edge);
   const loops = [
     { edge: RIGHT_LOOP, name: "the right loop" },
@@ -244,8 +250,9 @@ export function Springs() {
       </div>
       <KernelPlot kernel={kernel.value} scale={scale.value} loops={loops} />
       <figcaption class="number">
-        RMS error of the poses: <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ eᵀ Ω e ={" "}
-        {written(energy, energy < 100 ? 1 : 0)}.
+        {isSettling.value ? "On the way to the solution. " : ""}RMS error of the poses:{" "}
+        <b class="springs-error">{written(errorOf(poses.value), 2)} m</b>; Σ {kernel.value === "none" ? "" : "w "}eᵀ Ω e
+        = {written(energy, energy < 100 ? 1 : 0)}.
         {loops.map(({ name, residual, weight }) => (
           <span key={name}>
             {" "}

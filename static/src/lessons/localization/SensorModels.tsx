@@ -88,7 +88,7 @@ function Verdict({ mix, z, prior }: { mix: BeamMixture; z: number; prior: number
   return (
     <>
       Halfway to the reading, at it, and behind it, Bayes’ rule adds {per(bayes, before)}, {per(bayes, at)} and{" "}
-      {per(bayes, behind)}. Read backwards, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
+      {per(bayes, behind)}. Read backwards and clipped, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
       {per(read, behind)}: cells that were seen to be free and cells that were never seen look alike.
     </>
   );

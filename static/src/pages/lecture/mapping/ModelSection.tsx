@@ -64,7 +64,7 @@ export function ModelSection(head: SectionHead) {
       <p>
         The filter needs the probability of a cell given a single reading: the{" "}
         <b class="noun-beam">inverse sensor model</b>. The simplest one has three values. A beam with the measured range{" "}
-        <b class="noun-beam">z</b> passed all cells before z, so they get{" "}
+        <b class="noun-beam">z</b> passed all cells before the window around z, so they get{" "}
         <b class="noun-miss">
           p<sub>free</sub>
         </b>{" "}

@@ -52,9 +52,8 @@ export function NoReturnSection(head: SectionHead) {
             Which is right depends on why nothing came back. <b>Free</b> is what table 9.2 of{" "}
             <cite>Probabilistic Robotics</cite> says: the reading is z<sub>max</sub>, so all cells up to it are free.
             That clears large halls, but erases glass once the beams pass through it. <b>Ignored</b> adds no evidence
-            and is safer: a missing return often means glass, a polished wall or black material, and wrong free space is
-            the more dangerous error. Counting no return as a <b>hit</b> is always wrong; it happens when a driver
-            reports the max range where there was no echo.
+            and is safer: a missing return often means glass, a polished wall or black material. Counting no return as a{" "}
+            <b>hit</b> is always wrong; it happens when a driver reports the max range where there was no echo.
           </p>
           <p>REP 117, a convention of ROS, therefore defines +∞ for no return.</p>
         </>

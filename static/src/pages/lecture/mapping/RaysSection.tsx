@@ -12,8 +12,8 @@ export function RaysSection(head: SectionHead) {
         <>
           <h3>A worked example</h3>
           <p>
-            Each step to the right adds 2dy to the error, at first 0. Where the sum is at least dx, the line also goes
-            one cell up, and 2dx is subtracted. The figure’s ∇ is that sum minus dx.
+            Here the error begins at 0, and each step adds 2dy; from dx on the line also goes one cell up, and 2dx is
+            subtracted. ∇ is the sum minus dx.
           </p>
           <Worked />
           <h3>All eight octants</h3>

@@ -15,7 +15,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   cell: {
     // Probabilistic Robotics, table 4.2: the filter adds log-odds.
     right: 2,
-    answer: "Log-odds add up, in any order while no clamp is reached: 4 · 0.85 = 3.40, and 3.40 / 0.40 = 8.5.",
+    answer:
+      "Log-odds add up, in any order while no clamp is reached: 4 · 0.85 = 3.40, and 3.40 / 0.40 = 8.5: the ninth.",
     notes:
       "Press hit four times, then miss until the line is below the prior. Let the audience count. The order does not matter: show it with alternating presses.",
   },
@@ -50,7 +51,8 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   sonar: {
     // Computed by the figure; Moravec and Elfes 1985; Probabilistic Robotics, section 9.4.1, on conflicting cones.
     right: 1,
-    answer: "A wall: all arcs cross the door and no beam contradicts them. Moravec and Elfes are less certain of it.",
+    answer:
+      "A wall: arcs of both jambs cross the door, no echo from behind contradicts. Moravec–Elfes is less certain.",
     notes: "Add the readings one by one; the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
@@ -70,7 +72,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
   forgetting: {
     // Computed by the figure (lessons/forgetting/model.ts); OctoMap 2013, section 5.1, on the clamp.
     right: 2,
-    answer: "The clamp bounds the certainty. Without it, the misses have to outweigh all hits.",
+    answer: "The clamp bounds ℓ, so a few scans undo any hour. Without it the misses must outweigh all hits.",
     notes: "Let the audience guess a number of scans first, then remove the table. Repeat with a wider clamp.",
   },
   counting: {

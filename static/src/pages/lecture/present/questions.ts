@@ -20,7 +20,7 @@ export interface Answer {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "One of five cells gave an echo; a beam passes three. And the other two?",
+    question: "At least one of five cells echoed; a beam passes three. And the other two?",
     options: [
       "They become more probably occupied",
       "They keep the value after the echo",
@@ -122,7 +122,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     ],
   },
   "sensor-models": {
-    question: "Why can’t we get the inverse model from p(z | m) alone?",
+    question: "Why can’t we get the inverse model from p(z | x, m) alone?",
     options: ["It lacks a scale factor", "It is too noisy", "It is a distribution over readings, not over the cell"],
   },
   kidnapping: {
@@ -130,7 +130,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["Yes, the particles follow the scans", "Never", "Only with random particles among them"],
   },
   terrain: {
-    question: "A plane fitted to 9 points has a residual of 0.4 m². With each point twice?",
+    question: "9 points leave a residual of 0.4 m². Each is measured twice: what is it now?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
   },
   layers: {

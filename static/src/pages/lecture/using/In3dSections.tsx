@@ -82,8 +82,9 @@ export function TsdfSection(head: SectionHead) {
             surface.
           </p>
           <p>
-            Behind the <b>truncation</b> nothing is updated; in a thinner wall readings from both sides fall into the
-            same voxels. The weight stops at a <b>maximum weight</b>, so that the surface can follow a wall that moves.
+            Distances are kept up to the <b>truncation</b>; farther behind the surface nothing is updated. In a wall
+            thinner than that, readings from both sides fall into the same voxels. The weight stops at a{" "}
+            <b>maximum weight</b>, so that the surface can follow a wall that moves.
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>
@@ -117,9 +118,10 @@ export function TerrainSection(head: SectionHead) {
           </p>
           <p>
             Two slips are common: the root in the slope is forgotten, and the residual hᵀh − …, a <b>sum</b> of squares,
-            is not divided by n, so that the roughness grows with every point. A weighted sum of slope, roughness and
-            the step to the next patch, each divided by its safe limit, is compared with a threshold: safe or unsafe. A
-            stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree with.
+            is not divided by n, so that the roughness grows with every point. A patch is safe while slope and
+            roughness, each divided by its limit, add up to less than 1; full systems weight them and add the step to
+            the next patch. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most points agree
+            with.
           </p>
         </>
       }

@@ -27,7 +27,7 @@ export function ParticlesSection(head: SectionHead) {
           <p>
             How many particles does a belief need? The more places it covers, the more: <b>KLD sampling</b> counts the
             bins with a particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is
-            below ε, with the probability that belongs to the quantile q of the normal distribution: q = 2.33 for 99 %.
+            below ε with probability 99 % if q = 2.33, the quantile of the normal distribution.
           </p>
           <KldNumber />
           <p>
@@ -58,18 +58,18 @@ export function SensorModelsSection(head: SectionHead) {
       after={
         <>
           <p>
-            Why can’t we get the inverse model from p(z | m) alone? It is a distribution over <b>readings</b>, for one
-            whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and sums
-            over all maps in which the cell has that state.
+            Why can’t we get the inverse model from p(z | x, m) alone? It is a distribution over <b>readings</b>, for
+            one whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and
+            sums over all maps in which the cell has that state.
           </p>
           <p>
-            Some texts add ln p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>)), as the dashed curve does. Bayes’ rule
-            gives ln p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>): how likely the reading is with the cell occupied,
-            over how likely with it free. For a yes-or-no sensor with equal error rates both are the same. Otherwise the
-            heuristic has the right sign before the reading and at it; cells behind are left out, and the clamp limits
-            its size. The sum over all maps, exact here for one beam, is too costly on a plane: the model of{" "}
-            <SectionLink to="model" /> is chosen by hand to have its shape. Section 9.4 of the book keeps the forward
-            model and searches for the most probable map, without independent cells.
+            Some texts add log [p(z | m<sub>i</sub>) / (1 − p(z | m<sub>i</sub>))], as the dashed curve does, with the
+            density scaled to at most 1. Bayes’ rule gives log [p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>)]: how
+            likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor with
+            equal error rates both are the same. Otherwise the heuristic has the right sign before the reading and at
+            it; cells behind are left out, and the clamp limits its size. The sum over all maps, exact here for one
+            beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to have its shape.
+            Section 9.4 of the book searches for the most probable map instead.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest

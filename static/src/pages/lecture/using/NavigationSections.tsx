@@ -23,7 +23,7 @@ export function LayersSection(head: SectionHead) {
       <p>
         A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
         is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is made of <b>layers</b>, the
-        saved map first, and the greatest cost counts.{" "}
+        saved map first, and the greatest known cost counts.{" "}
         <span class="no-print">Drag the crate into view, switch layers off, and read the costs with the cross.</span>
       </p>
     </Section>

@@ -48,8 +48,8 @@ export function NextSection(head: SectionHead) {
         </li>
       </ul>
       <p>
-        The book is <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1 and 9.2 for mapping, chapters 5 to 8 for
-        motion, sensors and localization, 10 to 13 for SLAM.
+        In <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1, 9.2 (mapping), chapters 5–8 (motion, sensors,
+        localization), 10–13 (SLAM).
       </p>
     </Section>
   );

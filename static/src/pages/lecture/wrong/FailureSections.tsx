@@ -21,15 +21,15 @@ export function PolishedSection(head: SectionHead) {
       sources={[["probabilistic-robotics", "section 6.3"]]}
       after={
         <p>
-          Glass, polished metal and stone do the same. A beam that comes back by way of another surface reports too long
-          a distance, and the cells of the wall count as passed: their values <b>oscillate</b>. More readings do not
-          help; another kind of sensor does.
+          Glass, polished metal and stone do the same. Where a beam does come back by way of another surface, it reports
+          too long a distance, and the cells of the wall count as passed: their values <b>oscillate</b>. More readings
+          do not help; another kind of sensor does.
         </p>
       }
     >
       <p>
         A laser measures a surface by the light that it scatters back. A <b>polished</b> wall is a mirror: unless the
-        beam meets it almost at a right angle, nothing comes back (
+        beam meets it almost at a right angle, usually nothing comes back (
         <SectionLink to="no-return" />
         ), and the wall is missing wherever the robot never stood in front of it.
       </p>

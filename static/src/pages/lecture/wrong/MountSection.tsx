@@ -44,8 +44,7 @@ export function MountSection(head: SectionHead) {
           <p>
             A <b>rotated</b> sensor rotates each scan about itself, so a wall appears in a different place from every
             pose. The offset of a <b>shifted</b> sensor rotates with the heading: walls appear twice where the robot
-            turned, and a straight drive hides the error. A sensor <b>upside down</b> mirrors each scan; a symmetric
-            corridor may even look correct.
+            turned, and a straight drive hides the error. A sensor <b>upside down</b> mirrors each scan.
           </p>
           <p>
             The pose must be that of the moment of the reading: where clocks differ, walls fan out in every turn. A scan

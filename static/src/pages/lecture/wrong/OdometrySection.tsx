@@ -52,7 +52,7 @@ export function OdometrySection(head: SectionHead) {
         <p>
           Errors of the heading matter most: they rotate all of the path that follows. Between two scans the lidar is
           more accurate than the wheels; for the right map each scan was matched with the three before it. Small errors
-          remain and add up slowly; <SectionLink to="graph" /> removes them.
+          remain and add up slowly; <SectionLink to="graph" /> spreads them over the whole lap.
         </p>
       }
     >
