@@ -331,8 +331,10 @@ def _noise_below(ranges: NDArray[np.float32], limits: NDArray[np.float32]) -> fl
     clipped to it. Below five standard deviations there are hardly any, unless walls are there.
     """
     with np.errstate(invalid="ignore"):
-        off = limits - ranges
-        off = off[np.isfinite(off) & (np.abs(off) < NOISE_BAND * limits)]
+        is_near = ranges > (1.0 - NOISE_BAND) * limits
+        is_near &= ranges < (1.0 + NOISE_BAND) * limits
+    off = limits[np.nonzero(is_near)[0], 0] - ranges[is_near]
+    off = off[np.isfinite(off)]
     below = off[off > 0.0]
     beyond = len(off) - len(below)
     if min(beyond, len(below)) < max(CODE_LEAST, CODE_SHARE * ranges.size):
