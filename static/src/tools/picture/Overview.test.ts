@@ -1,7 +1,9 @@
 import { describe, expect, it } from "vitest";
 import type { Bounds } from "../../grid/lattice";
 import { fitted, toWorld } from "../../render/view";
-import { centredAt, overviewBox } from "./overviewBox";
+import { centredAt, overviewBox } from "./Overview";
+
+// @vitest-environment happy-dom
 
 const bounds: Bounds = [-20, -10, 40, 20];
 const picture = { width: 900, height: 700 };
