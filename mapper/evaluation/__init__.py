@@ -5,7 +5,7 @@ from mapper.evaluation.association import associate
 from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
 from mapper.evaluation.published import PUBLISHED, PublishedResult, benchmark_named
 from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
-from mapper.evaluation.same_path import is_same_path, stated_before
+from mapper.evaluation.same_path import first_pair, is_same_path, stated_before
 from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
 from mapper.evaluation.trajectory_error import (
     Comparison,
@@ -33,6 +33,7 @@ __all__ = [
     "benchmark_named",
     "compare_trajectories",
     "evaluate_relations",
+    "first_pair",
     "is_same_path",
     "pairs_over",
     "relative_errors",

@@ -1,7 +1,8 @@
-"""Trajectories that are one and the same path, stated twice, as by tf and by the topic of the odometry."""
+"""Which trajectories of a log are one path, stated twice, as by tf and by odometry, and which two are compared."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,6 +13,7 @@ from mapper.sensors.scan import Trajectory
 
 SAME_M, SAME_RAD = 0.001, 0.001  #: within which all poses of one path are, each from its first pose
 FEW = 64  #: poses that tell most different paths apart
+_WHEELS = re.compile("odom|wheel", re.IGNORECASE)  #: in the names of poses by wheels
 
 
 def is_same_path(one: Float64Array, two: Float64Array) -> bool:
@@ -40,3 +42,22 @@ def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
                 found[name] = earlier
                 break
     return found
+
+
+def first_pair(trajectories: Mapping[str, Trajectory], same: Mapping[str, str]) -> tuple[str, str] | None:
+    """Return the reference and the estimate whose errors are told first; None with less than two trajectories.
+
+    The reference is the last one that was found from the scans, and the wheels are beside it. They are never one path
+    twice, as ``same`` (:func:`stated_before`) tells, unless there is one path only.
+    """
+    paths = [name for name in trajectories if name not in same]
+    if len(trajectories) < 2:
+        return None
+    if len(paths) < 2:
+        first, second, *_ = trajectories
+        return first, second
+    found = [name for name in paths if trajectories[name].from_scans][-1:]
+    others = [name for name in paths if name not in found]
+    wheels = [name for name in others if found and not trajectories[name].from_scans and _WHEELS.search(name)]
+    reference, estimate = [*found, *wheels[:1], *(name for name in others if name not in wheels[:1])][:2]
+    return reference, estimate

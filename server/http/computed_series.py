@@ -6,23 +6,51 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mapper.io.contents.scan_series import scan_columns, scan_series
+import numpy as np
+
+from mapper.evaluation import Comparison, ComparisonOptions, compare_trajectories
+from mapper.io.contents.model import Column, Series
+from mapper.io.contents.scan_series import plot_stamps, scan_columns, scan_series
+from mapper.sensors.timed_poses import TimedPoses
 from server.http.session_access import part_of_log
 from server.imports import imported
 from server.sessions.parts import Graphed, GraphSource, Recording
 
 if TYPE_CHECKING:
-    from mapper.io.contents.model import Series
+    from mapper.sensors.scan import ScanLog
     from server.library.library import Library
     from server.sessions import SessionHost
 
 #: Names in place of topics; no topic of ROS has parentheses.
-MAP, SLAM, SCANS = COMPUTED = ("(map)", "(slam)", "(scans)")
+MAP, SLAM, ERRORS, SCANS = COMPUTED = ("(map)", "(slam)", "(errors)", "(scans)")
+
+_OF_PATHS = (
+    Column("relative error distance", "m", "relative error distance"),
+    Column("relative error angle", "rad", "relative error angle"),
+)
 
 
 def recording_of(session: SessionHost) -> Recording:
     """Return the log of a session. Raises :class:`MapperError` for a live world."""
     return part_of_log(session, Recording, "Only the recording of a log has series to plot, not a live world.")
+
+
+def errors_between(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions | None = None) -> Comparison:
+    """Return the errors of a log's trajectory against another one, at the times that plots of its scans have.
+
+    Raises as :func:`mapper.evaluation.compare_trajectories`.
+    """
+    one, other = (TimedPoses(plot_stamps(log), log.trajectory(name).poses) for name in (reference, estimate))
+    return compare_trajectories(one, other, options)
+
+
+def _relative_errors(log: ScanLog, reference: str, estimate: str) -> Series:
+    """Return the relative errors over 1 m of ``estimate``, each at the end of its metre."""
+    found = errors_between(log, reference, estimate)
+    distance, angle = found.relative_translation, found.relative_rotation
+    order = np.argsort(distance.stamps_ns, kind="stable")
+    values = np.column_stack([distance.errors, angle.errors])[order]
+    return Series("errors", "trajectories", _OF_PATHS, distance.stamps_ns[order], values)
 
 
 def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:
@@ -46,14 +74,26 @@ async def computed_fields(library: Library, session: SessionHost, owner: str) ->
     added = library.trajectories.of(owner, recording.log_id)
     has_graph = any(one.name == recording.trajectory and one.has_graph for one in added)
     of_scans = scan_columns(recording.log, recording.trajectory)
-    found = {MAP: OF_MAP, **({SLAM: OF_GRAPH} if has_graph else {}), SCANS: of_scans}
+    found = {
+        MAP: OF_MAP,
+        **({SLAM: OF_GRAPH} if has_graph else {}),
+        **({ERRORS: _OF_PATHS} if _compared(recording) else {}),
+        SCANS: of_scans,
+    }
     return {name: [column.label for column in columns] for name, columns in found.items()}
+
+
+def _compared(recording: Recording) -> tuple[str, str] | None:
+    """Return the two trajectories whose errors are told first; None for a log with one path."""
+    pair = recording.compared()
+    return None if pair is None or recording.same_paths().get(pair[1]) == pair[0] else pair
 
 
 async def computed_series(library: Library, session: SessionHost, owner: str, name: str) -> Series | float:
     """Return a series of :data:`COMPUTED`, or the share that is done while it is computed.
 
-    Raises as :func:`mapper.replay.map_series.map_series`, and :class:`MapperError` for a trajectory without a graph.
+    Raises as :func:`mapper.replay.map_series.map_series` and :func:`errors_between`, and :class:`MapperError` for a
+    trajectory without a graph.
     """
     recording = recording_of(session)
     if name == MAP:
@@ -61,4 +101,7 @@ async def computed_series(library: Library, session: SessionHost, owner: str, na
     graph = session.model.find(Graphed) if name == SLAM else None
     if graph is not None:
         return await graph.residuals(graph_source(library, owner, recording.log_id))
+    pair = _compared(recording) if name == ERRORS else None
+    if pair is not None:
+        return await asyncio.to_thread(_relative_errors, recording.log, *pair)
     return await asyncio.to_thread(scan_series, recording.log, recording.trajectory)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -58,6 +58,14 @@ class Recording(ABC):
     @abstractmethod
     def trajectory(self) -> str:
         """The name of the trajectory in use."""
+
+    @abstractmethod
+    def same_paths(self) -> Mapping[str, str]:
+        """Return for each trajectory whose path another one before it has the name of that one."""
+
+    @abstractmethod
+    def compared(self) -> tuple[str, str] | None:
+        """Return the reference and the estimate whose errors are told first; None for a log with one trajectory."""
 
     @abstractmethod
     def first_config(self) -> MappingConfig:

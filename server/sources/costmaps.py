@@ -105,6 +105,7 @@ class CostmapsModel(SessionModel, Costed, Viewed):
                 TrajectoryInfo(topic, f"{len(stream)} costmaps, frame {', '.join(stream.frames)}", False, None)
                 for topic, stream in self._streams.items()
             ],
+            compared=None,
             n_beams=0,
             n_scans=len(self._times),
             duration_s=float(self._times[-1]),

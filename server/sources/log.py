@@ -259,13 +259,15 @@ class LogModel(SessionModel):
     def complete(self, hello: Hello) -> None:
         """Set the parameters, the log and its trajectories."""
         recording, log = self.recording, self.recording.log
+        trajectories = self._trajectories_message()
         hello.parameters = self.parameters.table(recording.first_config())
         hello.log = LogInfo(
             id=recording.log_id,
             topic=log.topic,
             cut=recording.cut_table(),
             trajectory=recording.trajectory,
-            trajectories=self._trajectories_message().trajectories,
+            trajectories=trajectories.trajectories,
+            compared=trajectories.compared,
             n_beams=log.n_beams,
             n_scans=log.n_scans,
             duration_s=float(recording.recorded[-1]),
@@ -285,7 +287,8 @@ class LogModel(SessionModel):
         found = self.recording.log.trajectories
         same = self.recording.same_paths()
         return Trajectories(
-            [TrajectoryInfo(name, one.description, one.from_scans, same.get(name)) for name, one in found.items()]
+            [TrajectoryInfo(name, one.description, one.from_scans, same.get(name)) for name, one in found.items()],
+            self.recording.compared(),
         )
 
     def _trajectory_message(self) -> TrajectoryMessage:

@@ -13,7 +13,7 @@ import numpy as np
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.se2 import pose_tuple
-from mapper.evaluation.same_path import stated_before
+from mapper.evaluation.same_path import first_pair, stated_before
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
 from mapper.mapping.parameters import BY_NAME, MappingConfig
@@ -169,6 +169,10 @@ class LogRecording(Recording, Viewed):
         if self._same_paths[0] is not trajectories:  # of long logs it takes longer than a message may
             self._same_paths = (trajectories, stated_before(trajectories))
         return self._same_paths[1]
+
+    def compared(self) -> tuple[str, str] | None:
+        """Return as :func:`mapper.evaluation.first_pair`."""
+        return first_pair(self.log.trajectories, self.same_paths())
 
     def first_config(self) -> MappingConfig:
         """Return the initial parameters for the log."""

@@ -112,6 +112,10 @@ class LogInfo(Part):
     ]
     trajectory: Annotated[str, Meta(description="trajectory of the map")]
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
+    compared: Annotated[
+        tuple[str, str] | None,
+        Meta(description="reference and estimate whose errors are told first; null for one trajectory"),
+    ]
     n_beams: Annotated[int, Meta(description="beams of each scan")]
     n_scans: Annotated[int, Meta(description="scans of the log")]
     duration_s: Annotated[

@@ -160,6 +160,10 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
     """Log sessions: the trajectories of the log, after one was added, replaced or deleted."""
 
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
+    compared: Annotated[
+        tuple[str, str] | None,
+        Meta(description="reference and estimate whose errors are told first; null for one trajectory"),
+    ]
 
 
 class WorldMessage(Struct, tag_field="type", tag="world"):

@@ -9,11 +9,12 @@ import numpy as np
 from fastapi import APIRouter, Query, Request
 from numpy.typing import NDArray
 
-from mapper.evaluation import Alignment, ComparisonOptions, ErrorSeries, ErrorStatistics, compare_trajectories
+from mapper.evaluation import Alignment, ComparisonOptions, ErrorSeries, ErrorStatistics
 from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.scan_series import plot_origin_ns
 from mapper.sensors.scan import ScanLog
-from mapper.sensors.timed_poses import TimedPoses
 from server.http.clients import in_turn
+from server.http.computed_series import errors_between
 from server.http.guests import GuestRight, guests_may
 from server.http.services import RequestWork, Sessions, Visitor
 from server.http.session_access import part_of_log
@@ -109,9 +110,8 @@ async def errors(
 
 
 def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> TrajectoryErrors:
-    sides = [TimedPoses(log.stamps_ns, log.trajectory(name).poses) for name in (reference, estimate)]
-    errors = compare_trajectories(sides[0], sides[1], options)
-    origin_ns = int(log.stamps_ns.min())
+    errors = errors_between(log, reference, estimate, options)
+    origin_ns = plot_origin_ns(log)
     step = max(1, -(-len(errors.estimate) // PATH_POINTS))
     translation, rotation = errors.relative_translation, errors.relative_rotation
     return TrajectoryErrors(

@@ -117,7 +117,8 @@ export class SessionState extends SessionSignals implements Receiver {
         return;
       case "trajectories": {
         const hello = this.hello.peek();
-        if (hello?.log) this.hello.value = { ...hello, log: { ...hello.log, trajectories: message.trajectories } };
+        const { trajectories, compared } = message;
+        if (hello?.log) this.hello.value = { ...hello, log: { ...hello.log, trajectories, compared } };
         return;
       }
       case "parameters":

@@ -86,6 +86,8 @@ export interface LogInfo {
   readonly trajectory: string;
   /** all trajectories of the log */
   readonly trajectories: readonly TrajectoryInfo[];
+  /** reference and estimate whose errors are told first; null for one trajectory */
+  readonly compared: readonly [string, string] | null;
   /** beams of each scan */
   readonly n_beams: number;
   /** scans of the log */
@@ -606,6 +608,8 @@ export interface Trajectories {
   readonly type: "trajectories";
   /** all trajectories of the log */
   readonly trajectories: readonly TrajectoryInfo[];
+  /** reference and estimate whose errors are told first; null for one trajectory */
+  readonly compared: readonly [string, string] | null;
 }
 
 /** Present parameters, sent after each change and after a refused change. */
@@ -1737,6 +1741,7 @@ const isLogInfo: Check = isObject({
   cut: oneOf(isTable, isNull),
   trajectory: isText,
   trajectories: isListOf(isTrajectoryInfo),
+  compared: oneOf(isTuple(isText, isText), isNull),
   n_beams: isInteger,
   n_scans: isInteger,
   duration_s: isNumber,
@@ -2006,6 +2011,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   trajectories: {
     trajectories: isListOf(isTrajectoryInfo),
+    compared: oneOf(isTuple(isText, isText), isNull),
   },
   parameters: {
     values: isValues,

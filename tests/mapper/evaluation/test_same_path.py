@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
-from mapper.evaluation.same_path import is_same_path, stated_before
+from mapper.evaluation.same_path import first_pair, is_same_path, stated_before
 from mapper.sensors.scan import Trajectory
 
 
@@ -45,3 +46,37 @@ def test_what_was_stated_before_is_named() -> None:
     named = {"odom": path, "tf/odom": seen_from(path, 1.0, 2.0, 0.3), "SLAM": other, "again": path}
     found = stated_before({name: Trajectory(poses) for name, poses in named.items()})
     assert found == {"tf/odom": "odom", "again": "odom"}
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        ("true odom SLAM*", ("SLAM", "odom")),
+        ("odom tf/map SLAM* SLAM-2*", ("SLAM-2", "odom")),
+        ("scan SLAM*", ("SLAM", "scan")),
+        ("odom better", ("odom", "better")),
+        ("odom", None),
+    ],
+)
+def test_slam_is_compared_with_the_wheels_first(names: str, expected: tuple[str, str] | None) -> None:
+    """Names with a star are of poses that were found from the scans."""
+    found = {
+        name.rstrip("*"): Trajectory(circle(20, 2.0 + n), from_scans=name.endswith("*"))
+        for n, name in enumerate(names.split())
+    }
+    assert first_pair(found, {}) == expected
+
+
+@pytest.mark.parametrize(
+    ("names", "same", "expected"),
+    [
+        ("odom tf/odom better", {"tf/odom": "odom"}, ("odom", "better")),
+        ("odom SLAM* gps", {"SLAM": "odom"}, ("odom", "gps")),
+        ("odom tf/odom", {"tf/odom": "odom"}, ("odom", "tf/odom")),
+    ],
+)
+def test_one_path_is_not_compared_with_itself_where_there_are_two(
+    names: str, same: dict[str, str], expected: tuple[str, str]
+) -> None:
+    found = {name.rstrip("*"): Trajectory(circle(20), from_scans=name.endswith("*")) for name in names.split()}
+    assert first_pair(found, same) == expected

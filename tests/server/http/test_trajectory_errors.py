@@ -14,7 +14,7 @@ import pytest
 from server.http.clients import to_its_end
 from server.work.fair_lock import FairLock
 from tests.server.library.small_logs import carmen
-from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 
 SCANS = 20
 
@@ -66,6 +66,20 @@ def test_relative_errors_do_not_depend_on_the_alignment(service: Service, sessio
     assert first["translation_m"]["rmse"] == pytest.approx(second["translation_m"]["rmse"])
     assert first["translation_m"]["mean"] == pytest.approx(0.1)
     assert (first["pairs"], first["unit"]) == (SCANS - 1, "frames")
+
+
+def test_the_relative_error_is_among_the_series_that_can_be_plotted(service: Service, session: str) -> None:
+    address = f"/api/sessions/{session}/contents"
+    until(lambda: service.http.get(address).status_code == 200)
+    topics = {one["topic"]: one["fields"] for one in service.http.get(f"{address}/fields").json()["topics"]}
+    names = ["relative error distance", "relative error angle"]
+    assert topics["(errors)"] == names
+    found = errors(service, session)["series"]["relative"]
+    for name, expected in zip(names, (found["translation_m"], found["rotation_rad"]), strict=True):
+        plotted = service.http.get(f"{address}/field", params={"topic": "(errors)", "field": name}).json()
+        assert plotted["times"] == found["times"]
+        assert plotted["columns"][0]["values"] == pytest.approx(expected, rel=1e-5, abs=1e-6)
+    assert max(found["translation_m"]) == pytest.approx(0.1, abs=1e-3)
 
 
 def test_what_cannot_be_compared(service: Service, session: str) -> None:

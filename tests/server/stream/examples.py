@@ -137,6 +137,7 @@ MESSAGES: tuple[Struct, ...] = (
             parts.Table([], {"min_height": 0.2}),
             "true",
             [parts.TrajectoryInfo("true", "ground truth", from_scans=False, same_as=None)],
+            None,
             360,
             12,
             0.0,
@@ -187,7 +188,9 @@ MESSAGES: tuple[Struct, ...] = (
         range_max=4.0,
     ),
     messages.Trajectory("odometry", "odom", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
-    messages.Trajectories([parts.TrajectoryInfo("SLAM", "poses corrected by SLAM", from_scans=True, same_as="true")]),
+    messages.Trajectories(
+        [parts.TrajectoryInfo("SLAM", "poses corrected by SLAM", from_scans=True, same_as="true")], ("SLAM", "odom")
+    ),
     NotesMessage(1_700_000_000.25),
     messages.ParametersMessage({"window": 0.2}, None),
     messages.ParametersMessage({}, {"n_beams": 360}, {"drift": True}, parts.Compared({"clamp": False}, True)),

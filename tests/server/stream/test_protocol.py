@@ -99,6 +99,7 @@ def test_a_place_has_all_of_its_coordinates() -> None:
 
 
 def test_values_that_json_cannot_represent_are_a_defect() -> None:
-    assert json.loads(encode_text(Trajectories([]))) == {"type": "trajectories", "trajectories": []}
+    told = json.loads(encode_text(Trajectories([], None)))
+    assert told == {"type": "trajectories", "trajectories": [], "compared": None}
     with pytest.raises(ValueError, match="JSON"):
         encode_text(NotesMessage(float("nan")))

@@ -26,6 +26,9 @@ export const COMPUTED: Readonly<Record<string, string>> = {
   entropy: "Entropy of the observed cells of the map after each scan",
   "cells changed": "Cells that a scan changed between unknown, free and occupied",
   contradicted: "Share of a scan’s readings that end in a free cell of the whole log’s map, or pass an occupied one",
+  "relative error distance":
+    "Distance by which two trajectories differ over 1 m; the two that Trajectories compares first",
+  "relative error angle": "Angle by which two trajectories differ over 1 m; the two that Trajectories compares first",
   "odometry residual distance": "Distance by which the corrected poses miss the motion that was measured between two",
   "odometry residual angle": "Angle by which the corrected poses miss the motion that was measured between two",
   "loop residual distance": "The greatest distance by which the poses miss a loop that ends here",

@@ -13,7 +13,7 @@ import { WhenKnown } from "../contents/useContents";
 import { type Chosen, type Found, joined, keyOf } from "../fields/fields";
 import { useFieldNames, useFieldSeries } from "../fields/useFields";
 import { trajectoryLabel } from "../library/describeLog";
-import { errorSeries, firstPair } from "../trajectories/errors";
+import { errorSeries } from "../trajectories/errors";
 
 interface ResidualsProps {
   readonly store: Store;
@@ -80,9 +80,9 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
 
 /** The relative error of two trajectories: first SLAM and the wheels. */
 function OfPaths({ store, session }: ResidualsProps) {
-  const trajectories = store.hello.value?.log?.trajectories ?? [];
-  const [reference, estimate] = firstPair(trajectories);
-  const isPair = trajectories.filter(({ same_as }) => same_as === null).length > 1;
+  const log = store.hello.value?.log;
+  const [reference = "", estimate = ""] = log?.compared ?? [];
+  const isPair = (log?.trajectories ?? []).filter(({ same_as }) => same_as === null).length > 1;
   const errors = useSignal<TrajectoryErrors | null>(null);
   const failure = useSignal<string | null>(null);
   useEffect(() => {

@@ -9,10 +9,10 @@ import { Panel } from "../../../ui/Panel";
 import { SelectField } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
 import type { TrajectoryErrors } from "../../../wire/http";
-import type { TrajectoryInfo } from "../../../wire/messages";
+import type { LogInfo } from "../../../wire/messages";
 import { Plot } from "../contents/LazyPlot";
 import { trajectoryLabel } from "../library/describeLog";
-import { addTrajectory, errorSeries, firstPair, rowsOf, STATISTICS } from "./errors";
+import { addTrajectory, errorSeries, rowsOf, STATISTICS } from "./errors";
 import { TrajectoryChoice } from "./TrajectoryChoice";
 import "./trajectories.css";
 
@@ -90,16 +90,15 @@ interface TrajectoriesProps {
 /** The poses of the map, trajectories brought along, and the errors of one trajectory against another one. */
 export function Trajectories({ store, session, isGuest, errors }: TrajectoriesProps) {
   const log = store.hello.value?.log;
-  const trajectories = log?.trajectories ?? [];
   return (
     <>
       <TrajectoryChoice store={store} />
       {!isGuest && log && <AddTrajectory session={session} />}
       <Panel title="Errors of one trajectory against another">
-        {trajectories.length < 2 ? (
-          <p class="quiet">The log has one trajectory: add another one to compare the two.</p>
+        {log?.compared ? (
+          <Errors store={store} session={session} log={log} compared={log.compared} errors={errors} />
         ) : (
-          <Errors store={store} session={session} trajectories={trajectories} errors={errors} />
+          <p class="quiet">The log has one trajectory: add another one to compare the two.</p>
         )}
       </Panel>
     </>
@@ -109,14 +108,17 @@ export function Trajectories({ store, session, isGuest, errors }: TrajectoriesPr
 function Errors({
   store,
   session,
-  trajectories,
+  log: { trajectories },
+  compared,
   errors,
-}: Pick<TrajectoriesProps, "store" | "session" | "errors"> & { readonly trajectories: readonly TrajectoryInfo[] }) {
+}: Pick<TrajectoriesProps, "store" | "session" | "errors"> & {
+  readonly log: LogInfo;
+  readonly compared: readonly [reference: string, estimate: string];
+}) {
   const names = trajectories.map(({ name }) => name);
   const options = names.map((name) => ({ value: name, label: trajectoryLabel(name) }));
-  const first = firstPair(trajectories);
-  const reference = useSignal(first[0]);
-  const estimate = useSignal(first[1]);
+  const reference = useSignal(compared[0]);
+  const estimate = useSignal(compared[1]);
   const pathOf = (name: string): string => trajectories.find((trajectory) => trajectory.name === name)?.same_as ?? name;
   const align = useSignal<(typeof ALIGNMENTS)[number]["value"]>("rigid");
   const failure = useSignal<string | null>(null);

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { ErrorStatistics, TrajectoryErrors } from "../../../wire/http";
-import { errorSeries, firstPair, rowsOf } from "./errors";
+import { errorSeries, rowsOf } from "./errors";
 
 const all = (value: number): ErrorStatistics => ({
   rmse: value,
@@ -42,26 +42,5 @@ describe("the errors of a trajectory", () => {
       ["°", [0, 180]],
     ]);
     expect(new Set(columns.map(({ plot }) => plot)).size).toBe(2);
-  });
-});
-
-describe("the pair that is compared first", () => {
-  const way = (name: string, from_scans = false, same_as: string | null = null) => ({
-    name,
-    description: "",
-    from_scans,
-    same_as,
-  });
-
-  it("is SLAM and the wheels", () => {
-    expect(firstPair([way("true"), way("odom"), way("SLAM", true)])).toEqual(["SLAM", "odom"]);
-    expect(firstPair([way("odom"), way("tf/map"), way("SLAM", true), way("SLAM 2", true)])).toEqual(["SLAM 2", "odom"]);
-    expect(firstPair([way("scan"), way("SLAM", true)])).toEqual(["SLAM", "scan"]);
-  });
-
-  it("is never one path twice where there are two", () => {
-    expect(firstPair([way("odom"), way("tf/odom", false, "odom"), way("better")])).toEqual(["odom", "better"]);
-    expect(firstPair([way("odom"), way("SLAM", true, "odom"), way("gps")])).toEqual(["odom", "gps"]);
-    expect(firstPair([way("odom"), way("tf/odom", false, "odom")])).toEqual(["odom", "tf/odom"]);
   });
 });

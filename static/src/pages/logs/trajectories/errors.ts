@@ -2,23 +2,8 @@
 
 import { ask } from "../../../wire/ask";
 import type { ErrorStatistics, SeriesAnswer, TrajectoryErrors } from "../../../wire/http";
-import type { TrajectoryInfo } from "../../../wire/messages";
 
 export const STATISTICS = ["rmse", "mean", "median", "std", "min", "max"] as const;
-
-/**
- * The pair that is compared at first: poses found from the scans as the reference, and the wheels beside them; never two
- * that are one path. Without such poses the first two paths; with only one path, its two names.
- */
-export function firstPair(trajectories: readonly TrajectoryInfo[]): readonly [reference: string, estimate: string] {
-  const paths = trajectories.filter(({ same_as }) => same_as === null);
-  const found = paths.filter(({ from_scans }) => from_scans).at(-1);
-  const others = paths.filter((path) => path !== found);
-  const wheels = others.find(({ name, from_scans }) => !from_scans && /odom|wheel/i.test(name));
-  const reference = found ?? paths[0];
-  const estimate = (found && wheels) ?? others.find((other) => other !== reference) ?? trajectories[1];
-  return [reference?.name ?? "", estimate?.name ?? ""];
-}
 
 /** The rows of the table: what, its unit, and the figures in that unit; angles in degrees. */
 export function rowsOf({
