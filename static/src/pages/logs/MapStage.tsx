@@ -1,8 +1,10 @@
 import type { ReadonlySignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { CompareReadout } from "../../tools/compare/Readout";
+import { MapTools, Measuring } from "../../tools/measure/MapTools";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
@@ -20,13 +22,15 @@ interface MapStageProps {
   readonly onPicture: (picture: Picture) => void;
 }
 
-/** The map of a log with its playback and the values of the cell under the pointer, without the log page's tools. */
+/** The map of a log with its playback and the values of the cell under the pointer, with the tools that measure. */
 export function MapStage({ store, comparison, trouble, isInert = false, onPicture }: MapStageProps) {
+  const stage = useRef<HTMLDivElement>(null);
   return (
-    <div class="viewer-stage" inert={isInert}>
+    <div class="viewer-stage" inert={isInert} ref={stage}>
       <div class="viewer-map">
         <BeliefView store={store} comparison={comparison} onPicture={onPicture} />
         <BothMaps store={store} comparison={comparison} />
+        {isInert ? <Measuring store={store} /> : <MapTools store={store} stage={stage} />}
         {trouble.value && (
           <p class="viewer-over" role="status">
             {trouble.value}

@@ -1,18 +1,18 @@
 /** Over a map: fit, full screen, the ruler and the area; the scale, the place of the pointer, and what is measured. */
 
-import { useComputed } from "@preact/signals";
+import { useComputed, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren, RefObject } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { inHand } from "../../ui/browser/media";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { IconName } from "../../ui/Icon";
-import { LiveRegion } from "../../ui/LiveRegion";
 import { written } from "../../ui/numbers";
 import { PlaceForm } from "../../ui/PlaceForm";
 import { measuredText, scaleBar, scaleText } from "./model";
 import "./measure.css";
-import { type MeasuringTool, measuringOf } from "./measuring";
+import { type Measuring as MeasuringState, type MeasuringTool, measuringOf } from "./measuring";
 import { measureInScenes } from "./tool";
 
 const TOOLS: readonly (readonly [tool: MeasuringTool, icon: IconName, label: string])[] = [
@@ -96,6 +96,21 @@ export function MeasuringIn3d({ store, snaps }: { readonly store: Store; readonl
   );
 }
 
+/** Whether this one of the views that state what is measured says its changes to screen readers: one of them does. */
+function useSaid({ said }: MeasuringState): boolean {
+  const own = useRef({}).current;
+  useSignalEffect(() => {
+    said.value ??= own;
+  });
+  useEffect(
+    () => () => {
+      if (said.peek() === own) said.value = null;
+    },
+    [said],
+  );
+  return said.value === own;
+}
+
 interface MeasuredProps {
   readonly store: Store;
   readonly tool: MeasuringTool;
@@ -108,10 +123,12 @@ function Measured({ store, tool, snaps = true, children }: MeasuredProps) {
   const measuring = measuringOf(store);
   const points = measuring.points.value;
   const size = measuring.size.value ?? store.map.value?.geometry.resolution ?? 0;
-  const text = inHand(measuredText(tool, points, size));
+  const isSaid = useSaid(measuring);
   return (
     <section class="measured" aria-label="Measured">
-      <p class="number">{text}</p>
+      <p class="number" {...(isSaid ? { role: "status" } : {})}>
+        {inHand(measuredText(tool, points, size))}
+      </p>
       <div class="measured-actions">
         {snaps && (
           <SwitchChip
@@ -141,7 +158,6 @@ function Measured({ store, tool, snaps = true, children }: MeasuredProps) {
         <Button kind="quiet" icon="close" label="Close the ruler" onClick={() => measuring.take(null)} />
       </div>
       {children}
-      <LiveRegion text={points.length > 0 ? text : ""} />
     </section>
   );
 }

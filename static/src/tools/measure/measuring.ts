@@ -8,7 +8,7 @@ import type { Spot } from "./model";
 /** A line of points, or a polygon. */
 export type MeasuringTool = "distance" | "area";
 
-class Measuring {
+export class Measuring {
   /** The tool in use; null while nothing is measured. */
   readonly tool = signal<MeasuringTool | null>(null);
   readonly points = signal<readonly Spot[]>([]);
@@ -20,6 +20,9 @@ class Measuring {
   readonly isDone = signal(false);
   /** Whether points snap to the borders between walls and what is free beside them. */
   readonly snaps = signal(true);
+
+  /** The view whose statement of it screen readers are told by; null for none. */
+  readonly said = signal<object | null>(null);
 
   /** Take a tool, or put it away with null. */
   take(tool: MeasuringTool | null): void {
