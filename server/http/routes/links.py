@@ -19,7 +19,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
 from server.http.routes.fields import Made
 from server.http.routes.sessions import SessionAnswer, created
-from server.http.services import FileDownloads, Logs, Sessions, Visitor
+from server.http.services import FileDownloads, Logs, ServiceSettings, Sessions, Visitor
 from server.http.session_access import shareable_session
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
@@ -30,14 +30,17 @@ from server.parts.terrain.routes import uploaded_terrain
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.commands import ShowReferenceMap, UseCosts, UseTerrain
+from server.sessions.kind import Resources
 from server.sessions.parts import Recording
-from server.sources import costmaps_plan, log_plan
+from server.sources import costmaps_plan, log_plan, volume_plan
 from server.stream.protocol import fields_of
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
 
 router = APIRouter(tags=["links"])
+
+Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class Look(BaseModel):
@@ -85,12 +88,37 @@ class ShownLines(BaseModel):
 
 
 class ShownMeasure(BaseModel):
-    """What is measured on the map."""
+    """What is measured on the map or in 3D."""
 
     model_config = ConfigDict(extra="forbid")
 
     tool: Literal["distance", "area"]
-    points: list[tuple[FiniteFloat, FiniteFloat]] = Field(max_length=1000, description="Metres.")
+    points: list[tuple[FiniteFloat, FiniteFloat] | Place] = Field(
+        max_length=1000, description="Metres; with a height where they were measured in 3D."
+    )
+    size: FiniteFloat | None = Field(
+        None, ge=0.0, description="Side of the largest voxel that one is on, metres; 0: all are measured points."
+    )
+
+
+class ShownCamera(BaseModel):
+    """From where a 3D view is seen."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    position: Place = Field(description="Where it is, metres.")
+    look_at: Place = Field(description="What it looks at, metres.")
+
+
+class ShownScene(BaseModel):
+    """The 3D view of the stage."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    clouds: bool = Field(description="Whether it shows the log's point clouds, not its map.")
+    camera: ShownCamera | None = Field(None, description="Null: as at first.")
+    layers: dict[str, bool] = Field(default_factory=dict, max_length=100, description="Whether each layer is visible.")
+    height: FiniteFloat = Field(1.0, ge=0.1, le=10.0, description="Height of the map's columns by that at first.")
 
 
 class Shown(BaseModel):
@@ -107,6 +135,7 @@ class Shown(BaseModel):
     lines: ShownLines | None = Field(None)
     place: tuple[FiniteFloat, FiniteFloat] | None = Field(None, description="The explained cell's place, metres.")
     measured: ShownMeasure | None = Field(None)
+    scene: ShownScene | None = Field(None)
     utc: bool | None = Field(None, description="Whether times are in UTC.")
     comparison: str | None = Field(None, max_length=16_000, description="The comparison, as the page writes it.")
 
@@ -273,6 +302,7 @@ async def begin(
     library: Logs,
     downloads: FileDownloads,
     visitor: Visitor,
+    settings: ServiceSettings,
     token: str,
     name: Annotated[
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
@@ -281,8 +311,9 @@ async def begin(
     whole: Annotated[
         bool, Query(description="Whether a log that the link would play from its start is paused at its end.")
     ] = False,
+    clouds: Annotated[bool, Query(description="Whether the session shows the log's point clouds in 3D.")] = False,
 ) -> SessionAnswer:
-    """Begin a session of the view of a link."""
+    """Begin a session of the view of a link, or of the point clouds of its log."""
     link = library.links.get(token)
     kept = KeptView.model_validate_json(link.view)
 
@@ -291,15 +322,18 @@ async def begin(
         title = _record_name(library, link)
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(link.log_id)
-            costmaps = await library.costmaps(link.owner, link.log_id)
-            if costmaps is None:
+            costmaps = None if clouds else await library.costmaps(link.owner, link.log_id)
+            if clouds:
+                resources = Resources(link.owner, library, settings.max_story_s, making)
+                plan = await volume_plan(resources, link.log_id, None, name=name, playing=False)
+            elif costmaps is None:
                 log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
                 if whole and view.index == 0:
                     view = replace(view, index=log.n_scans)
                 plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
             else:
                 plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)
-        commands = await _navigation(library, downloads, link, kept.navigation)
+        commands = [] if clouds else await _navigation(library, downloads, link, kept.navigation)
         session = await sessions.begin(
             plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
         )

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, Request, WebSocket
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from server.http.guests import GuestRight, guests_may
 from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
 from server.imports import imported
@@ -41,6 +42,7 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
 
 @router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"], include_in_schema=False)
 @router.api_route("/{session_id}/plain/{_page}/", methods=["GET", "HEAD"], include_in_schema=False)
+@guests_may(GuestRight.LINKED_SESSION)
 async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client without its panel, for a page that has controls of its own and may have a name."""
     sessions.get(session_id)
@@ -85,12 +87,14 @@ class SceneAnswer:
 
 
 @router.get("/{session_id}/settings")
+@guests_may(GuestRight.LINKED_SESSION)
 async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> SceneAnswer:
     """Return the cameras, the layers with their visibility, and the height of the columns."""
     return _settings(await scenes.get(sessions.get(session_id)))
 
 
 @router.post("/{session_id}/settings")
+@guests_may(GuestRight.LINKED_SESSION)
 async def change(
     sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, wanted: SceneSettings
 ) -> SceneAnswer:
@@ -122,6 +126,7 @@ async def socket(
 
 @router.websocket("/{session_id}/plain/{page}")
 @router.websocket("/{session_id}/plain/{page}/")
+@guests_may(GuestRight.LINKED_SESSION)
 async def socket_in_page(
     websocket: WebSocket,
     sessions: Sessions,

@@ -18,6 +18,8 @@ interface CellInfo {
 
 interface Hook {
   readonly connection: Connection;
+  /** Of the point clouds that the stage of a log shows. */
+  clouds?: Connection;
   /** Counts of observed cells of the displayed map by state. */
   cells(): { readonly free: number; readonly undecided: number; readonly occupied: number };
   /** The map's value at a world point; null outside the grid. */
@@ -34,6 +36,10 @@ declare global {
   interface Window {
     gridbloom?: Hook;
   }
+}
+
+export function exposeClouds(clouds: Connection): void {
+  if (window.gridbloom) window.gridbloom.clouds = clouds;
 }
 
 export function exposeHook(connection: Connection, picture: () => Picture | null): void {

@@ -14,7 +14,7 @@ import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds"
 import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
-import { FirstCamera, keepCamera, keptQuery } from "./sceneCamera";
+import { FirstCamera, keepCamera, keptCamera, keptQuery } from "./sceneCamera";
 import { addGestures } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
@@ -52,6 +52,8 @@ const storage = (() => {
     return null;
   }
 })();
+
+window.sceneCamera = () => storage && keptCamera(storage, location.pathname);
 
 window.Worker = class extends window.Worker {
   constructor(...given: ConstructorParameters<typeof Worker>) {

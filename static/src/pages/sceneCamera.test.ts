@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { beforeEach, expect, test } from "vitest";
-import { FirstCamera, keepCamera, keptQuery } from "./sceneCamera";
+import { FirstCamera, keepCamera, keptCamera, keptQuery } from "./sceneCamera";
 
 const PATH = "/scenes/abc/plain/page/";
 const at = (pathname: string, search = ""): Location => ({ pathname, search }) as Location;
@@ -20,6 +20,7 @@ test("a view begins where the camera of its session was, in any page of the tab"
   expect(query.get("initialCameraLookAt")).toBe("0,0.25,0");
   expect(query.has("darkMode")).toBe(true);
   expect(keptQuery(sessionStorage, at("/scenes/another/plain/page/"))).toBeNull();
+  expect(keptCamera(sessionStorage, PATH)).toEqual({ position: [1.5, -2, 3], look_at: [0, 0.25, 0] });
 });
 
 test("other messages, and what is no camera, are not kept", () => {

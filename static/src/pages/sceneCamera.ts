@@ -1,12 +1,8 @@
 /** The camera of a 3D view, which this tab keeps for each session: a reload begins where it was. */
 
-/** What is kept of viser's message about its camera, in the map frame, m. */
-interface Camera {
-  readonly position: readonly number[];
-  readonly look_at: readonly number[];
-}
+import type { ShownCamera as Camera } from "../wire/http";
 
-const isVector = (value: unknown): value is readonly number[] =>
+const isVector = (value: unknown): value is Camera["position"] =>
   Array.isArray(value) && value.length === 3 && value.every(Number.isFinite);
 
 /** The session of a 3D view at an address, `/scenes/ID/…`. */
@@ -14,19 +10,22 @@ const keyOf = (path: string): string => `gridbloom.camera.${path.split("/")[2]}`
 
 /** The query with which viser's client begins where the camera of this session was; null if that is not known. */
 export function keptQuery(storage: Storage, { pathname, search }: Location): string | null {
-  const { position, look_at } = read(storage.getItem(keyOf(pathname)));
-  if (!isVector(position) || !isVector(look_at)) return null;
+  const camera = keptCamera(storage, pathname);
+  if (!camera) return null;
+  const { position, look_at } = camera;
   const query = new URLSearchParams(search);
   query.set("initialCameraPosition", position.join(","));
   query.set("initialCameraLookAt", look_at.join(","));
   return `?${query}`;
 }
 
-function read(text: string | null): Partial<Camera> {
+/** The camera of the session of a 3D view at an address; null if that is not known. */
+export function keptCamera(storage: Storage, path: string): Camera | null {
   try {
-    return (JSON.parse(text ?? "{}") as Partial<Camera> | null) ?? {};
+    const { position, look_at } = (JSON.parse(storage.getItem(keyOf(path)) ?? "{}") ?? {}) as Partial<Camera>;
+    return isVector(position) && isVector(look_at) ? { position, look_at } : null;
   } catch {
-    return {};
+    return null;
   }
 }
 

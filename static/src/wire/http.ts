@@ -1175,10 +1175,19 @@ export interface Shown {
   /** The explained cell's place, metres. */
   readonly place: readonly [number, number] | null;
   readonly measured: ShownMeasure | null;
+  readonly scene: ShownScene | null;
   /** Whether times are in UTC. */
   readonly utc: boolean | null;
   /** The comparison, as the page writes it. */
   readonly comparison: string | null;
+}
+
+/** From where a 3D view is seen. */
+export interface ShownCamera {
+  /** Where it is, metres. */
+  readonly position: readonly [number, number, number];
+  /** What it looks at, metres. */
+  readonly look_at: readonly [number, number, number];
 }
 
 /** A number that is plotted. */
@@ -1202,11 +1211,13 @@ export interface ShownLines {
   readonly text: string;
 }
 
-/** What is measured on the map. */
+/** What is measured on the map or in 3D. */
 export interface ShownMeasure {
   readonly tool: "distance" | "area";
-  /** Metres. */
-  readonly points: readonly (readonly [number, number])[];
+  /** Metres; with a height where they were measured in 3D. */
+  readonly points: readonly (readonly [number, number] | readonly [number, number, number])[];
+  /** Side of the largest voxel that one is on, metres; 0: all are measured points. */
+  readonly size: number | null;
 }
 
 /** The plots of a log. */
@@ -1218,6 +1229,18 @@ export interface ShownPlots {
   readonly zoom: readonly [number, number] | null;
   /** Whether there are plots below the time slider. */
   readonly below: boolean;
+}
+
+/** The 3D view of the stage. */
+export interface ShownScene {
+  /** Whether it shows the log's point clouds, not its map. */
+  readonly clouds: boolean;
+  /** Null: as at first. */
+  readonly camera: ShownCamera | null;
+  /** Whether each layer is visible. */
+  readonly layers: Readonly<Record<string, boolean>>;
+  /** Height of the map's columns by that at first. */
+  readonly height: number;
 }
 
 /** The history of a simulation, and the world and the seed that it begins with. */
@@ -1558,6 +1581,7 @@ export interface Queries {
   "POST /api/shared/{token}/sessions": {
     readonly name?: string;
     readonly whole?: boolean;
+    readonly clouds?: boolean;
   };
   "PUT /api/logs": {
     readonly name?: string;

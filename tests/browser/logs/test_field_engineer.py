@@ -14,7 +14,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from mapper.simulation import WORLDS, SensorConfig
 from mapper.simulation.lidar import measure
-from tests.browser.logs.test_clip_handles import CUT, by_finger, by_mouse, ceiling_handle
+from tests.browser.logs.test_clip_handles import by_finger, by_mouse, ceiling_handle
 from tests.browser.looking import await_map, await_true, frame, until
 from tests.browser.pages.test_targets import small
 from tests.mapper.io.contents.recorded_robot import T0, command
@@ -29,6 +29,8 @@ PUSHED_AT, PUSH_M = 40, 0.40  #: the scan from which it is pushed to its right, 
 PUSHED_S = PUSHED_AT / RATE_HZ
 DOOR = ((0.5, -1.0), (1.45, -1.0))  #: its sides in the frame odom, where the robot began; it is 0.95 m wide
 DOOR_M, CELL_M = 0.95, 0.05
+
+CUT_OF_CLOUDS = "() => gridbloom.clouds.store.part('volume').message.peek().look.values.cut_high"
 
 MOST = 25
 MOST_STOPS = 400  #: of the key Tab on a page
@@ -67,14 +69,15 @@ class Mouse:
     def _press_at(self, picture: Locator, x: float, y: float) -> None:
         picture.click(position={"x": x, "y": y})
 
-    def clip(self, page: Page) -> None:
+    def clip(self, view: Locator) -> None:
         """Drag the upper face of the clip box down."""
-        self.press(page.get_by_role("button", name="Clip", exact=True))
+        page = view.page
+        self.press(view.get_by_role("button", name="Clip", exact=True))
         until("the handles are drawn", lambda: ceiling_handle(page) is not None)
         handle = ceiling_handle(page)
         assert handle is not None
-        whole = page.evaluate(CUT)
-        self.drag(page, handle, 60.0, lambda: await_true(page, f"() => ({CUT})() < {whole} - 0.3"))
+        whole = page.evaluate(CUT_OF_CLOUDS)
+        self.drag(page, handle, 60.0, lambda: await_true(page, f"() => ({CUT_OF_CLOUDS})() < {whole} - 0.3"))
         self.count += 1
 
     drag = staticmethod(by_mouse)
@@ -141,12 +144,14 @@ class Keys(Mouse):
             keyboard.press("ArrowLeft")
         keyboard.press("Enter")
 
-    def clip(self, page: Page) -> None:
-        whole = page.evaluate(CUT)
-        self.reach(page.get_by_role("slider", name="Cut above"))
+    def clip(self, view: Locator) -> None:
+        page = view.page
+        whole = page.evaluate(CUT_OF_CLOUDS)
+        self.press(view.get_by_text("Colours and clip box"))
+        self.reach(view.get_by_role("slider", name="Cut above"))
         for _ in range(6):
             page.keyboard.press("PageDown")
-        await_true(page, f"() => ({CUT})() < {whole} - 0.3")
+        await_true(page, f"() => ({CUT_OF_CLOUDS})() < {whole} - 0.3")
 
 
 def drive() -> Iterator[recorded.Said]:
@@ -221,15 +226,10 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
         assert width == pytest.approx(DOOR_M, abs=CELL_M + 1e-9)
     by.press(page.get_by_role("button", name="Close the ruler"))
 
-    # The ceiling is clipped, beside the log.
-    with page.expect_popup() as beside:
-        by.press(page.get_by_role("link", name="Open in 3D"))
-    solid = beside.value
-    await_true(solid, "() => window.gridbloom?.connection.store.part('volume').message.peek()?.chunks > 0")
-    by.clip(solid)
-    if isinstance(by, Finger):
-        assert small(solid) == []
-    solid.close()
+    # The ceiling is clipped, beside the map.
+    by.press(page.get_by_role("link", name="Open in 3D"))
+    await_true(page, "() => gridbloom.clouds?.store.part('volume').message.peek()?.chunks > 0")
+    by.clip(page.get_by_role("region", name="3D", exact=True))
 
     # A note, a link, and the report.
     by.open_tab(page, "Notes")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.logs.test_workspace import SCREEN, opened
@@ -12,6 +14,11 @@ from tests.browser.pages.test_axe import violations
 from tests.browser.visits import WatchedPage
 from tests.server.library.small_logs import carmen, tum
 
+#: The camera of the 3D view; null before it has come to where all is in sight: viser's client begins at (3, 3, 3).
+CAMERA = """() => {
+  const camera = document.querySelector("iframe")?.contentWindow.sceneCamera?.();
+  return camera?.position.every((one) => Math.abs(one - 3) < 1e-6) ? null : camera;
+}"""
 SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
 
 
@@ -87,6 +94,14 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     views = page.locator(".view-pane")
     for n, title in enumerate(["Map", "3D", "Messages", "Plots"]):
         page.get_by_label(f"View {n + 1}").select_option(title)
+    # The camera of the 3D view is moved, and its grid shown.
+    first = until("the 3D view has its camera", lambda: page.evaluate(CAMERA))
+    views.nth(1).locator("iframe").hover()
+    page.mouse.wheel(0, 400)
+    until("the camera moves", lambda: math.dist(page.evaluate(CAMERA)["position"], first["position"]) > 0.5)
+    if not views.nth(1).get_by_role("group", name="Layers").is_visible():
+        views.nth(1).get_by_role("button", name="Controls").click()
+    views.nth(1).get_by_role("button", name="Grid of").click()
     views.nth(2).get_by_label("Topic").select_option("/imu")
     field = views.nth(3).get_by_label("Add a field to the plot")
     field.fill("imu yaw")
@@ -104,6 +119,8 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     shared = open_group(page, "Share")
     shared.get_by_role("button", name="Create link").click()
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+    seen = page.request.get(address.replace("/shared/", "/api/shared/")).json()["shown"]["scene"]["camera"]
+    assert math.dist(seen["position"], first["position"]) > 0.5
 
     watched = WatchedPage(visitor, server)
     guest = watched.page
@@ -111,9 +128,10 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     await_true(guest, SHOWN)
     theirs = guest.locator(".view-pane")
     expect(theirs).to_have_count(4)
-    # Guests have no 3D: the first of the other views is in its place, and the rest as their sender had them.
-    titles = ["Map", "Pictures", "Messages", "Plots"]
-    assert [one.get_attribute("aria-label") for one in theirs.all()] == titles
+    assert [one.get_attribute("aria-label") for one in theirs.all()] == ["Map", "3D", "Messages", "Plots"]
+    until("the same camera", lambda: (guest.evaluate(CAMERA) or {}).get("position") == pytest.approx(seen["position"]))
+    assert guest.evaluate(CAMERA)["look_at"] == pytest.approx(seen["look_at"])
+    await_true(guest, "() => gridbloom.connection.store.part('scene').message.peek()?.layers.Grid === true")
     expect(theirs.nth(2).get_by_label("Topic")).to_have_value("/imu")
     expect(theirs.nth(3).get_by_role("list", name="Fields of the plot")).to_contain_text("/imu orientation.yaw")
     playback = guest.get_by_role("region", name="Playback")

@@ -16,6 +16,8 @@ from websockets.exceptions import InvalidStatus
 
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen
 from tests.server.service import (
     PATIENCE_S,
@@ -125,7 +127,13 @@ def test_a_link_keeps_what_its_page_shows_and_what_was_found_out_about_the_log(
         },
         "lines": {"least": 30, "node": "", "text": "slip"},
         "place": [1.0, -2.0],
-        "measured": {"tool": "area", "points": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]},
+        "measured": {"tool": "area", "points": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0, 0.5]], "size": 0.1},
+        "scene": {
+            "clouds": True,
+            "camera": {"position": [1.0, 2.0, 3.0], "look_at": [0.0, 0.0, 0.5]},
+            "layers": {"Grid": False},
+            "height": 2.0,
+        },
         "utc": True,
         "comparison": None,
     }
@@ -139,6 +147,8 @@ def test_a_link_keeps_what_its_page_shows_and_what_was_found_out_about_the_log(
     refused: tuple[dict[str, Any], ...] = (
         {"message": "x" * 401},
         {"place": [1.0]},
+        {"measured": {"tool": "area", "points": [[1.0]]}},
+        {"scene": {"clouds": False, "height": 100.0}},
         {"plots": {"fields": []}},
         {"other": 1},
     )
@@ -233,6 +243,27 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
     with pytest.raises(InvalidStatus):
         async with stream(service, session, guest):
             pass
+
+
+def test_a_guest_sees_the_map_and_the_clouds_of_the_log_in_3d(
+    service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    clouds = recorded.mcap_bytes(recording_of_room(n=4))
+    session = opened(ann, sent(ann, "room.mcap", clouds))
+    link, guest = linked(ann, session), browser(guest=True)
+    begun = [
+        guest.post(f"/api{link['address']}/sessions", params={"clouds": clouds}).json() for clouds in (False, True)
+    ]
+    assert [one["kind"] for one in begun] == ["log", "volume"]
+    for own in begun:
+        address = f"/scenes/{own['id']}"
+        assert guest.get(f"{address}/plain/{'0a' * 16}/").status_code in (200, 503), "503 where the pages are not built"
+        assert guest.post(f"{address}/settings", json={"height": 2.0}).json()["height"] == 2.0
+    assert refusal(guest.get(f"/scenes/{session}/settings")) == (401, "security.token")
+    assert [service.state.sessions.get(one["id"]).link for one in begun] == [link["token"]] * 2
+    assert ann.delete(f"/api/links/{link['token']}").status_code == 204
+    for own in begun:
+        assert refusal(guest.get(f"/scenes/{own['id']}/settings")) == (401, "security.token")
 
 
 def test_a_guest_with_the_services_token_gets_no_more_of_the_log(

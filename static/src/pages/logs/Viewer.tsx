@@ -26,6 +26,7 @@ import { eventsOf, useDoctor } from "./Doctor";
 import { useFieldsState } from "./fields/useFields";
 import { groupsOf, OVERVIEW, SHARE } from "./groups";
 import { Head } from "./Head";
+import { openSession } from "./library/library";
 import { useLines } from "./lines/useLines";
 import { useLocalizing } from "./localize/localizing";
 import { NoteCard, NotePins } from "./notes/NotePins";
@@ -39,7 +40,8 @@ import { usePoseCorrection } from "./slam/poseCorrection";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import { showColumn, ViewerFrame, ViewerStatus } from "./ViewerFrame";
-import { hasCamera, kindsFor, lastLayout, MAP_ALONE, presetsFor, viewsOf } from "./views/views";
+import { Solid } from "./views/solid";
+import { hasCamera, KINDS, lastLayout, MAP_ALONE, presetsFor, viewsOf } from "./views/views";
 import { OpenIn3d } from "./volume/OpenIn3d";
 
 interface ViewerProps {
@@ -69,9 +71,14 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store, given?.note ?? undefined);
   const plots = useTimelinePlots(given?.plots);
-  const kinds = useMemo(() => kindsFor(guest !== undefined), [guest === undefined]);
+  const solid = useMemo(() => {
+    const open = (ending: AbortSignal) =>
+      openSession(store.hello.peek()?.log?.id ?? "", null, ending, { other: null, up: null });
+    return new Solid({ session, store }, given?.scene ?? null, guest?.openClouds ?? open);
+  }, [connection]);
+  useEffect(() => solid.beginMap(), [solid]);
   const layout = useLayout({
-    kinds,
+    kinds: KINDS,
     usual: MAP_ALONE,
     linked: given?.layout ?? null,
     last: guest ? null : lastLayout,
@@ -201,6 +208,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
                   fields,
                   lines,
                   plots,
+                  solid,
                   comparison: comparisonFragment(store, comparison),
                 }),
             })}
@@ -209,8 +217,10 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         }
       >
         <Head store={store} onClose={onClose}>
-          <LayoutChoice layout={layout} kinds={kinds} presets={presetsFor(camera)} />
-          {!isGuest && log && <OpenIn3d id={log.id} contents={contents.state.value} />}
+          <LayoutChoice layout={layout} kinds={KINDS} presets={presetsFor(camera)} />
+          {log && (
+            <OpenIn3d id={isGuest ? null : log.id} contents={contents.state.value} solid={solid} layout={layout} />
+          )}
           {!isGuest && (
             <CorrectionOffer store={store} doctor={doctor} correction={correction} onCorrectPoses={onCorrectPoses} />
           )}
@@ -218,8 +228,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
         <div class="viewer-stage" ref={stage}>
           <Stage
             views={viewsOf(
-              { store, session, topic, pictured, comparison, lines, fields, zoom: plots.zoom },
-              isGuest,
+              { store, session, topic, pictured, comparison, lines, fields, zoom: plots.zoom, solid },
               map,
             )}
             layout={layout.value}

@@ -214,7 +214,6 @@ const GROUPS: readonly Group[] = [
   {
     id: "3d",
     title: "3D",
-    isThere: ({ isGuest }) => !isGuest,
     content: ({ store, session }) => <PickingScene store={store} session={session} />,
   },
   {

@@ -6,10 +6,11 @@ import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { kept } from "../../ui/browser/kept";
+import { isDark } from "../../ui/browser/theme";
 import { Slider } from "../../ui/Slider";
 import { MeasuringButtons, MeasuringIn3d } from "../measure/MapTools";
 import { SceneButtons, savePicture } from "./SceneButtons";
-import { changeScene, fullScreen, SceneFrame } from "./SceneFrame";
+import { changeScene, fullScreen, SceneFrame, sceneAddress } from "./SceneFrame";
 import { useSelectedPlace } from "./selection";
 import "./scene.css";
 
@@ -145,7 +146,7 @@ function Unfolded({
         <Button icon="download" onClick={onPicture}>
           PNG
         </Button>
-        <Button icon="cube" href={`/3d?${new URLSearchParams({ session, page: store.page })}`} target="_blank">
+        <Button icon="cube" href={sceneAddress(session, store, isDark.value)} target="_blank">
           In a tab of its own
         </Button>
       </div>

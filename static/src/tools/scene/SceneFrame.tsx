@@ -5,12 +5,40 @@ import type { Store } from "../../store/store";
 import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
 import { ask } from "../../wire/ask";
-import type { SceneSettings } from "../../wire/http";
+import type { SceneSettings, ShownCamera } from "../../wire/http";
 import "./scene.css";
 
+declare global {
+  interface Window {
+    /** Of the page of a 3D view: from where it is seen; null if that is not known. */
+    sceneCamera?: () => ShownCamera | null;
+  }
+}
+
+class First {
+  camera: ShownCamera | null = null;
+}
+
+/** From where the 3D views of a session are seen at first; null: from where all of it is in sight. */
+export const firstOf = (store: Store): First => store.of(First);
+
+const pathOf = (session: string): string => `/scenes/${encodeURIComponent(session)}/`;
+
 /** The address of a session's 3D view in this page, in the colours of the page. */
-const sceneAddress = (session: string, { page }: Store, isDark: boolean): string =>
-  `/scenes/${encodeURIComponent(session)}/plain/${page}/${isDark ? "?darkMode" : ""}`;
+export function sceneAddress(session: string, store: Store, isDark: boolean): string {
+  const { camera } = firstOf(store);
+  const query = [
+    ...(isDark ? ["darkMode"] : []),
+    ...(camera ? [`initialCameraPosition=${camera.position}`, `initialCameraLookAt=${camera.look_at}`] : []),
+  ];
+  return `${pathOf(session)}plain/${store.page}/${query.length > 0 ? `?${query.join("&")}` : ""}`;
+}
+
+/** From where a session's 3D view in this page is seen; null where there is none. */
+export function sceneCamera(session: string): ShownCamera | null {
+  const view = document.querySelector<HTMLIFrameElement>(`iframe[src^="${pathOf(session)}"]`);
+  return view?.contentWindow?.sceneCamera?.() ?? null;
+}
 
 /** Change some settings of a session's 3D view. */
 export async function changeScene(session: string, body: SceneSettings): Promise<void> {

@@ -26,6 +26,13 @@ interface StageProps {
   readonly isTogether?: boolean;
 }
 
+/** Bring the view of a kind in sight, once it is in the layout: on a phone it may be beside the others. */
+export function showView(kind: string): void {
+  requestAnimationFrame(() => {
+    document.querySelector(`.view-pane[data-view="${kind}"]`)?.scrollIntoView({ inline: "start", block: "nearest" });
+  });
+}
+
 const PHONE = "(max-width: 44rem), (max-height: 36rem)";
 
 export function Stage({ views, layout, onLayout, isTogether = false }: StageProps) {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { arranged, layoutOf, read, withView, written } from "./layout";
+import { arranged, layoutOf, read, withAdded, withView, written } from "./layout";
 
 const KINDS = ["map", "picture", "3d", "plots", "frames"];
 
@@ -25,6 +25,18 @@ test("another arrangement keeps the views that it has room for", () => {
   const two = layoutOf("beside", ["picture", "map"]);
   expect(arranged(two, "four", KINDS).views).toEqual(["picture", "map", "3d", "plots"]);
   expect(arranged(two, "one", KINDS).views).toEqual(["picture"]);
+});
+
+test("a view is added beside the only one, or in the place of the last", () => {
+  expect(written(withAdded(layoutOf("one", ["map"]), "3d"))).toBe("beside:map,3d:50:50");
+  expect(withAdded(layoutOf("four", ["map", "picture", "plots", "frames"]), "3d").views).toEqual([
+    "map",
+    "picture",
+    "plots",
+    "3d",
+  ]);
+  const has = layoutOf("above", ["3d", "map"]);
+  expect(withAdded(has, "3d")).toBe(has);
 });
 
 test("a view that has a place already changes it with the other one", () => {

@@ -41,6 +41,13 @@ export function withView(layout: Layout, place: number, kind: string): Layout {
   };
 }
 
+/** The layout with a view: as it is where it has it, else beside the only view, or in the place of the last. */
+export function withAdded(layout: Layout, kind: string): Layout {
+  if (layout.views.includes(kind)) return layout;
+  if (layout.arrangement === "one") return { ...layout, arrangement: "beside", views: [...layout.views, kind] };
+  return withView(layout, layout.views.length - 1, kind);
+}
+
 /** A layout as text for an address: `beside:map,picture:60:50`, shares in percent. */
 export function written({ arrangement, views, x, y }: Layout): string {
   return [arrangement, views.join(","), Math.round(100 * x), Math.round(100 * y)].join(":");

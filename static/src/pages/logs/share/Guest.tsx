@@ -79,6 +79,7 @@ export function Guest({ token }: { token: string }) {
         shown: view.shown,
         examination: view.examination,
         onEnded: () => void checkLink(),
+        openClouds: (ending) => beginShared(token, ending, true),
       }}
     />
   );

@@ -27,16 +27,16 @@ export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/
 export const shared = (token: string): Promise<SharedAnswer> => ask("GET /api/shared/{token}", { token });
 
 /**
- * Open a separate session on the view of a link. `ending` ends the request. With reduced motion a log that would play
- * from its start is shown whole.
+ * Open a separate session on the view of a link, or on the point clouds of its log. `ending` ends the request. With
+ * reduced motion a log that would play from its start is shown whole.
  */
-export async function beginShared(token: string, ending: AbortSignal): Promise<SessionAnswer> {
+export async function beginShared(token: string, ending: AbortSignal, clouds = false): Promise<SessionAnswer> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    const query = { name, whole: reducedMotion.peek() };
+    const query = { name, whole: reducedMotion.peek(), clouds };
     return await ask("POST /api/shared/{token}/sessions", { token }, { query, ending });
   } finally {
     stop();

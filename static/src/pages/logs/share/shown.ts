@@ -9,10 +9,11 @@ import type { Store } from "../../../store/store";
 import { measuringOf } from "../../../tools/measure/measuring";
 import { selectionOf } from "../../../tools/scene/selection";
 import { type Layout, written } from "../../../ui/stage/layout";
-import type { DoctorAnswer } from "../../../wire/http";
+import type { DoctorAnswer, SessionAnswer } from "../../../wire/http";
 import type { FieldsState } from "../fields/useFields";
 import type { LinesState } from "../lines/lines";
 import type { TimelinePlotsState } from "../plots/timelinePlots";
+import type { Solid } from "../views/solid";
 import type { Shown } from "./links";
 
 /** A visitor with a shared link: the initial view, and a callback for the end of the session. */
@@ -22,6 +23,8 @@ export interface GuestOfLink {
   /** What the sender had been told about the log; null where it had not been examined. */
   readonly examination?: DoctorAnswer | null;
   readonly onEnded: () => void;
+  /** Begin a session on the point clouds of the log. */
+  readonly openClouds: (ending: AbortSignal) => Promise<SessionAnswer>;
 }
 
 /** The visitor's view, if they moved it: otherwise the link shows everything on any screen. */
@@ -56,12 +59,13 @@ interface ShownPage {
   readonly fields: FieldsState;
   readonly lines: LinesState;
   readonly plots: TimelinePlotsState;
+  readonly solid: Solid;
   /** The comparison as a fragment of an address; "" for none. */
   readonly comparison: string;
 }
 
 export function shownOf(page: ShownPage): Shown {
-  const { store, fields, lines, plots, comparison } = page;
+  const { store, fields, lines, plots, solid, comparison } = page;
   const measuring = measuringOf(store);
   const tool = measuring.tool.peek();
   const selected = selectionOf(store).peek();
@@ -83,7 +87,15 @@ export function shownOf(page: ShownPage): Shown {
       text: lines.text.peek().slice(0, MOST.text),
     },
     place: selected?.what === "cell" ? selected.place : null,
-    measured: tool && { tool, points: measuring.onMap.peek().slice(0, MOST.points) },
+    measured: tool && {
+      tool,
+      points: measuring.points
+        .peek()
+        .slice(0, MOST.points)
+        .map(([x, y, z]) => (z === undefined ? [x, y] : [x, y, z])),
+      size: measuring.size.peek(),
+    },
+    scene: solid.shown(),
     utc: inUtc.peek(),
     comparison: comparison !== "" && comparison.length <= MOST.comparison ? comparison : null,
   };
@@ -100,6 +112,7 @@ export function applyShown(store: Store, shown: Shown, openGroup: Signal<string>
       const measuring = measuringOf(store);
       measuring.take(shown.measured.tool);
       measuring.points.value = shown.measured.points;
+      measuring.size.value = shown.measured.size;
       measuring.isDone.value = true;
     }
     if (shown.place) {

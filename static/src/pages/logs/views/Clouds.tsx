@@ -4,10 +4,12 @@ import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { connect } from "../../../store/connect";
 import type { Store } from "../../../store/store";
+import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { ask } from "../../../wire/ask";
-import { openSession } from "../library/library";
+import { exposeClouds } from "../../debugHook";
 import { Opening } from "../Opening";
+import type { Solid } from "./solid";
 
 /**
  * How many of a recording's clouds there are up to the time of another map of it, as if they came at even intervals:
@@ -29,14 +31,15 @@ interface CloudsProps {
   readonly log: string;
   /** Of the map whose time the clouds follow. */
   readonly main: Store;
+  readonly solid: Solid;
 }
 
-export function Clouds({ log, main }: CloudsProps) {
+export function Clouds({ log, main, solid }: CloudsProps) {
   const session = useSignal<string | null>(null);
   const failure = useSignal<string | null>(null);
   useEffect(() => {
     const ending = new AbortController();
-    const opened = openSession(log, null, ending.signal, { other: null, up: null });
+    const opened = solid.open(ending.signal);
     opened.then(
       ({ id }) => {
         session.value = id;
@@ -53,18 +56,31 @@ export function Clouds({ log, main }: CloudsProps) {
     };
   }, [log]);
   if (failure.value) return <p role="alert">{failure.value}</p>;
-  return (
-    <div class="clouds-place">{session.value ? <CloudStage session={session.value} main={main} /> : <Opening />}</div>
+  return session.value ? (
+    <CloudStage session={session.value} main={main} solid={solid} />
+  ) : (
+    <div class="clouds-place">
+      <Opening />
+    </div>
   );
 }
 
-function CloudStage({ session, main }: { readonly session: string; readonly main: Store }) {
+interface CloudStageProps extends Omit<CloudsProps, "log"> {
+  readonly session: string;
+}
+
+function CloudStage({ session, main, solid }: CloudStageProps) {
   const connection = useMemo(() => connect(session), [session]);
-  useEffect(() => {
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
   const { store, trouble } = connection;
+  useEffect(() => {
+    const stop = solid.beginClouds({ session, store });
+    exposeClouds(connection);
+    connection.start();
+    return () => {
+      connection.stop();
+      stop();
+    };
+  }, [connection]);
   const wanted = useComputed(() => cloudsAt(store, main));
   useSignalEffect(() => {
     const index = wanted.value;
@@ -74,12 +90,18 @@ function CloudStage({ session, main }: { readonly session: string; readonly main
   });
   return (
     <>
-      <VolumeStage session={session} store={store} />
-      {trouble.value && (
-        <p class="viewer-over" role="status">
-          {trouble.value}
-        </p>
-      )}
+      <div class="clouds-place">
+        <VolumeStage session={session} store={store} />
+        {trouble.value && (
+          <p class="viewer-over" role="status">
+            {trouble.value}
+          </p>
+        )}
+      </div>
+      <details class="clouds-look">
+        <summary>Colours and clip box</summary>
+        <LookGroup store={store} />
+      </details>
     </>
   );
 }

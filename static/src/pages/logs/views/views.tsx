@@ -21,6 +21,7 @@ import { Lines } from "../lines/Lines";
 import type { LinesState } from "../lines/lines";
 import { Messages } from "../messages/Messages";
 import { Residuals } from "../slam/Residuals";
+import type { Solid } from "./solid";
 import "./views.css";
 
 const SolidView = lazy(async () => (await import("./SolidView")).SolidView);
@@ -37,17 +38,19 @@ interface LogOfView {
   readonly fields: FieldsState;
   /** The interval that all plots show. */
   readonly zoom: Signal<Span | null>;
+  readonly solid: Solid;
 }
 
 interface View {
   readonly kind: string;
   readonly title: string;
-  /** Of a view that a guest has not. */
-  readonly isOwners?: boolean;
   /** Of a picture, which fills its place and does not scroll. */
   readonly fills?: boolean;
   readonly content: (log: LogOfView) => ComponentChildren;
 }
+
+const MAP_VIEW = "map";
+export const SOLID_VIEW = "3d";
 
 /** In the order in which they fill an arrangement; the map, which the viewer has, is the first of all. */
 const VIEWS: readonly View[] = [
@@ -55,7 +58,7 @@ const VIEWS: readonly View[] = [
   { kind: "messages", title: "Messages", content: (log) => <Messages {...log} /> },
   { kind: "lines", title: "Log lines", content: (log) => <Lines {...log} /> },
   { kind: "plots", title: "Plots", content: (log) => <Plots {...log} /> },
-  { kind: "3d", title: "3D", isOwners: true, content: (log) => <SolidView {...log} /> },
+  { kind: SOLID_VIEW, title: "3D", content: (log) => <SolidView {...log} /> },
   {
     kind: "second",
     title: "Second map",
@@ -65,8 +68,6 @@ const VIEWS: readonly View[] = [
   { kind: "residuals", title: "Residuals", content: (log) => <Residuals {...log} /> },
   { kind: "frames", title: "Frames", content: (log) => <FrameTree {...log} /> },
 ];
-
-const MAP_VIEW = "map";
 
 export const MAP_ALONE: Layout = layoutOf("one", [MAP_VIEW]);
 
@@ -83,7 +84,7 @@ export function presetsFor(camera: boolean | null): readonly Preset[] {
   return [
     ["Map", MAP_ALONE],
     ...(camera === false ? [] : withCamera),
-    ["Map and 3D", layoutOf("beside", [MAP_VIEW, "3d"])],
+    ["Map and 3D", layoutOf("beside", [MAP_VIEW, SOLID_VIEW])],
     ["Two maps", layoutOf("beside", [MAP_VIEW, "second"])],
     ["Moment", layoutOf("four", [MAP_VIEW, camera === false ? "messages" : "picture", "plots", "lines"])],
     ["Diagnosis", layoutOf("four", [MAP_VIEW, "residuals", "plots", "second"])],
@@ -94,16 +95,13 @@ export function presetsFor(camera: boolean | null): readonly Preset[] {
 export const lastLayout = kept("gridbloom.logs.views", "", (value): value is string => typeof value === "string");
 
 /** The kinds of views of a log. */
-export const kindsFor = (isGuest: boolean): readonly string[] => [
-  MAP_VIEW,
-  ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind }) => kind),
-];
+export const KINDS: readonly string[] = [MAP_VIEW, ...VIEWS.map(({ kind }) => kind)];
 
 /** The views of a log, for the stage; `map` is the content of the first. */
-export function viewsOf(log: LogOfView, isGuest: boolean, map: () => ComponentChildren): readonly StageView[] {
+export function viewsOf(log: LogOfView, map: () => ComponentChildren): readonly StageView[] {
   return [
     { kind: MAP_VIEW, title: "Map", content: map },
-    ...VIEWS.filter(({ isOwners }) => !(isOwners && isGuest)).map(({ kind, title, fills, content }) => ({
+    ...VIEWS.map(({ kind, title, fills, content }) => ({
       kind,
       title,
       content: () => (fills ? content(log) : <Scrolled kind={kind}>{content(log)}</Scrolled>),

@@ -1,23 +1,37 @@
+import type { Signal } from "@preact/signals";
 import { Button } from "../../../ui/Button";
+import { type Layout, withAdded } from "../../../ui/stage/layout";
+import { showView } from "../../../ui/stage/Stage";
 import type { ContentsState } from "../contents/useContents";
-import { isCloud } from "../library/describeLog";
+import { hasClouds, type Solid } from "../views/solid";
+import { SOLID_VIEW } from "../views/views";
 
 interface OpenIn3dProps {
-  /** Of the log. */
-  readonly id: string;
+  /** Of the log; null for a guest, to whom its own page does not open. */
+  readonly id: string | null;
   readonly contents: ContentsState;
+  readonly solid: Solid;
+  readonly layout: Signal<Layout>;
 }
 
-/** Opens the map in 3D of a log's point clouds, in a tab of its own; nothing for a log that has none. */
-export function OpenIn3d({ id, contents }: OpenIn3dProps) {
-  const topics = contents.kind === "ready" ? contents.contents.topics : [];
-  if (!topics.some(({ type, messages }) => isCloud(type) && messages > 0)) return null;
+/**
+ * Shows the point clouds of a log in the 3D view of the stage; as a link that is opened in a tab, with all that can be
+ * set of them. Nothing for a log that has none.
+ */
+export function OpenIn3d({ id, contents, solid, layout }: OpenIn3dProps) {
+  if (!hasClouds(contents)) return null;
   return (
     <Button
       icon="cube"
       label="Open in 3D"
-      href={`/logs.html?${new URLSearchParams({ log: id, volume: "" })}`}
-      target="_blank"
+      {...(id === null ? {} : { href: `/logs.html?${new URLSearchParams({ log: id, volume: "" })}` })}
+      onClick={(event) => {
+        if (event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
+        event.preventDefault();
+        solid.clouds.value = true;
+        layout.value = withAdded(layout.peek(), SOLID_VIEW);
+        showView(SOLID_VIEW);
+      }}
     />
   );
 }

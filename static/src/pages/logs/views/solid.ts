@@ -1,0 +1,76 @@
+/** What the 3D view of a log's stage shows, and how it is as a link has it. */
+
+import { effect, type Signal, signal } from "@preact/signals";
+import type { Store } from "../../../store/store";
+import { changeScene, firstOf, sceneCamera } from "../../../tools/scene/SceneFrame";
+import type { SessionAnswer, ShownScene } from "../../../wire/http";
+import type { ContentsState } from "../contents/useContents";
+import { isCloud } from "../library/describeLog";
+
+interface SceneOf {
+  readonly session: string;
+  readonly store: Store;
+}
+
+/** Whether a recording is known to have point clouds, of which a map in 3D can be made. */
+export const hasClouds = (contents: ContentsState): boolean =>
+  contents.kind === "ready" && contents.contents.topics.some(({ type, messages }) => isCloud(type) && messages > 0);
+
+export class Solid {
+  /** Whether it shows the log's point clouds, which are a session of their own, and not the map. */
+  readonly clouds: Signal<boolean>;
+  /** Begin a session on the point clouds. */
+  readonly open: (ending: AbortSignal) => Promise<SessionAnswer>;
+  readonly #map: SceneOf;
+  #shown: SceneOf;
+  #given: ShownScene | null;
+
+  /** `given` is what a link has. */
+  constructor(map: SceneOf, given: ShownScene | null, open: Solid["open"]) {
+    this.clouds = signal(given?.clouds ?? false);
+    this.open = open;
+    this.#map = this.#shown = map;
+    this.#given = given;
+    if (given && !given.clouds) firstOf(map.store).camera = given.camera;
+  }
+
+  /** The map is shown: the view begins as the link has it. The returned function ends waiting for the view. */
+  beginMap(): () => void {
+    return this.#given?.clouds === false ? this.#begin(this.#map) : () => undefined;
+  }
+
+  /** The same of the point clouds; the returned function states that they are not shown any more. */
+  beginClouds(clouds: SceneOf): () => void {
+    this.#shown = clouds;
+    if (this.#given?.clouds) firstOf(clouds.store).camera = this.#given.camera;
+    const stop = this.#given?.clouds ? this.#begin(clouds) : undefined;
+    return () => {
+      stop?.();
+      this.#shown = this.#map;
+    };
+  }
+
+  #begin({ session, store }: SceneOf): () => void {
+    const given = this.#given;
+    this.#given = null;
+    let isDone = false;
+    return effect(() => {
+      if (isDone || !given || !store.part("scene").message.value) return;
+      isDone = true;
+      void changeScene(session, { layers: given.layers, height: given.height });
+    });
+  }
+
+  /** What a link keeps of it; null where no 3D view was opened. */
+  shown(): ShownScene | null {
+    const { session, store } = this.#shown;
+    const now = store.part("scene").message.peek();
+    if (!now) return null;
+    return {
+      clouds: this.#shown !== this.#map,
+      camera: sceneCamera(session),
+      layers: now.layers,
+      height: now.height,
+    };
+  }
+}
