@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+import inspect
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 
 import structlog
 from fastapi import FastAPI
+from fastapi.exceptions import EndpointContext
+from fastapi.routing import APIRoute, APIWebSocketRoute, _endpoint_context_cache
 from starlette.middleware.gzip import GZipMiddleware
+from starlette.routing import BaseRoute
 
 from server.classes import Classes
 from server.classes.classes import Prepared, PreparedHere
@@ -134,6 +138,18 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
         _log.warning("sessions were still computing at shutdown", seconds=seconds)
 
 
+def _state_places(routes: Iterable[BaseRoute]) -> None:
+    """Tell FastAPI where the function of each route stands, for its errors.
+
+    At the first request of a route it would read the source file and look for the end of the function: up to 60 ms.
+    """
+    for route in routes:
+        if isinstance(route, APIRoute | APIWebSocketRoute):
+            code = inspect.unwrap(route.endpoint).__code__
+            place = EndpointContext(file=code.co_filename, line=code.co_firstlineno, function=route.endpoint.__name__)
+            _endpoint_context_cache[id(route.endpoint)] = place
+
+
 def create_app(
     settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS, worker: Worker | None = None
 ) -> FastAPI:
@@ -183,6 +199,7 @@ def create_app(
     # The routes as they are: of an included router FastAPI makes all models once more, at its first request.
     routes = [route for router in routers for route in router.routes]
     app.router.routes += routes
+    _state_places(routes)
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(EnoughMemory, reserve=reserve)

@@ -27,6 +27,7 @@ async def outcome_of(
     After an error of time, or when this is cancelled, the process is ended.
     """
     try:
+        await worker.prepare()
         done = asyncio.wrap_future(worker.submit(job))
         done.add_done_callback(_read_error)
         # Its process has as long to notice that its time is over; then the worker is not asked any more.

@@ -7,11 +7,14 @@ path.
 
 from __future__ import annotations
 
+import asyncio
 import ctypes
 import multiprocessing
+import os
 import pickle
 import subprocess
 import sys
+import threading
 import uuid
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import Synchronized
@@ -41,6 +44,9 @@ class Worker(Protocol):
     def pid(self) -> int:
         """The process that reads, 0 where there is none on this machine."""
 
+    async def prepare(self) -> None:
+        """Begin the process of the next job beside the event loop, where it is one of this machine and not there."""
+
     def submit(self, job: WorkerJob[T]) -> Future[T]:
         """Have a job done in a process of its own, which keeps to the job's limits of memory and of time.
 
@@ -65,6 +71,7 @@ class PoolWorker:
         # The folder of its socket; one that multiprocessing makes itself stays where this process is killed.
         multiprocessing.current_process()._config["tempdir"] = str(process_folder())  # type: ignore[attr-defined]  # noqa: SLF001
         self._context.set_forkserver_preload(["server.library.processing.fork_server"])
+        self._beginning = threading.Lock()
         self._pool: ProcessPoolExecutor | None = None
         self._progress: Synchronized[float] | None = None
         self._pid: Synchronized[int] | None = None
@@ -79,28 +86,37 @@ class PoolWorker:
         """The process."""
         return 0 if self._pid is None else int(self._pid.value)
 
+    async def prepare(self) -> None:
+        """Begin the process on a thread: the first one of a service takes a second, each further one some 20 ms."""
+        if self._pool is None:
+            await asyncio.to_thread(self._begun)
+
     def submit(self, job: WorkerJob[T]) -> Future[T]:
         """Have a job done."""
         if self._progress is not None:
             self._progress.value = 0.0
         try:
-            return self._run(job)
+            return self._begun().submit(job.work, job)
         except BrokenExecutor:  # the process died while it had nothing to do: no fault of this log
             self.end()
-            return self._run(job)
+            return self._begun().submit(job.work, job)
 
-    def _run(self, job: WorkerJob[T]) -> Future[T]:
-        if self._pool is None:
-            # Of its own: a process that was ended before it began may still note who it is.
-            self._progress = self._context.Value(ctypes.c_double, 0.0)
-            self._pid = self._context.Value(ctypes.c_int64, 0)
-            self._pool = ProcessPoolExecutor(
-                1,
-                mp_context=self._context,
-                initializer=process.start_worker,
-                initargs=(self._progress, self._pid, self._memory_bytes),
-            )
-        return self._pool.submit(job.work, job)
+    def _begun(self) -> ProcessPoolExecutor:
+        """Return the pool, with its process begun (any thread)."""
+        with self._beginning:
+            pool = self._pool
+            if pool is None:
+                # Of its own: a process that was ended before it began may still note who it is.
+                progress, pid = self._context.Value(ctypes.c_double, 0.0), self._context.Value(ctypes.c_int64, 0)
+                pool = ProcessPoolExecutor(
+                    1,
+                    mp_context=self._context,
+                    initializer=process.start_worker,
+                    initargs=(progress, pid, self._memory_bytes),
+                )
+                pool.submit(os.getpid)  # a pool begins its process with its first job
+                self._progress, self._pid, self._pool = progress, pid, pool
+            return pool
 
     def end(self) -> None:
         """End the process."""
@@ -117,7 +133,8 @@ class PoolWorker:
 
     def close(self) -> None:
         """End the process and wait until it is gone."""
-        pool = self._ended()
+        with self._beginning:
+            pool = self._ended()
         if pool is not None:
             pool.shutdown(wait=True)
 
@@ -143,6 +160,9 @@ class ExecutorWorker:
             return float(self._lease.read_bytes() or 0.0) if self._lease is not None else 0.0
         except (OSError, ValueError):
             return 0.0
+
+    async def prepare(self) -> None:
+        """Begin nothing: the executor's workers are there, or are its own matter."""
 
     def submit(self, job: WorkerJob[T]) -> Future[T]:
         """Have a job done."""

@@ -52,6 +52,9 @@ class StandIn:
         self.options: list[LogOptions] = []
         self.dies = dies
 
+    async def prepare(self) -> None:
+        """It is there."""
+
     def submit(self, job: Any) -> Future[Any]:
         out: Future[Any] = Future()
         self.done.append(job.source)

@@ -124,6 +124,7 @@ class Reader:
                 raise LimitError("log.storage", message) from error
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
+            await self._worker.prepare()
             self._before = self.worker_pid, _cpu_s_of(self.worker_pid)
             self._has_begun = True  # it is submitted before anything else runs
             return await outcome_of(self._worker, job, look=self._make_room if elsewhere else None)

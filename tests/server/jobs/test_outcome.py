@@ -22,6 +22,9 @@ class Process:
         self.job: Future[Any] = Future()
         self.job.set_running_or_notify_cancel()
 
+    async def prepare(self) -> None:
+        """It is there."""
+
     def submit(self, _: object) -> Future[Any]:
         return self.job
 

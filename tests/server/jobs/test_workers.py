@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import subprocess
 import sys
+import threading
 from collections.abc import AsyncIterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from multiprocessing.popen_forkserver import Popen
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,10 +17,12 @@ import pytest
 import pytest_asyncio
 
 from mapper.core.errors import LimitError, ReadError
-from server.jobs.workers import ExecutorWorker, worker_at
+from server.jobs.outcome import outcome_of
+from server.jobs.workers import ExecutorWorker, PoolWorker, worker_at
 from server.library.processing import reader as log_reader
 from server.library.processing.reader import Reader
 from server.storage import StorageError
+from tests.server.library.processing.forked import Task, loaded
 from tests.server.library.processing.slam_stand_ins import ThreadWorker
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, eventually
@@ -105,6 +109,24 @@ async def test_a_job_is_limited_in_memory_and_time(tmp_path: Path) -> None:
         await small.read(source, None)
     assert told.value.code in ("log.memory", "log.reader_died")
     await small.close()
+
+
+async def test_a_process_begins_beside_the_event_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever asks for a process waits until the fork server has forked it."""
+    begin, threads = Popen.__init__, list[threading.Thread]()
+
+    def noted(popen: Popen, process: Any) -> None:
+        threads.append(threading.current_thread())
+        begin(popen, process)
+
+    monkeypatch.setattr(Popen, "__init__", noted)
+    worker = PoolWorker(2 << 30)
+    for _ in range(2):
+        assert await outcome_of(worker, Task(loaded, "sys"))
+        worker.end()
+    assert len(threads) == 2
+    assert threading.current_thread() not in threads
+    await asyncio.to_thread(worker.close)
 
 
 async def test_a_missing_executor_gives_one_sentence(tmp_path: Path) -> None:

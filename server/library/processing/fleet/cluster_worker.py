@@ -22,6 +22,9 @@ class ClusterWorker:
         self._job: Future[Any] | None = None
         self.progress = 0.0
 
+    async def prepare(self) -> None:
+        """Begin nothing: the cluster's workers are its own matter."""
+
     def submit(self, job: WorkerJob[T]) -> Future[T]:
         """Have a log mapped; see :meth:`Cluster.submit`."""
         sent: Any = job

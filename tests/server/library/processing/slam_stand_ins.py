@@ -124,6 +124,9 @@ class ThreadWorker:
         self._pool = ThreadPoolExecutor(1)
         self.ended = 0
 
+    async def prepare(self) -> None:
+        """It is there."""
+
     def submit(self, job: Any) -> Future[Any]:
         work: Callable[[Any], Any] = job.work
         return self._pool.submit(work, job)
