@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import sys
@@ -16,7 +17,8 @@ import pyoctomap
 from mapper.io.clouds import read_scan_graph
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, octree_file
 from mapper.volume.occupancy.queries import HIT
-from tests.bench.volume_limits import cast_limit, insertion_limit
+from tests.bench.volume_limits import cast_limit, cast_reads, insertion_limit
+from tests.bench.volume_parts import cast_parts, insertion_parts
 
 N_POINTS, N_RAYS = 100_000, 20_000
 LISTED = 0.001  #: difference between a list of a limit and the map that is allowed
@@ -118,7 +120,8 @@ def casting(scan: tuple[np.ndarray, np.ndarray], rounds: int = 3) -> None:
         for through in (True, False):
             run = partial(cast, mapped, origins, directions, through_unknown=through, range_max=20.0)
             found = run()
-            limit, share = cast_limit(mapped, origins, directions, found, through_unknown=through)
+            read = cast_reads(mapped, origins, directions, found, through_unknown=through)
+            limit, share = cast_limit(mapped, *read, found)
             check_listed(share)
             walls = np.repeat(found.points[found.ends == HIT][:1], N_RAYS, axis=0)
             took = cpu_ms(
@@ -140,6 +143,9 @@ def casting(scan: tuple[np.ndarray, np.ndarray], rounds: int = 3) -> None:
                 f"{'yes' if equal else 'NO'} |",
                 flush=True,
             )
+    for resolution in (0.1, 0.05):
+        print(f"\nhall, {100 * resolution:g} cm:")
+        cast_parts(ours(scan, VolumeConfig(resolution=resolution)), origins, directions)
 
 
 def check_listed(share: float) -> None:
@@ -168,4 +174,8 @@ def volume() -> None:
     else:
         print("octomap: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
     insertion(scans)
+    for resolution, discretise in itertools.product((0.1, 0.05), (False, True)):
+        config = VolumeConfig(resolution=resolution, discretise=discretise)
+        title = f"hall, {100 * resolution:g} cm, beams to {'voxels' if discretise else 'points'}"
+        insertion_parts(title, scans["hall"], config)
     casting(scans["hall"])

@@ -157,15 +157,15 @@ def _read(words, grid, entries, lengths, out):
         out[i] = last
 
 
-def cast_limit(
+def cast_reads(
     volume: OccupancyVolume,
     origins: NDArray[np.float32],
     directions: NDArray[np.float32],
     found: Casts,
     *,
     through_unknown: bool,
-) -> tuple[Callable[[], None], float]:
-    """Return a function that takes the limit of casts, which found ``found``, and the share of hits that it finds."""
+) -> tuple[Entries, NDArray[np.int64]]:
+    """Return the blocks and voxels (m,) that casts, which found ``found``, read, and how many each ray reads (n,)."""
     masks = volume.stop_masks()
     corner = np.array([masks.x, masks.y, masks.z])
     kind = 0 if through_unknown else 1
@@ -176,7 +176,15 @@ def cast_limit(
     )  # fmt: skip
     entries = np.empty(lists(np.empty(0, dtype=np.uint32), lengths), dtype=np.uint32)
     lists(entries, lengths)
-    out = np.empty(len(origins), dtype=np.uint8)
+    return entries, lengths
+
+
+def cast_limit(
+    volume: OccupancyVolume, entries: Entries, lengths: NDArray[np.int64], found: Casts
+) -> tuple[Callable[[], None], float]:
+    """Return a function that takes the limit of casts by what they read, and the share of hits that it finds."""
+    masks = volume.stop_masks()
+    out = np.empty(len(lengths), dtype=np.uint8)
     work = partial(_read, masks.words.reshape(-1), masks.grid.reshape(-1), entries, lengths, out)
     work()
     return work, float(np.mean(out[found.ends == AT_OCCUPIED]))

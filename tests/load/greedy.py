@@ -287,6 +287,14 @@ def greedy() -> None:
                 got: dict[str, int] = mine.recv()
                 process.join()
                 print("    got " + ", ".join(f"{count} {name}" for name, count in sorted(got.items())), flush=True)
-        print(f"callbacks of the event loop over {1e3 * LIMIT_S:g} ms of processor time, of {MOST_NAMED} kinds at most")
-        for what, times, longest in json.loads(report.read_text(encoding="utf-8"))[:MOST_NAMED]:
+        ran, waited = json.loads(report.read_text(encoding="utf-8"))
+        limit = f"{1e3 * LIMIT_S:g} ms"
+        for title, is_service in ("the service's event loop", True), ("the event loops of 3D views", False):
+            print(f"callbacks of {title} over {limit} of processor time, of {MOST_NAMED} kinds at most")
+            for _, what, times, longest, collected in [row for row in ran if row[0] is is_service][:MOST_NAMED]:
+                print(f"{1e3 * longest:>8.1f} ms, {1e3 * collected:.1f} of the collector, {times:>6} times: {what}")
+        waits = [row for row in waited if row[0]]
+        times = sum(row[2] for row in waits)
+        print(f"{times} callbacks of the service's waited longer than {limit} for a core or the interpreter's lock")
+        for _, what, times, longest in waits[:MOST_NAMED]:
             print(f"{1e3 * longest:>8.1f} ms, {times:>6} times: {what}")
