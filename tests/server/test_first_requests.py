@@ -19,17 +19,21 @@ from tests.server.library.small_logs import carmen
 
 seen = []
 
+def on_loop():
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
+
 class Watch:
     def find_spec(self, name, path=None, target=None):
-        if name.startswith(("server.", "mapper.", "scipy", "numba", "PIL")):
-            try:
-                asyncio.get_running_loop()
-            except RuntimeError:
-                return
+        if name.startswith(("server.", "mapper.", "scipy", "numba", "PIL")) and on_loop():
             seen.append(name)
 
 def noted(of):
-    seen.append(f"source of {of}")
+    if on_loop():
+        seen.append(f"source of {of}")
     return lines(of)
 
 lines, inspect.getsourcelines = inspect.getsourcelines, noted
