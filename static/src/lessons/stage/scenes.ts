@@ -257,7 +257,7 @@ export const SCENES = {
     scene({
       history: true,
       scans: REMOVED + scansAfter.value,
-      view: { x: 8.9, y: 4.6, width: 5.6, height: 4 },
+      view: { x: 8.9, y: 4.2, width: 5.6, height: 4 },
       cell: [9.2, 4.935],
       conditions: { tableUntil: REMOVED },
       marks: ["beams"],

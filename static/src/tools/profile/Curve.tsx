@@ -131,7 +131,9 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const edgeAt = edgeTop + edgeHeight / 2;
   // A short free part, as on a phone, may be narrower than the label, which would lie over the numbers of the axis.
   // Where the window's arrow is as low as the label, it ends before the arrow.
-  const missLabelY = Math.min(y(model.miss) + 24, curve.bottom - 6);
+  // Below the handle, or above the line of 0 where a strong hit leaves no room below.
+  const belowMiss = Math.min(y(model.miss) + 24, curve.bottom - 6);
+  const missLabelY = belowMiss > y(model.miss) + 16 ? belowMiss : Math.min(y0, y(model.miss)) - 11;
   const isBesideArrow = Math.abs(missLabelY - 5 - edgeAt) < 18;
   const missEnd = freeTo - (isBesideArrow ? ARROW : 0);
   const missLabel = missEnd - curve.left < 2 * HALF_CHARACTER * missText.length ? signed(model.miss) : missText;

@@ -44,6 +44,12 @@ test.each([
   expect(miss[0]).toBeGreaterThanOrEqual(left);
   expect(hit[0]).toBeGreaterThanOrEqual(left);
   expect(hit[1]).toBeLessThanOrEqual(right);
-  if (height !== null) expect(miss[1]).toBeLessThan(window - 15); // the arrow
+  const handle = Number(document.querySelector(".tone-miss .handle-mark")?.getAttribute("y"));
+  const label = Number(document.querySelector(".label-miss")?.getAttribute("y"));
+  const isBelow = label > handle;
+  if (isBelow)
+    expect(label - 11).toBeGreaterThanOrEqual(handle + 10); // not over its handle
+  else expect(label).toBeLessThan(handle);
+  if (height !== null && isBelow) expect(miss[1]).toBeLessThan(window - 15); // the arrow
   view.dispose();
 });
