@@ -12,11 +12,14 @@ from mapper.slam.loop_test import GATE
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import AROUND, EVERY, OTHERS, spread
 
-APART = 20.0  #: metres of the way: scans nearer than this agree whatever the loops are
+#: Metres of the way: scans nearer than this agree whatever the loops are. Of scans within AROUND of one another those
+#: farther apart were taken when the robot came back, also around a corner (√2 · AROUND of the way).
+APART = 6.0
 MOST_SCANS = 2_000  #: that are compared with others, so that the time grows with the number of scans
 #: The share of points that contradict scans far away on the way, in those that contradict scans near on it, from which
 #: on a map is inconsistent; and what is added to it, for the scans near may agree perfectly.
 RATIO, MORE = 2.5, 0.01
+LEAST = 10  #: points that have to contradict: where the robot hardly came back, one of a few dozen is a large share
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,18 +35,18 @@ class MapAgreement:
 
     @property
     def contradicted(self) -> float:
-        """The share of points that contradict scans far away on the way, 0 where there are none."""
-        return self.far[2] / max(self.far[0], 1)
+        """The share of points that contradict scans far away on the way, of those that these see; 0 without any."""
+        return _share(self.far)
 
     @property
     def contradicted_near(self) -> float:
         """The share of points that contradict scans near on the way: what moves, glass, and noise."""
-        return self.near[2] / max(self.near[0], 1)
+        return _share(self.near)
 
     @property
     def is_consistent(self) -> bool:
-        """Whether about as many points contradict scans far away as scans near on the way."""
-        return self.contradicted <= RATIO * self.contradicted_near + MORE
+        """Whether about as many points contradict scans far away as scans near on the way, or hardly any do."""
+        return self.far[2] < LEAST or self.contradicted <= RATIO * self.contradicted_near + MORE
 
     def score(self, loop_contradicted: float) -> float:
         """Return the score by which two graphs of the same scans are compared: the greater, the better.
@@ -79,6 +82,15 @@ def map_agreement(store: ScanStore, poses: Float64Array) -> MapAgreement:
             count_agreement(store.arrays, k, poses[k], others, poses, GATE, 2, counts)
             near += counts
     return MapAgreement(_three(far), _three(near))
+
+
+def _share(counts: tuple[int, int, int]) -> float:
+    """Return the share of contradicting points among those that agree or contradict.
+
+    Where the robot comes back from another side most points are out of the sight of the scans there, and say nothing.
+    """
+    _, agreeing, contradicting = counts
+    return contradicting / max(agreeing + contradicting, 1)
 
 
 def _three(counts: Int64Array) -> tuple[int, int, int]:

@@ -219,13 +219,6 @@ class _Work:
                 f"A stricter rule for loops was used ({', '.join(rules)}): without it more points lie where other "
                 "scans saw free space."
             )
-        if not best.agreement.is_consistent:
-            far, near = 100.0 * best.agreement.contradicted, 100.0 * best.agreement.contradicted_near
-            suspect = "loops" if best.run.slam.n_loops else "poses"
-            notes.append(
-                f"{far:.1f} % of the points lie where scans from more than {APART:.0f} m of the way before or after "
-                f"saw free space, {near:.1f} % where nearer ones did: {suspect} may be wrong, or the place has changed."
-            )
         return best, notes
 
     def _score(self, one: _Outcome) -> float:
@@ -274,6 +267,8 @@ def slam_log(
 
     poses = refine(chosen.graph, run.slam.store, config, refined, work.check)
     poses[:, 2] = wrap_angle(poses[:, 2])
+    if not chosen.agreement.is_consistent:  # the refinement may have made it so
+        notes += _contradiction(map_agreement(run.slam.store, poses), n_loops)
     graph = replace(chosen.graph, nodes=np.array(run.matched)[run.nodes], poses=poses)
     return SlamResult(
         run.poses(poses),
@@ -296,6 +291,19 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
         velocities = sweep_velocities(log, result.odometry)[nodes]
     for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
         store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity, log.mount_of(scan))
+
+
+def _contradiction(agreement: MapAgreement, n_loops: int) -> list[str]:
+    """Return a sentence on a map that contradicts itself, none where it is consistent."""
+    if agreement.is_consistent:
+        return []
+    far, near = 100.0 * agreement.contradicted, 100.0 * agreement.contradicted_near
+    suspect = "loops" if n_loops else "poses"
+    told = (
+        f"Of the points in sight of scans from more than {APART:.0f} m of the way before or after {far:.1f} % "
+        f"lie in free space of these, with nearer ones {near:.1f} %: {suspect} may be wrong, or the place has changed."
+    )
+    return [told]
 
 
 def _notes(log: ScanLog, odometry: str | None, one: _Pass, graph: PoseGraph) -> list[str]:

@@ -152,3 +152,23 @@ def test_scans_that_never_meet_again_score_nothing(alike: ScanLog) -> None:
     assert agreement.near[1] > 0.9 * agreement.near[0] > 0
     assert agreement.is_consistent
     assert agreement.score(0.12) == 0.0
+
+
+@pytest.mark.parametrize(("off", "is_consistent"), [(0.0, True), (0.4, False)])
+def test_a_second_round_is_compared_with_the_first_however_short_it_is(off: float, is_consistent: bool) -> None:
+    """Two rounds of 9.6 m, the second of which is put beside the first."""
+    corners = [(3.4, 3.6), (6.4, 3.6), (6.4, 5.4), (3.4, 5.4)]
+    log = drive("room", along([*corners, *corners, corners[0]]), sensor=SENSOR)
+    poses = log.trajectory("true").poses.copy()
+    poses[log.n_scans // 2 :, 1] += off
+    agreement = map_agreement(stored(log), poses)
+    assert agreement.far[1] > 0
+    assert agreement.is_consistent == is_consistent
+
+
+def test_points_that_nobody_sees_again_say_nothing() -> None:
+    """In rooms that are seen from another side most points are out of sight of the scans of before."""
+    assert MapAgreement((1000, 900, 20), (1000, 950, 10)).is_consistent
+    assert not MapAgreement((1000, 50, 20), (1000, 950, 10)).is_consistent
+    assert MapAgreement((1000, 0, 0), (1000, 950, 10)).is_consistent
+    assert MapAgreement((90, 82, 1), (1000, 950, 0)).is_consistent  # one point of 83, where the robot hardly came back
