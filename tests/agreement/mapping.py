@@ -23,9 +23,10 @@ def map_by_kernel(case: MappingCase) -> tuple[Any, ...]:
 
 
 def grid_of_all(case: MappingCase) -> OccupancyGrid:
-    """The grid of a case, grown so that no scan reaches beyond it."""
+    """The grid of a case, grown so that no scan reaches beyond it, not even by rounding in a turned grid."""
     grid = case.grid()
-    grid.grow_to_include(*bounds_of_log(case.log, case.config))
+    low, high = bounds_of_log(case.log, case.config)
+    grid.grow_to_include(low - 0.5 * grid.geometry.resolution, high + 0.5 * grid.geometry.resolution)
     return grid
 
 
