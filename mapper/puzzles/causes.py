@@ -117,7 +117,7 @@ _ROWS = (
         ),
         "With the order of the beams reversed each scan is a mirror image: what is on the left is drawn on the right. "
         "As the robot turns, the image turns the opposite way, and nothing agrees.",
-        lesson="A sensor upside down mirrors each scan; a symmetric corridor may even look correct.",
+        lesson="A sensor upside down mirrors each scan.",
     ),
     Cause(
         "drift",
@@ -235,7 +235,8 @@ _ROWS = (
         ),
         "A beam that meets a polished wall or glass at a slant does not return. If no return counts as free space up "
         "to the max range, the wall is erased and the map shows free space outside the building.",
-        lesson="A polished wall is a mirror: unless the beam meets it almost at a right angle, nothing comes back.",
+        lesson="A polished wall is a mirror: unless the beam meets it almost at a right angle, "
+        "usually nothing comes back.",
         of_log=False,
     ),
     Cause(

@@ -33,7 +33,7 @@ def bomb(unit: bytes, megabytes: int, before: bytes = LINE) -> bytes:
 
 def far_apart() -> bytes:
     """A log whose poses are places, and whose map would be as large as a country."""
-    return b"".join(LINE.replace(b"0.1 0.2 0.3", b"%d 0 0" % (900_000 * (-1) ** n)) for n in range(6))
+    return b"".join(LINE.replace(b"0.1 0.2 0.3", b"%d 0 0" % (450_000 * (-1) ** n)) for n in range(6))
 
 
 def bad_logs() -> dict[str, tuple[bytes, str]]:

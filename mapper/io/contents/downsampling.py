@@ -10,6 +10,13 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.sensors.gaps import are_gaps
 
+_RATES = {"": "1/s", "m/s": "m/s²", "rad/s": "rad/s²"}
+
+
+def unit_of_rate(unit: str) -> str:
+    """Return the unit of the change of a number per second."""
+    return _RATES.get(unit, f"{unit}/s")
+
 
 def derivative(stamps_ns: Int64Array, values: Float64Array, *, is_angle: bool = False) -> Float64Array:
     """Return the change per second (n,) since the sample before, NaN for the first.

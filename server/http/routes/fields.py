@@ -11,8 +11,7 @@ from fastapi import APIRouter, Query, Request, Response
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.carmen_lines import CARMEN_LINE
-from mapper.io.contents.downsampling import derivative, moving_average
-from mapper.io.contents.fields import unit_of_rate
+from mapper.io.contents.downsampling import derivative, moving_average, unit_of_rate
 from mapper.io.contents.model import Column, Contents, Series
 from mapper.io.contents.scan_series import plot_origin_ns
 from server.http.clients import client_address, in_turn

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import UInt8Array
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
-from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry
-from mapper.io.logs.summary import NO_SCANS, LogSummary, MapSummary
-from mapper.replay.overview import cells_overview
+from mapper.grid import GridGeometry
 from server.library.packs.arrays import UNREADABLE, compressed_arrays
 
 VERSION = 1
@@ -126,24 +123,3 @@ def read_reference_map(path: Path) -> ReferenceMap:
             return ReferenceMap.of_arrays(arrays)
     except UNREADABLE:
         raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
-
-
-FORMAT = "map"
-
-
-def summarise_map(given: ReferenceMap) -> LogSummary:
-    """Return the figures of a map: a record without scans."""
-    geometry = given.geometry
-    return replace(
-        NO_SCANS,
-        name=given.title,
-        format=FORMAT,
-        notes=given.notes,
-        map=MapSummary(geometry.rows, geometry.cols, geometry.resolution),
-    )
-
-
-def map_codes(given: ReferenceMap) -> UInt8Array:
-    """Return the codes of a picture of a map, for its card."""
-    values = given.values
-    return cells_overview((values >= 0) & (values < 100 * FREE_THRESHOLD), values > 100 * OCCUPIED_THRESHOLD)

@@ -124,7 +124,7 @@ def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
 
 def _read_map(job: Job) -> LogSummary:
     """Read map files."""
-    from server.library.packs.reference_map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
+    from server.library.packs.map import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
 
     given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
     note_progress(1.0)

@@ -348,9 +348,9 @@ async def test_a_loaded_yaml_is_parsed_once(lab: Lab, monkeypatch: pytest.Monkey
 
     def counted(text: str) -> object:
         parsed.append(text)
-        return untrusted_yaml.load_untrusted(text)
+        return untrusted_yaml.load_with_twice(text)
 
-    monkeypatch.setattr(ros_parameters, "load_untrusted", counted)
+    monkeypatch.setattr(ros_parameters, "load_with_twice", counted)
     lab.do(type="nav2", text=written)
     assert parsed == [written]
 

@@ -19,8 +19,9 @@ from server.downloads import file_stem
 from server.jobs.leases import Leases
 from server.library.logs.errors import LogNotFoundError
 from server.library.packs.costmaps import costmap_codes
+from server.library.packs.map import map_codes, summarise_map
 from server.library.packs.map_files import archived, is_map, read_map
-from server.library.packs.reference_map import ReferenceMap, map_codes, read_reference_map, summarise_map
+from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reference_maps import ReferenceMaps
 from server.library.store.common_files import CommonFiles
 from server.library.store.known_paths import KnownPaths

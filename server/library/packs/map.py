@@ -1,0 +1,31 @@
+"""Summary and picture of a map for the library: what only a reading needs, which imports the replay."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mapper.core.array_types import UInt8Array
+from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
+from mapper.io.logs.summary import NO_SCANS, LogSummary, MapSummary
+from mapper.replay.overview import cells_overview
+from server.library.packs.reference_map import ReferenceMap
+
+FORMAT = "map"
+
+
+def summarise_map(given: ReferenceMap) -> LogSummary:
+    """Return the figures of a map: a record without scans."""
+    geometry = given.geometry
+    return replace(
+        NO_SCANS,
+        name=given.title,
+        format=FORMAT,
+        notes=given.notes,
+        map=MapSummary(geometry.rows, geometry.cols, geometry.resolution),
+    )
+
+
+def map_codes(given: ReferenceMap) -> UInt8Array:
+    """Return the codes of a picture of a map, for its card."""
+    values = given.values
+    return cells_overview((values >= 0) & (values < 100 * FREE_THRESHOLD), values > 100 * OCCUPIED_THRESHOLD)
