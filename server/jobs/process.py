@@ -7,6 +7,7 @@ and ends with the server.
 from __future__ import annotations
 
 import contextlib
+import errno
 import math
 import multiprocessing
 import multiprocessing.connection
@@ -170,9 +171,10 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = 
     try:
         with _timed(timeout_s, cpu_s, (time_error(timeout_s, doing, code), more)):
             return work()
-    except (MemoryError, ImportError) as error:
-        # Where memory runs out in an import, the loader of shared libraries says so as an ImportError.
-        if isinstance(error, ModuleNotFoundError):
+    except (MemoryError, ImportError, OSError) as error:
+        # Where memory runs out in an import, the loader of shared libraries says so as an ImportError, and a folder of
+        # modules as an OSError.
+        if isinstance(error, ModuleNotFoundError) or (isinstance(error, OSError) and error.errno != errno.ENOMEM):
             raise
         raise LimitError(f"{code}.memory", f"{doing} needs more memory than the server gives to one log.") from None
 

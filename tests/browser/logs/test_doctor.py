@@ -45,14 +45,18 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
 
 
 def is_cancelled_and_offered_again(page: Page, doctor: Locator) -> None:
+    page.set_viewport_size({"width": 1024, "height": 768})  # where the title has no room to spare
     page.route("**/doctor?*", lambda _: None)  # the answer never comes
     open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("ground truth").click()
     note = page.locator(".viewer-head .examination-note")  # in view, whichever group is open
     expect(note).to_contain_text("Examining …")
     open_group(page, "Overview")
+    picture = page.locator(".viewer .picture").first
+    with_note = picture.bounding_box()
     doctor.get_by_role("button", name="Cancel the examination").click()
     expect(note).to_have_count(0)
+    assert picture.bounding_box() == with_note
     expect(doctor).to_contain_text("Cancelled.")
     page.unroute("**/doctor?*")
     doctor.get_by_role("button", name="Examine this log").click()

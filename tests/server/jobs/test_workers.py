@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import subprocess
 import sys
 import threading
@@ -18,6 +19,7 @@ import pytest_asyncio
 
 from mapper.core.errors import LimitError, ReadError
 from server.jobs.outcome import outcome_of
+from server.jobs.process import bounded
 from server.jobs.workers import ExecutorWorker, PoolWorker, worker_at
 from server.library.processing import reader as log_reader
 from server.library.processing.reader import Reader
@@ -149,6 +151,25 @@ print(*(limit >> 30 for limit in resource.getrlimit(resource.RLIMIT_AS)))
     command = [sys.executable, "-c", program]
     done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout == "3 3\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "wanted"),
+    [
+        (MemoryError(), "log.memory"),
+        (ImportError("cannot map the library"), "log.memory"),
+        (OSError(errno.ENOMEM, "Cannot allocate memory"), "log.memory"),
+        (OSError(errno.EIO, "Input/output error"), "OSError"),
+        (ModuleNotFoundError("no module"), "ModuleNotFoundError"),
+    ],
+)
+async def test_running_out_of_memory_in_an_import_is_the_limit_of_memory(error: Exception, wanted: str) -> None:
+    def work() -> None:
+        raise error
+
+    with pytest.raises((LimitError, OSError, ImportError)) as told:
+        bounded(60.0, 60.0, work)
+    assert getattr(told.value, "code", type(error).__name__) == wanted
 
 
 async def test_a_process_with_little_time_can_still_say_that_it_is_over() -> None:
