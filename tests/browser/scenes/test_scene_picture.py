@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Locator, Page
@@ -23,7 +24,7 @@ def pixels_of(picture: bytes) -> NDArray[np.int64]:
 def shows_x(pixels: NDArray[np.int64]) -> bool:
     """Whether the red of the axis x is in a picture: nothing else is as red, but beams over the walls of the map."""
     red, green, blue = pixels.transpose(2, 0, 1)
-    return bool(((red - np.maximum(green, blue) > 60) & (np.abs(green - blue) < 20)).sum() > 25)
+    return bool(((red - np.maximum(green, blue) > 50) & (np.abs(green - blue) < 20)).sum() > 20)
 
 
 def shows_grid(pixels: NDArray[np.int64]) -> bool:
@@ -43,6 +44,11 @@ def shows_walls(pixels: NDArray[np.int64]) -> bool:
     return bool((np.ptp(pixels, axis=2) > 60).sum() > 1000)
 
 
+def shows_both(pixels: NDArray[np.int64]) -> bool:
+    return shows_x(pixels) and shows_grid(pixels)
+
+
+@pytest.mark.long
 def test_the_axes_and_the_grid_are_switched_on_and_saved_in_a_file(page: Page, open_lab: Callable[..., Page]) -> None:
     open_lab("room")
     panel = open_group(page, "3D view")
@@ -53,12 +59,13 @@ def test_the_axes_and_the_grid_are_switched_on_and_saved_in_a_file(page: Page, o
     until("the map is drawn", lambda: shows_walls(pixels_of(view.screenshot())))
     until("the world is hidden", lambda: not shows_grid(pixels_of(view.screenshot())))
     until("the beams are hidden", lambda: not shows_x(pixels_of(view.screenshot())))
+    panel.get_by_role("button", name="Overview").click()
     layers.get_by_role("button", name="Axes", exact=True).click()
     until("the axes are drawn", lambda: shows_x(pixels_of(view.screenshot())))
     layers.get_by_role("button", name="Grid of 1 m").click()
     until("the grid is drawn", lambda: shows_grid(pixels_of(view.screenshot())))
-    picture = pixels_of(saved(page, panel.get_by_role("button", name="PNG")))
-    assert shows_x(picture)
-    assert shows_grid(picture)
+    button = panel.get_by_role("button", name="PNG")
+    # Of the frame that is drawn next, which a slow machine draws coarsely.
+    until("both are in the file", lambda: shows_both(pixels_of(saved(page, button))))
     # In its corner the file has the colour of the page's ground.
-    assert tuple(picture[0, 0]) == (250, 248, 242)
+    assert tuple(pixels_of(saved(page, button))[0, 0]) == (250, 248, 242)
