@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -68,6 +69,8 @@ class View:
     look_at: NDArray[np.float64]
     aim: Aim | None = None
     following: Following | None = None  #: while its camera moves with the robot
+    #: Where its browser may go though it was told another place, m: nobody has moved it there.
+    begins: Sequence[Vector] = ()
 
     def is_at(self, position: ArrayLike) -> bool:
         """Return whether its camera is at ``position`` (3,)."""
@@ -187,6 +190,7 @@ class Scene:
         """
         view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
         before = self._last_of(view.viewer)
+        view.begins = [self._first_place, *([before.aim.position] if before and before.aim else [])]
         self._views[client.client_id] = view
         if before is not None and before.following is not None:
             before.following.forget_told()
@@ -232,8 +236,8 @@ class Scene:
     async def _fit(self, camera: viser.CameraHandle) -> None:
         """Aim a camera again that nobody has moved since, once its picture has another aspect ratio.
 
-        A page lays its views out after they have connected. A busy browser goes to the first camera of the scene only
-        after it was told another one.
+        A page lays its views out after they have connected. A busy browser goes to the first camera of the scene, or
+        to the one that its tab has kept, only after it was told another one.
         """
         view = self._views.get(camera.client.client_id)
         if view is None:
@@ -245,7 +249,7 @@ class Scene:
         if aim is None:
             return
         is_reshaped = aim.aspect != camera.aspect and view.is_at(aim.position)
-        is_late = aim.position != self._first_place and view.is_at(self._first_place)
+        is_late = not view.is_at(aim.position) and any(view.is_at(place) for place in view.begins)
         if is_reshaped or is_late:
             self._aim_client(camera.client, aim.name)
 

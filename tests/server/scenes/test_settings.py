@@ -177,6 +177,26 @@ async def test_the_first_camera_fits_a_picture_that_becomes_narrow_or_that_comes
         await client.until(is_aimed)
 
 
+async def test_a_view_of_another_shape_is_aimed_again_where_its_tab_has_kept_the_camera(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    bounds = session.model.controls().bounds
+    assert bounds is not None
+    kept, _ = camera_at("overview", bounds, 1.0)
+    wanted, _ = camera_at("overview", bounds, 0.5)
+
+    def is_aimed(message: dict[str, Any]) -> bool:
+        return message["type"] == "SetCameraPositionMessage" and bool(message["position"] == pytest.approx(wanted))
+
+    view = service.port, session.id, "visitor=ann", "a" * 32
+    async with viser_client(*view, position=VISERS_FIRST, image_width=600) as client:
+        await client.until(lambda m: m["type"] == "SetCameraPositionMessage" and m["position"] == pytest.approx(kept))
+    async with viser_client(*view, position=VISERS_FIRST, image_width=300) as client:
+        await client.until(is_aimed)
+        client.forget()
+        await client.send(**CAMERA | {"position": kept, "image_width": 300})  # once the page has read it
+        await client.until(is_aimed)
+
+
 @pytest.mark.parametrize("name", CAMERAS)
 def test_cameras_look_at_the_middle_and_go_back_in_narrow_pictures(name: CameraName) -> None:
     bounds = (2.0, 1.0, 12.0, 7.0)
