@@ -48,7 +48,7 @@ class StaticConfig:
         "Trinary", "static", True, "Whether a cell is lethal, free or unknown, without costs between them.",
     )
     lethal_cost_threshold: float = number(
-        "Lethal from", "static", 100, "Value of the map from which a cell is lethal.", "%", 1, 100, 1,
+        "Lethal threshold", "static", 100, "Value of the map from which a cell is lethal.", "%", 1, 100, 1,
     )
     inscribed_obstacle_cost_value: float = number(
         "Inscribed value", "static", 99,
@@ -78,32 +78,32 @@ class ObstacleConfig:
     marking: bool = flag("Marking", "obstacle", True, "Whether readings mark obstacles.")
     clearing: bool = flag("Clearing", "obstacle", True, "Whether readings clear what the beam passes.")
     obstacle_min_range: float = number(
-        "Least obstacle range", "obstacle", 0.0, "Nearer readings mark nothing.", "m", 0.0, 100.0, 0.05,
+        "Minimum obstacle range", "obstacle", 0.0, "Nearer readings mark nothing.", "m", 0.0, 100.0, 0.05,
     )
     obstacle_max_range: float = number(
-        "Greatest obstacle range", "obstacle", 2.5, "Farther readings mark nothing.", "m", 0.0, 200.0, 0.1,
+        "Maximum obstacle range", "obstacle", 2.5, "Farther readings mark nothing.", "m", 0.0, 200.0, 0.1,
     )
     raytrace_min_range: float = number(
-        "Least clearing range", "obstacle", 0.0, "Nearer cells are not cleared.", "m", 0.0, 100.0, 0.05,
+        "Minimum clearing range", "obstacle", 0.0, "Nearer cells are not cleared.", "m", 0.0, 100.0, 0.05,
     )
     raytrace_max_range: float = number(
-        "Greatest clearing range", "obstacle", 3.0, "Farther cells are not cleared.", "m", 0.0, 200.0, 0.1,
+        "Maximum clearing range", "obstacle", 3.0, "Farther cells are not cleared.", "m", 0.0, 200.0, 0.1,
     )
     inf_is_valid: bool = flag(
         "No return clears", "obstacle", False,
         "Whether a beam without return clears as far as the scan’s greatest range.",
     )
     min_obstacle_height: float = number(
-        "Least height", "obstacle", 0.0, "Lower points mark nothing.", "m", -10.0, 10.0, 0.05,
+        "Minimum height", "obstacle", 0.0, "Lower points mark nothing.", "m", -10.0, 10.0, 0.05,
     )
     max_obstacle_height: float = number(
-        "Greatest height", "obstacle", 2.0, "Higher points mark nothing.", "m", -10.0, 50.0, 0.05,
+        "Maximum height", "obstacle", 2.0, "Higher points mark nothing.", "m", -10.0, 50.0, 0.05,
     )
     footprint_clearing_enabled: bool = flag(
         "Clear the footprint", "obstacle", True, "Whether the cells under the robot are free.",
     )
     combination_method: str = choice(
-        "Combination", "obstacle", "max",
+        "Combination method", "obstacle", "max",
         "How the layer is laid over those before: overwrite, the greater cost, or the greater cost of known cells.",
         COMBINATIONS,
     )
@@ -120,15 +120,15 @@ class VoxelConfig(ObstacleConfig):
     # fmt: off
     enabled: bool = _enabled("voxel")
     origin_z: float = number(
-        "Height of the columns", "voxel", 0.0, "Height of the lowest voxel.", "m", -10.0, 10.0, 0.05,
+        "Lowest voxel", "voxel", 0.0, "Height of the lowest voxel.", "m", -10.0, 10.0, 0.05,
     )
-    z_resolution: float = number("Height of a voxel", "voxel", 0.2, "Height of a voxel.", "m", 0.01, 5.0, 0.01)
-    z_voxels: float = number("Voxels in a column", "voxel", 10, "Voxels in a column.", "", 1, 16, 1)
+    z_resolution: float = number("Voxel height", "voxel", 0.2, "Height of a voxel.", "m", 0.01, 5.0, 0.01)
+    z_voxels: float = number("Voxels per column", "voxel", 10, "Voxels in a column.", "", 1, 16, 1)
     mark_threshold: float = number(
-        "Marked voxels", "voxel", 0, "A column with more marked voxels is lethal.", "", 0, 16, 1,
+        "Mark threshold", "voxel", 0, "A column with more marked voxels is lethal.", "", 0, 16, 1,
     )
     unknown_threshold: float = number(
-        "Unknown voxels", "voxel", 15, "A column with more unknown voxels, of 16, is unknown.", "", 0, 16, 1,
+        "Unknown threshold", "voxel", 15, "A column with more unknown voxels, of 16, is unknown.", "", 0, 16, 1,
     )
     # fmt: on
 
@@ -153,7 +153,8 @@ class DenoiseConfig:
     # fmt: off
     enabled: bool = _enabled("denoise")
     minimal_group_size: float = number(
-        "Least group", "denoise", 2, "Groups of fewer cells are removed; of 1 or less, none.", "", 0, 1_000_000, 1,
+        "Minimum group size", "denoise", 2, "Groups of fewer cells are removed; of 1 or less, none.",
+        "", 0, 1_000_000, 1,
     )
     group_connectivity_type: float = number(
         "Connectivity", "denoise", 8, "4: cells of a group have an edge in common; 8: an edge or a corner.", "",

@@ -55,11 +55,11 @@ class LocalizationConfig:
         "", 0, 2000, 1,
     )
     laser_min_range: float = number(
-        "Shortest range", "sensor", -1.0, "Shorter readings are not used; -1: the sensor’s own limit.",
+        "Minimum range", "sensor", -1.0, "Shorter readings are not used; -1: the sensor’s own limit.",
         "m", -1.0, 1000.0, 0.1,
     )
     laser_max_range: float = number(
-        "Longest range", "sensor", 100.0,
+        "Maximum range", "sensor", 100.0,
         "Readings of this range and more are not used, or are no return to the beam model; -1: the sensor’s own limit.",
         "m", -1.0, 1000.0, 0.5,
     )
@@ -79,7 +79,7 @@ class LocalizationConfig:
         "1/m", 0.001, 10.0, 0.01,
     )
     laser_likelihood_max_dist: float = number(
-        "Reach of the field", "sensor", 2.0,
+        "Likelihood field distance", "sensor", 2.0,
         "Larger distances from an end point to the nearest occupied cell count as this distance.",
         "m", 0.05, 50.0, 0.05,
     )
@@ -93,20 +93,20 @@ class LocalizationConfig:
     alpha4: float = _alpha("α4", "Variance of a distance, m², for each squared radian of turning.")
     alpha5: float = _alpha("α5", "Variance of a sideways distance for each squared metre of driving; omni uses it.")
     update_min_d: float = number(
-        "Distance of updates", "filter", 0.25,
+        "Update distance", "filter", 0.25,
         "A scan is used once the robot has driven this far since the last used one, or turned by update_min_a.",
         "m", 0.0, 10.0, 0.01,
     )
     update_min_a: float = number(
-        "Turn of updates", "filter", 0.2,
+        "Update rotation", "filter", 0.2,
         "A scan is used once the robot has turned this far since the last used one, or driven by update_min_d.",
         "rad", 0.0, 3.15, 0.01,
     )
     min_particles: float = number(
-        "Fewest particles", "filter", 500, "The filter never has fewer particles.", "", 10, 1_000_000, 10,
+        "Minimum particles", "filter", 500, "The filter never has fewer particles.", "", 10, 1_000_000, 10,
     )
     max_particles: float = number(
-        "Most particles", "filter", 2000, "The filter never has more particles once it has converged.",
+        "Maximum particles", "filter", 2000, "The filter never has more particles once it has converged.",
         "", 10, 1_000_000, 100,
     )
     pf_err: float = number(
@@ -120,14 +120,14 @@ class LocalizationConfig:
         "", 0.0, 6.0, 0.01,
     )
     resample_interval: float = number(
-        "Updates per resampling", "filter", 1, "Particles are resampled at every n-th update.", "", 1, 100, 1,
+        "Resample interval", "filter", 1, "Particles are resampled at every n-th update.", "", 1, 100, 1,
     )
     selective_resampling: bool = flag(
         "Selective resampling", "filter", False,
         "Particles are resampled only where N_eff, their effective number, is below half of their number.",
     )
     annealing_stages: float = number(
-        "Stages of a scan", "filter", 4,
+        "Stages per scan", "filter", 4,
         "Where likelihoods are scaled down (least_effective), a converged filter takes the rest of the likelihood in "
         "further stages, at most this many in all, and spreads the particles slightly between; 1: no further stages.",
         "", 1, 20, 1,
@@ -148,12 +148,12 @@ class LocalizationConfig:
         "", 100, 1_000_000, 1000,
     )
     least_effective: float = number(
-        "Least share of N_eff", "global start", 0.1,
+        "Minimum share of N_eff", "global start", 0.1,
         "Where a scan would leave a smaller share of effective particles, its log-likelihoods are scaled down until it "
         "does not; 0: never.", "", 0.0, 0.9, 0.01,
     )
     reset_below: float = number(
-        "Reset below", "recovery", 0.85,
+        "Reset threshold", "recovery", 0.85,
         "Where scans fit worse than this share of how well they fit at the best of many poses all over the map, "
         "particles are added that are drawn from the likelihood of a scan (sensor resetting), as are a few until the "
         "robot is found; 0: never, and no second filter is tested at other places.", "", 0.0, 1.0, 0.01,

@@ -121,12 +121,12 @@ class MappingConfig:
         "", -3.0, 0.0, 0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
     )
     p_free: float = number(
-        "p of a cell passed", "model", 0.4,
+        "p of a passed cell", "model", 0.4,
         "Probability that a cell before the window is occupied; below the prior it is evidence for free.",
         "", 0.01, 0.99, 0.01, only_for=("step_window",),
     )
     p_occ: float = number(
-        "p of a cell hit", "model", 0.7, "Probability that a cell within the window is occupied.",
+        "p of a hit cell", "model", 0.7, "Probability that a cell within the window is occupied.",
         "", 0.01, 0.99, 0.01, only_for=("step_window",),
     )
     sigma: float = number(
@@ -148,7 +148,7 @@ class MappingConfig:
         ("flat", "gaussian"), only_for=("sonar_cone",),
     )
     prior_weight: float = number(
-        "Weight of the prior", "model", 2.0, "How many visits the prior counts for; 2 is Laplace’s rule of succession.",
+        "Prior weight", "model", 2.0, "How many visits the prior counts for; 2 is Laplace’s rule of succession.",
         "", 0.1, 50.0, 0.1, only_for=("hit_counting",),
     )
     update: str = choice(

@@ -56,31 +56,32 @@ class MatchConfig:
     # fmt: off
     method: str = choice("Method", "method", "global", "How the match is found.", tuple(METHODS))
     window_m: float = number(
-        "Window", "search", 1.5, "How far from the guess, along each axis, poses are searched.",
+        "Search window", "search", 1.5, "How far from the guess, along each axis, poses are searched.",
         "m", 0.0, 50.0, 0.05, only_for=_SEARCHING,
     )
     window_rad: float = number(
-        "Window of angles", "search", math.radians(70.0), "By how much from the guess, either way, poses are turned.",
+        "Angular search window", "search", math.radians(70.0),
+        "By how much from the guess, either way, poses are turned.",
         "rad", 0.0, math.pi, 0.01, only_for=_SEARCHING,
     )
     field_resolution: float = number(
-        "Cell of the field", "search", 0.1, "Side of a cell of the score field.",
+        "Field resolution", "search", 0.1, "Side of a cell of the score field.",
         "m", 0.01, 1.0, 0.01, only_for=_FIELDS,
     )
     field_sigma: float = number(
-        "Width of the field", "search", 0.1, "Standard deviation of the score around a point.",
+        "Field σ", "search", 0.1, "Standard deviation of the score around a point.",
         "m", 0.01, 2.0, 0.01, only_for=_FIELDS,
     )
     turn_step: float = number(
-        "Step of angles", "search", math.radians(2.0), "Between two angles that are searched.",
+        "Angular step", "search", math.radians(2.0), "Between two angles that are searched.",
         "rad", 0.001, 0.5, 0.001, only_for=_FIELDS,
     )
     modes: float = number(
-        "Modes", "search", 4, "Greatest number of separate poses of the search that are refined.",
+        "Maximum modes", "search", 4, "Greatest number of separate poses of the search that are refined.",
         "", 1, 32, 1, only_for=("global", "global_field", "features"),
     )
     mode_share: float = number(
-        "Least mode", "search", 0.8, "A pose that scores less than this share of the best one is no mode.",
+        "Minimum mode score", "search", 0.8, "A pose that scores less than this share of the best one is no mode.",
         "", 0.0, 1.0, 0.05, only_for=("global", "global_field"),
     )
     correspondence: str = choice(
@@ -89,35 +90,37 @@ class MatchConfig:
         CORRESPONDENCES, only_for=_PAIRING,
     )
     first_gate: float = number(
-        "First gate", "pairs", 0.3, "Points farther apart make no pair at the beginning.",
+        "First pair distance", "pairs", 0.3, "Points farther apart make no pair at the beginning.",
         "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
     )
     last_gate: float = number(
-        "Last gate", "pairs", 0.12, "The same at the end.", "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
+        "Last pair distance", "pairs", 0.12, "The same at the end.", "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
     )
     keep: float = number(
         "Kept pairs", "rejection", 1.0, "Only this share of the pairs, the nearest ones, counts.",
         "", 0.05, 1.0, 0.05, only_for=_PAIRING,
     )
     min_cosine: float = number(
-        "Least cosine of normals", "rejection", 0.5, "Pairs whose normals differ more do not count; -1: all count.",
+        "Minimum cosine of normals", "rejection", 0.5, "Pairs whose normals differ more do not count; -1: all count.",
         "", -1.0, 1.0, 0.05, only_for=_PAIRING,
     )
     weight: str = choice(
-        "Weight", "rejection", "cauchy", "How much less a pair with a large residual counts.",
+        "Robust kernel", "rejection", "cauchy", "How much less a pair with a large residual counts.",
         tuple(WEIGHTS), only_for=_PAIRING,
     )
     scale: float = number(
-        "Scale of the weight", "rejection", 0.03, "The residual from which a pair counts less.",
+        "Kernel scale", "rejection", 0.03, "The residual from which a pair counts less.",
         "m", 0.001, 1.0, 0.001, only_for=_PAIRING,
     )
-    iterations: float = number("Iterations", "minimiser", 30, "Greatest number of Gauss-Newton steps.", "", 1, 500, 1)
+    iterations: float = number(
+        "Maximum iterations", "minimiser", 30, "Maximum number of Gauss-Newton steps.", "", 1, 500, 1,
+    )
     score_gate: float = number(
-        "Gate of the score", "score", 0.15, "Points nearer than this to what the other scan measured agree with it.",
+        "Inlier distance", "score", 0.15, "Points nearer than this to what the other scan measured agree with it.",
         "m", 0.01, 2.0, 0.01,
     )
     least_information: float = number(
-        "Least information", "score", 0.03,
+        "Minimum information", "score", 0.03,
         "A direction with a smaller share of the information is not known: the match is degenerate.",
         "", 0.0, 0.5, 0.005,
     )

@@ -20,7 +20,7 @@ class PlannerConfig:
         "A*", "planner", False, "Whether the search prefers cells towards the goal (A*, not Dijkstra).",
     )
     allow_unknown: bool = flag(
-        "Through unknown", "planner", True, "Whether the path may cross cells without information.",
+        "Allow unknown", "planner", True, "Whether the path may cross cells without information.",
     )
     tolerance: float = number(
         "Tolerance", "planner", 0.5, "How far from an occupied goal the path may end.", "m", 0.0, 10.0, 0.05,
@@ -43,18 +43,18 @@ class PursuitConfig:
     """Parameters of the follower of a path. Raises as :class:`PlannerConfig`."""
 
     # fmt: off
-    desired_linear_vel: float = number("Speed", "pursuit", 0.5, "Greatest linear velocity.", "m/s", 0.01, 5.0, 0.01)
+    desired_linear_vel: float = number("Speed", "pursuit", 0.5, "Maximum linear velocity.", "m/s", 0.01, 5.0, 0.01)
     lookahead_dist: float = number(
         "Lookahead distance", "pursuit", 0.6, "How far ahead on the path the robot aims.", "m", 0.05, 5.0, 0.05,
     )
     use_regulated_linear_velocity_scaling: bool = flag(
-        "Slower in curves", "pursuit", True, "Whether the robot is slower where the curve is narrow.",
+        "Slow down in curves", "pursuit", True, "Whether the robot is slower where the curve is narrow.",
     )
     regulated_linear_scaling_min_radius: float = number(
-        "Narrow radius", "pursuit", 0.9, "Radius of a curve below which the robot is slower.", "m", 0.01, 10.0, 0.05,
+        "Slow-down radius", "pursuit", 0.9, "Radius of a curve below which the robot is slower.", "m", 0.01, 10.0, 0.05,
     )
     regulated_linear_scaling_min_speed: float = number(
-        "Least speed in curves", "pursuit", 0.25, "The robot is not slower than this because of a curve.",
+        "Minimum speed in curves", "pursuit", 0.25, "The robot is not slower than this because of a curve.",
         "m/s", 0.0, 5.0, 0.01,
     )
     approach_velocity_scaling_dist: float = number(
@@ -62,18 +62,19 @@ class PursuitConfig:
         "m", 0.01, 10.0, 0.05,
     )
     min_approach_linear_velocity: float = number(
-        "Least speed of approach", "pursuit", 0.05, "The robot is not slower than this because the end is near.",
+        "Minimum approach speed", "pursuit", 0.05, "The robot is not slower than this because the end is near.",
         "m/s", 0.01, 5.0, 0.01,
     )
     use_rotate_to_heading: bool = flag(
-        "Turn first", "pursuit", True, "Whether the robot turns on the spot where the path is far from its heading.",
+        "Rotate to heading", "pursuit", True,
+        "Whether the robot turns on the spot where the path is far from its heading.",
     )
     rotate_to_heading_min_angle: float = number(
-        "Angle of turning", "pursuit", 0.785, "Angle to the point ahead from which the robot turns on the spot.",
+        "Rotation threshold", "pursuit", 0.785, "Angle to the point ahead from which the robot turns on the spot.",
         "rad", 0.01, math.pi, 0.01,
     )
     rotate_to_heading_angular_vel: float = number(
-        "Speed of turning", "pursuit", 1.8, "Angular velocity of a turn on the spot.", "rad/s", 0.01, 10.0, 0.01,
+        "Rotation speed", "pursuit", 1.8, "Angular velocity of a turn on the spot.", "rad/s", 0.01, 10.0, 0.01,
     )
     # fmt: on
 

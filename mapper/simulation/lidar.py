@@ -73,7 +73,7 @@ class SensorConfig:
         "", 4, 48, 1, only_for=("sonar_ring",),
     )
     beam_width: float = number(
-        "Cone of a sonar", "sensor", 0.35, "The angle, from edge to edge, in which a sonar hears an echo.",
+        "Sonar cone angle", "sensor", 0.35, "The angle, from edge to edge, in which a sonar hears an echo.",
         "rad", 0.05, 1.0, 0.01, only_for=("sonar_ring",),
     )
     field_of_view: float = number(

@@ -18,54 +18,54 @@ class SlamConfig:
 
     # fmt: off
     range_max: float = number(
-        "Longest range", "scans", 30.0, "Readings of this range and more are not matched.", "m", 1.0, 200.0, 1.0,
+        "Maximum range", "scans", 30.0, "Readings of this range and more are not matched.", "m", 1.0, 200.0, 1.0,
     )
     n_beams: float = number(
-        "Beams", "scans", 360,
+        "Maximum beams", "scans", 360,
         "Of scans with more beams only every second, third … is used, so that at most this many remain.",
         "", 30, 4000, 30,
     )
     node_distance: float = number(
-        "Distance of nodes", "scans", 0.05,
+        "Node spacing", "scans", 0.05,
         "A scan becomes a node where the odometry, or without one the scans, moved this far since the last; others are "
         "carried along.", "m", 0.0, 2.0, 0.01,
     )
     node_turn: float = number(
-        "Turn of nodes", "scans", 0.035,
+        "Node rotation", "scans", 0.035,
         "A scan becomes a node where the odometry, or without one the scans, turned this far since the last.",
         "rad", 0.0, 1.0, 0.005,
     )
     max_nodes: float = number(
-        "Most nodes", "scans", 20_000, "Of longer logs fewer scans are matched, so that memory and time stay bounded.",
-        "", 100, 200_000, 100,
+        "Maximum nodes", "scans", 20_000,
+        "Of longer logs fewer scans are matched, so that memory and time stay bounded.", "", 100, 200_000, 100,
     )
     neighbours: float = number(
         "Scans to match with", "front end", 8, "Each scan is aligned with this many scans before it.", "", 1, 30, 1,
     )
     submap_scans: float = number(
-        "Scans of half a submap", "front end", 20,
+        "Scans per half submap", "front end", 20,
         "A submap holds twice as many scans; each half is shared with the next submap.", "", 5, 200, 5,
     )
     loop_closure: bool = flag("Close loops", "loops", True, "Look for places that the robot was at before.")
     loop_distance: float = number(
-        "Distance of attempts", "loops", 0.7, "A loop is looked for each time the robot moved this far.",
+        "Loop search interval", "loops", 0.7, "A loop is looked for each time the robot moved this far.",
         "m", 0.1, 20.0, 0.1,
     )
     loop_window: float = number(
-        "Largest search window", "loops", 4.0,
+        "Maximum search window", "loops", 4.0,
         "How far from the estimated pose a loop is looked for at most, to each side.", "m", 0.5, 15.0, 0.5,
     )
     loop_score: float = number(
-        "Least score", "loops", 0.55, "Share of the greatest possible correlation score that a loop must reach.",
+        "Minimum score", "loops", 0.55, "Share of the greatest possible correlation score that a loop must reach.",
         "", 0.2, 1.0, 0.01,
     )
     loop_contradicted: float = number(
-        "Most contradicted", "loops", 0.12,
+        "Maximum contradicted share", "loops", 0.12,
         "Share of the points of a loop’s scan, and of the scans on the way to one from far away in the graph or to a "
         "recognized place, that may lie where the other scans saw free space.", "", 0.0, 1.0, 0.01,
     )
     loop_inliers: float = number(
-        "Least inliers", "loops", 0.55,
+        "Minimum inliers", "loops", 0.55,
         "Share of the points in view that must lie on the walls of the earlier scans for a loop to be accepted.",
         "", 0.2, 1.0, 0.01,
     )
@@ -74,19 +74,19 @@ class SlamConfig:
         "Where no loop closes in the search window, look for corners that an earlier submap has too.",
     )
     place_drift: float = number(
-        "Drift up to recognition", "loops", 0.15,
+        "Drift before recognition", "loops", 0.15,
         "How far the pose may be off where a place is recognized, for each metre driven since.", "m/m", 0.02, 1.0, 0.01,
     )
     place_length: float = number(
-        "Way of a place", "loops", 10.0,
+        "Length of a place’s submap", "loops", 10.0,
         "How much of the way becomes the submap by whose corners a place is recognized.", "m", 3.0, 50.0, 1.0,
     )
     place_corners: float = number(
-        "Least corners", "loops", 5, "Corners of two submaps that must coincide for their scans to be matched.",
+        "Minimum corners", "loops", 5, "Corners of two submaps that must coincide for their scans to be matched.",
         "", 3, 40, 1,
     )
     place_group: float = number(
-        "Least loops of a place", "loops", 5,
+        "Minimum loops per place", "loops", 5,
         "Loops at a recognized place that must agree with one another to be accepted.", "", 3, 30, 1,
     )
     robust: str = choice(
@@ -94,7 +94,7 @@ class SlamConfig:
         ("geman_mcclure", "cauchy", "huber", "none"),
     )
     robust_scale: float = number(
-        "Scale of the kernel", "graph", 3.0,
+        "Kernel scale", "graph", 3.0,
         "Residuals, in standard deviations, that are larger than this lose weight.", "", 0.5, 50.0, 0.5,
     )
     refinement: float = number(

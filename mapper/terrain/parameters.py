@@ -79,15 +79,15 @@ class PatchConfig:
     patch: float = number("patch", "patches", 1.0, "Side of a patch.", "m", 0.01, 100.0, 0.01)
     min_points: float = number("points", "patches", 3.0, "A patch with fewer points is unknown.", "", 3.0, 1000.0, 1.0)
     max_slope: float = number(
-        "greatest slope", "patches", 20.0, "Slope above which a patch is unsafe by itself.", "°", 1.0, 89.0, 1.0,
+        "maximum slope", "patches", 20.0, "Slope above which a patch is unsafe by itself.", "°", 1.0, 89.0, 1.0,
     )
     max_roughness: float = number(
-        "greatest roughness", "patches", 0.15,
+        "maximum roughness", "patches", 0.15,
         "Roughness, the RMS distance of the points from the plane, above which a patch is unsafe by itself.",
         "m", 0.001, 5.0, 0.001,
     )
     max_step: float = number(
-        "greatest step", "patches", 0.3,
+        "maximum step", "patches", 0.3,
         "Step to the plane of a neighbouring patch above which a patch is unsafe by itself.",
         "m", 0.001, 5.0, 0.001,
     )
@@ -108,14 +108,14 @@ class PatchConfig:
         ("weighted_sum", "thresholds"),
     )
     slope_weight: float = number(
-        "weight of the slope", "patches", 1.0, "Weight of slope / greatest slope in that sum.", "", 0.0, 1.0, 0.05,
+        "slope weight", "patches", 1.0, "Weight of slope / maximum slope in that sum.", "", 0.0, 1.0, 0.05,
     )
     roughness_weight: float = number(
-        "weight of the roughness", "patches", 1.0, "Weight of roughness / greatest roughness in that sum.",
+        "roughness weight", "patches", 1.0, "Weight of roughness / maximum roughness in that sum.",
         "", 0.0, 1.0, 0.05,
     )
     step_weight: float = number(
-        "weight of the step", "patches", 1.0, "Weight of step / greatest step in that sum.", "", 0.0, 1.0, 0.05,
+        "step weight", "patches", 1.0, "Weight of step / maximum step in that sum.", "", 0.0, 1.0, 0.05,
     )
     # fmt: on
 

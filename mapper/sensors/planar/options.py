@@ -48,11 +48,11 @@ class PlanarCut:
 
     # fmt: off
     min_height: float = _number(
-        "Lowest height", 0.0, _HEIGHTS, "m",
+        "Minimum height", 0.0, _HEIGHTS, "m",
         "Of a point cloud, points lower than this above the robot’s base frame are left out.",
     )
     max_height: float = _number(
-        "Greatest height", HIGHEST, _HEIGHTS, "m",
+        "Maximum height", HIGHEST, _HEIGHTS, "m",
         "Of a point cloud, points higher than this above the robot’s base frame are left out.",
     )
     angle_min: float = _number(

@@ -31,16 +31,17 @@ class VolumeConfig:
         "Miss", "volume", 0.4, "Occupancy probability of a voxel that a beam passes.", "", 0.01, 0.5, 0.01,
     )
     p_min: float = number(
-        "Least", "volume", 0.1192, "Least occupancy probability that a voxel reaches.", "", 0.001, 0.49, 0.001,
+        "Lower clamp", "volume", 0.1192, "Least occupancy probability that a voxel reaches.", "", 0.001, 0.49, 0.001,
     )
     p_max: float = number(
-        "Greatest", "volume", 0.971, "Greatest occupancy probability that a voxel reaches.", "", 0.51, 0.999, 0.001,
+        "Upper clamp", "volume", 0.971, "Greatest occupancy probability that a voxel reaches.", "", 0.51, 0.999, 0.001,
     )
     p_occupied: float = number(
-        "Occupied from", "volume", 0.5, "Occupancy probability from which a voxel is occupied.", "", 0.1, 0.95, 0.01,
+        "Occupancy threshold", "volume", 0.5, "Occupancy probability from which a voxel is occupied.",
+        "", 0.1, 0.95, 0.01,
     )
     range_max: float = number(
-        "Longest beam", "volume", 0.0, "Beams are cut here and mark free voxels only; 0 is no limit.",
+        "Maximum range", "volume", 0.0, "Beams are cut here and mark free voxels only; 0 is no limit.",
         "m", 0.0, 1000.0, 0.5,
     )
     discretise: bool = flag(

@@ -50,7 +50,7 @@ class TsdfConfig:
         "free, so that what is seen through goes away.",
     )
     range_max: float = number(
-        "Longest range", "tsdf", 0.0, "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5,
+        "Maximum range", "tsdf", 0.0, "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5,
     )
     # fmt: on
 

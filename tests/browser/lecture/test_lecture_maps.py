@@ -118,7 +118,7 @@ def test_near_the_sensor_a_scan_updates_cells_many_times(page: Page, server: str
     expect(per_beam).to_contain_text("ℓ = −2.00, p = 0.12, at the clamp")
     expect(per_scan).to_contain_text("ℓ = −0.40, p = 0.40")
     times = numbers(section.locator("figcaption b"))[0]
-    beams = section.get_by_role("slider", name="Beams of a scan", exact=True)
+    beams = section.get_by_role("slider", name="Beams per scan", exact=True)
     beams.focus()
     page.keyboard.press("End")
     assert numbers(section.locator("figcaption b"))[0] > 3 * times

@@ -121,7 +121,7 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
 
     section = open_section(page, server, "octree")
     expect(caption).to_contain_text("The low table is not in this plane")
-    section.get_by_role("slider", name="Height of the cut", exact=True).press("Home")
+    section.get_by_role("slider", name="Cut height", exact=True).press("Home")
     expect(caption).to_contain_text("The low table is cut")
     dense, tree, points = (section.locator("tbody tr").nth(i).locator("td").last for i in range(3))
     at_10_cm = [one.inner_text() for one in (dense, tree, points)]

@@ -54,7 +54,7 @@ def test_the_noise_of_the_odometry_smears_the_map_and_matching_does_not(page: Pa
     expect(caption.locator(".drift-matched")).not_to_have_text("…")  # all scans are matched
     raw, corrected = metres(caption, r"([\d.]+) m by odometry"), metres(caption, r"odometry, ([\d.]+) m corrected")
     assert corrected < 0.3 < raw
-    section.get_by_role("slider", name="Error of the heading").first.focus()
+    section.get_by_role("slider", name="Heading error").first.focus()
     for _ in range(4):
         page.keyboard.press("ArrowRight")
     until("more drift", lambda: metres(caption, r"([\d.]+) m by odometry") > raw)

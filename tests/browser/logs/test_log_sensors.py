@@ -111,8 +111,8 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     expect(cut).to_be_disabled()
     # Points of the floor and of the ceiling end beams near the robot.
     assert state_at(page, *behind) == "unknown"
-    settings.get_by_label("Lowest height").fill("0,3")
-    settings.get_by_label("Greatest height").fill("2")
+    settings.get_by_label("Minimum height").fill("0,3")
+    settings.get_by_label("Maximum height").fill("2")
     cut.click()
     until("the walls", lambda: page.evaluate(LOG)["cut"]["values"]["min_height"] == 0.3 and frame(page)["index"] == 6)
     assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "free")
@@ -123,7 +123,7 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     expect(settings.get_by_label("First bearing")).to_have_value("−45.00")
     # Behind the robot nothing is seen any more.
     assert (state_at(page, *ahead), state_at(page, *behind)) == ("free", "unknown")
-    settings.get_by_label("Greatest height").fill("0.2")
+    settings.get_by_label("Maximum height").fill("0.2")
     expect(settings).to_contain_text("The lowest height must be below the greatest.")
     expect(cut).to_be_disabled()
 

@@ -96,7 +96,7 @@ export function Counting({ beams, scans }: CountingProps) {
       </Plot>
       <div class="figure-controls no-print">
         <Slider
-          label="Beams of a scan"
+          label="Beams per scan"
           sentence="Number of beams in one scan, evenly spaced over 360°."
           {...bound(beams)}
           initial={180}

@@ -236,7 +236,7 @@ export function Springs() {
           }}
         />
         <Slider
-          label="Scale of the kernel"
+          label="Kernel scale"
           sentence="The residual at which a loop has lost a good part of its weight."
           {...bound(scale)}
           initial={SCALE}

@@ -49,7 +49,7 @@ export function SideView() {
               <path class="side-view-beam" d={`M${robot + 10} ${y(now)}H${end}`} />
               <circle class="side-view-end" cx={end} cy={y(now)} r={5} />
               <Handle
-                label="Height of the laser"
+                label="Laser height"
                 sentence="Moves the plane of the laser up or down."
                 axis="y"
                 tone="tone-beam"

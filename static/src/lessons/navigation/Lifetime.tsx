@@ -42,7 +42,7 @@ export function Lifetime() {
         }}
       />
       <Slider
-        label="Lifetime of an obstacle"
+        label="Obstacle lifetime"
         sentence="Seconds after which an obstacle that is not seen again is forgotten."
         {...bound(tableLifetime)}
         initial={LIVES}

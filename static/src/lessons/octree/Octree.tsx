@@ -85,7 +85,7 @@ export function Octree() {
           }}
         />
         <Slider
-          label="Height of the cut"
+          label="Cut height"
           sentence="Height above the floor at which the stage shows the leaves."
           {...bound(height)}
           initial={LASER}

@@ -95,7 +95,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
       </div>
       <div class="figure-controls no-print">
         <Slider
-          label="Error of the heading"
+          label="Heading error"
           sentence="Standard deviation for each metre driven; independent errors grow with the square root of the distance."
           value={Math.round((10 * turn) / DEGREE) / 10}
           initial={4}
@@ -106,7 +106,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
           onInput={(value) => set({ turn: value * DEGREE })}
         />
         <Slider
-          label="Error of the distance"
+          label="Distance error"
           sentence="Standard deviation for each metre driven, in percent."
           value={Math.round(100 * way)}
           initial={5}

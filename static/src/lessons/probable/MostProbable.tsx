@@ -137,7 +137,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
           }}
         />
         <Slider
-          label="Uncertainty of the odometry"
+          label="Odometry uncertainty"
           sentence="Standard deviation of the position by odometry."
           value={uncertainty.value.odometry}
           initial={UNCERTAINTY.odometry}
@@ -148,7 +148,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
           onInput={(odometry) => set({ odometry })}
         />
         <Slider
-          label="Uncertainty of a reading"
+          label="Measurement uncertainty"
           sentence="Standard deviation of the distance from an end point to the wall that it belongs to."
           value={uncertainty.value.reading}
           initial={UNCERTAINTY.reading}

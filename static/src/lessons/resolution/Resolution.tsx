@@ -42,7 +42,7 @@ export function Resolution() {
       </div>
       <div class="figure-controls no-print">
         <Slider
-          label="Noise of the ranges, σ"
+          label="Range noise σ"
           sentence="Standard deviation of the measured distances from which all three maps are made."
           value={sigma}
           initial={FIRST_NOISE}

@@ -91,14 +91,14 @@ export function Patch() {
       </div>
       <div class="figure-controls patch-limits">
         <Slider
-          label="Greatest safe slope"
+          label="Maximum safe slope"
           sentence="The slope at which a smooth patch is just safe."
           unit="°"
           {...bound(slope)}
           {...SLOPE}
         />
         <Slider
-          label="Greatest safe roughness"
+          label="Maximum safe roughness"
           sentence="The roughness at which a level patch is just safe."
           unit="m"
           {...bound(roughness)}

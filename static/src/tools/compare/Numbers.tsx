@@ -101,7 +101,7 @@ export function Numbers({ comparison, numbers, refused, onGo }: NumbersProps) {
               {share(numbers?.mean_difference, 3)}
             </td>
           </Row>
-          <Row title="Greatest difference" how={HOW.most}>
+          <Row title="Largest difference" how={HOW.most}>
             <td colSpan={2}>
               <button
                 type="button"

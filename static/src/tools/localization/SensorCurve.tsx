@@ -304,7 +304,7 @@ function fieldGrips(m: BeamMixture, reach: number, xs: Scale, ys: LogScale): rea
     },
     {
       name: "laser_likelihood_max_dist",
-      label: "Reach of the field",
+      label: "Likelihood field distance",
       sentence: "Larger distances from an end point to the nearest occupied cell count as this distance.",
       axis: "x",
       at: [toPixel(reach, xs), BOTTOM],

@@ -33,7 +33,7 @@ export function WindowSection(head: SectionHead) {
           </div>
           <div class="figure-controls no-print">
             <Slider
-              label="Noise of a range, σ"
+              label="Range noise σ"
               sentence="Standard deviation of the measured distance."
               {...bound(wallNoise)}
               initial={0.05}

@@ -60,7 +60,7 @@ export function OdometrySection(head: SectionHead) {
         So far every pose was given. Wheels slip, and the errors of odometry add up: after one lap the same wall is in
         several places. Here the heading is wrong by{" "}
         <DragNumber
-          label="Error of the heading"
+          label="Heading error"
           sentence="Standard deviation for each metre driven."
           value={Math.round((10 * turn) / DEGREE) / 10}
           text={`${Math.round((10 * turn) / DEGREE) / 10}°`}
@@ -74,7 +74,7 @@ export function OdometrySection(head: SectionHead) {
         />{" "}
         and the distance by{" "}
         <DragNumber
-          label="Error of the distance"
+          label="Distance error"
           sentence="Standard deviation for each metre driven."
           value={Math.round(100 * way)}
           text={`${Math.round(100 * way)} %`}

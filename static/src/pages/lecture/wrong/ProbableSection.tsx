@@ -87,7 +87,7 @@ export function ProbableSection(head: SectionHead) {
         The <b class="noun-beam">first factor</b> says how well the scan fits the map so far; each reading is uncertain
         by{" "}
         <DragNumber
-          label="Uncertainty of a reading"
+          label="Measurement uncertainty"
           sentence="Standard deviation of the distance from an end point to its wall."
           value={reading}
           unit="m"
@@ -102,7 +102,7 @@ export function ProbableSection(head: SectionHead) {
         />{" "}
         The <b class="noun-robot">second</b> says how well the pose fits the odometry u, which is uncertain by{" "}
         <DragNumber
-          label="Uncertainty of the odometry"
+          label="Odometry uncertainty"
           sentence="Standard deviation of the position by odometry."
           value={odometry}
           unit="m"

@@ -238,7 +238,7 @@ function Solving({ correction, graph }: { readonly correction: PoseCorrection; r
         onChange={(robust) => void correction.change({ robust })}
       />
       <Slider
-        label="Scale of the kernel"
+        label="Kernel scale"
         value={graph.robust_scale}
         initial={FIRST_SCALE}
         low={0.5}

@@ -69,7 +69,7 @@ export function LandscapePicture({
         class="landscape-picture"
         role="slider"
         tabIndex={0}
-        aria-label="Score of the poses around the loop"
+        aria-label="Scores of the poses around the loop"
         aria-valuenow={(mark ?? best).score}
         aria-valuemin={0}
         aria-valuemax={100}
