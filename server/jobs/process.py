@@ -146,9 +146,11 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
     """
     alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
     used = resource.getrusage(resource.RUSAGE_SELF)
+    given = resource.getrlimit(resource.RLIMIT_CPU)
     with contextlib.suppress(ValueError, OSError):
         last = math.ceil(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1  # whole seconds, as the kernel counts them
-        resource.setrlimit(resource.RLIMIT_CPU, (last, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+        resource.setrlimit(resource.RLIMIT_CPU, (last, given[1]))
+    handlers = {number: signal.getsignal(number) for number, _, _ in alarms}
     try:
         for number, timer, seconds in alarms:
             signal.signal(number, _out_of_time)
@@ -159,6 +161,11 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
     finally:
         for _, timer, _ in alarms:
             signal.setitimer(timer, 0.0)
+        # A process may do other work later, which the limit would end.
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_CPU, given)
 
 
 def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = READING, code: str = "log") -> T:
