@@ -41,7 +41,18 @@ test("a guess begins in the middle of its axis, also of a short one", () => {
 
 test("the error of a guess has no rounding errors", () => {
   const revealed = { ...GUESS, is_revealed: true, is_closed: true, answered: 1, counts: [1], right: 0.3 };
-  expect(status(shown(revealed, 0.35))).toBe("1 answered. Yours was 0.05 too high.");
+  expect(status(shown(revealed, 0.35))).toBe("1 answered. The result is 0.3. Yours was 0.05 too high.");
+});
+
+test("the verdict on an answer names the right one", () => {
+  const asked = { ...GUESS, axis: null, options: ["The first", "The ninth"], is_revealed: true, is_closed: true };
+  const revealed = { ...asked, answered: 2, counts: [1, 1], right: 1 };
+  expect(status(shown(revealed, 0))).toBe("2 answered. A is wrong; the answer is B: The ninth");
+  expect(status(shown(revealed, 1))).toBe("2 answered. B is right.");
+  expect(status(shown(revealed, null))).toBe("2 answered. The answer is B: The ninth");
+  expect(status(shown({ ...revealed, right: null }, 0)).trim()).toBe("2 answered.");
+  const guessed = { ...GUESS, is_revealed: true, is_closed: true, answered: 1, counts: [1], right: 0.3 };
+  expect(status(shown(guessed, null))).toBe("1 answered. The result is 0.3.");
 });
 
 test("who joined after the question is told where such answers are not counted", () => {

@@ -17,7 +17,9 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
       {question.is_revealed ? (
         <>
           <Histogram question={question} own={given} />
-          <p role="status">{verdict(question, given)}</p>
+          <p role="status">
+            {question.answered} answered. {answerHint(question, given, room)}
+          </p>
         </>
       ) : (
         <>
@@ -32,19 +34,6 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
       )}
     </section>
   );
-}
-
-function verdict(question: ClassQuestion, given: number | null): string {
-  const all = `${question.answered} answered.`;
-  if (question.right === null || given === null) return all;
-  if (question.axis) {
-    const off = Number((given - question.right).toPrecision(4)); // the difference of two decimals has rounding errors
-    const unit = question.axis.unit ? ` ${question.axis.unit}` : "";
-    return off === 0
-      ? `${all} Exactly right.`
-      : `${all} Yours was ${Math.abs(off)}${unit} too ${off > 0 ? "high" : "low"}.`;
-  }
-  return `${all} ${letterOf(given)} was ${given === question.right ? "right" : "not right"}.`;
 }
 
 interface OptionsProps {

@@ -38,17 +38,17 @@ export function CodeDialog({ isOpen }: { readonly isOpen: Signal<boolean> }) {
             <p class="class-code" role="img" aria-label={`Code ${[...found.code].join(" ")}`}>
               {found.code.slice(0, 3)} {found.code.slice(3)}
             </p>
-            {isLoopback(found.address) && (
-              <p class="class-unreachable" role="alert">
-                Only this computer reaches this address. For other devices, start the service with{" "}
-                <code>gridbloom serve --class</code>.
-              </p>
-            )}
             <p class="quiet">No account and no name. You see what the lecturer shows and can answer questions.</p>
             <Button kind="primary" onClick={close}>
               Close
             </Button>
           </div>
+          {isLoopback(found.address) && (
+            <p class="class-unreachable" role="alert">
+              Only this computer reaches this address. For other devices, start the service with{" "}
+              <code>gridbloom serve --class</code>.
+            </p>
+          )}
         </>
       )}
     </dialog>

@@ -2,15 +2,34 @@ import type { Classroom } from "../../store/classroom";
 import type { ClassQuestion } from "../../wire/protocol";
 import { letterOf } from "./histogram";
 
+const plain = (value: number): string => String(Number(value.toPrecision(6))); // differences have rounding errors
+
 function chosen({ options, axis }: ClassQuestion, given: number | null): string {
   if (given === null) return "You gave no answer.";
   if (options) return `You chose ${letterOf(given)}: ${options[given] ?? ""}`;
-  return `You answered ${Number(given.toPrecision(4))} ${axis?.unit ?? ""}`.trim();
+  return `You answered ${plain(given)} ${axis?.unit ?? ""}`.trim();
 }
 
-/** What a follower is told below a question that is asked, before its result is shown; empty after that. */
+/** Whether the answer was right, and what is right, where the question has a right answer. */
+function verdict({ options, axis, right }: ClassQuestion, given: number | null): string {
+  if (right === null) return "";
+  if (options) {
+    if (given === right) return `${letterOf(given)} is right.`;
+    const answer = `answer is ${letterOf(right)}: ${options[right] ?? ""}`;
+    return given === null ? `The ${answer}` : `${letterOf(given)} is wrong; the ${answer}`;
+  }
+  const unit = axis?.unit ? ` ${axis.unit}` : "";
+  const result = `The result is ${plain(right)}${unit}.`;
+  if (given === null) return result;
+  const off = Number(plain(given - right));
+  return off === 0
+    ? "Exactly right."
+    : `${result} Yours was ${plain(Math.abs(off))}${unit} too ${off > 0 ? "high" : "low"}.`;
+}
+
+/** What a follower is told below a question that is asked: how to answer it, or what is right after its reveal. */
 export function answerHint(question: ClassQuestion, given: number | null, room: Classroom | null): string {
-  if (question.is_revealed) return "";
+  if (question.is_revealed) return verdict(question, given);
   if (question.is_closed) return `Voting is closed. ${chosen(question, given)}`;
   const number = room?.welcome.value?.number ?? 0;
   if (number > (question.last_number ?? Number.POSITIVE_INFINITY))

@@ -92,6 +92,7 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
                     <Icon name="check" /> chosen
                   </>
                 )}{" "}
+                {bars[i]?.isRight && <b class="slide-option-right">right</b>}{" "}
                 {bars[i] && (
                   <>
                     <b class="number">{bars[i].count}</b>
