@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { type Classroom, questionInHeading } from "../../store/classroom";
 import { Button } from "../../ui/Button";
-import type { ClassAxis, ClassQuestion } from "../../wire/protocol";
+import type { ClassAxis } from "../../wire/protocol";
 import { answerHint } from "./answerHint";
 import { Histogram } from "./Histogram";
 import { letterOf } from "./histogram";
