@@ -208,7 +208,7 @@ def test_voting_closes_with_the_figure_and_the_speaker_alone_sees_counts_and_the
     question.get_by_role("button", name="Show the result").click()
     expect(question.get_by_role("status")).to_have_text("1 of 1 answered, the result is shown")
     expect(phone.get_by_text("✓ right")).to_be_visible()
-    expect(phone.get_by_text("B was not right.")).to_be_visible()
+    expect(phone.get_by_text("B is wrong; the answer is")).to_be_visible()
 
 
 def test_an_answer_that_comes_too_late_is_refused_and_the_counted_one_shown(

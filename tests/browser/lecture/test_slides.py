@@ -50,14 +50,14 @@ def test_a_slide_asks_then_lets_predict_then_shows_then_answers(page: Page, serv
     expect(page.get_by_role("heading", name="open door")).to_be_visible()
     expect(page.locator(".presenter-answer")).to_have_text("")
     page.keyboard.press("ArrowRight")
-    expect(page.locator(".presenter-answer")).to_contain_text("× A was not right. A wall")
+    expect(page.locator(".presenter-answer")).to_contain_text("× A is wrong, B is right. A wall")
     at(page, "?present#sonar/4")
     before = number(page)
     page.keyboard.press("ArrowRight")
     at(page, "?present#mount")
     assert number(page) == before + 1
     page.keyboard.press("PageUp")
-    expect(page.locator(".presenter-answer")).to_contain_text("was not right")
+    expect(page.locator(".presenter-answer")).to_contain_text("A is wrong")
 
 
 def test_pages_turn_whatever_has_the_focus(page: Page, server: str) -> None:
@@ -304,6 +304,20 @@ def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
     present(page, server, "#&deck=abc")
     expect(page.locator(".toast")).to_contain_text("incomplete or damaged")
     expect(page.locator(".title-map canvas")).to_be_visible()
+
+
+def test_the_lab_is_loaded_while_the_slide_before_it_is_shown(page: Page, server: str) -> None:
+    present(page, server, "#terrain/4")
+    frame = page.locator("iframe.slide-frame")
+    expect(frame).to_be_hidden()
+    inside = page.frame_locator("iframe.slide-frame")
+    expect(inside.locator("figure.profile")).to_be_attached()  # the last part of the page
+    frame.evaluate("frame => { frame.contentWindow.wasLoadedAhead = true; }")
+    page.keyboard.press("ArrowRight")
+    expect(frame).to_be_visible()
+    assert frame.evaluate("frame => frame.contentWindow.wasLoadedAhead") is True
+    page.keyboard.press("ArrowRight")
+    expect(frame).to_have_count(0)
 
 
 # --- what is on them -------------------------------------------------------------------------------------------------

@@ -23,8 +23,9 @@ import { distanceTo } from "../common/world";
 import { type Projection, projection, type Rect } from "./camera";
 import { ownCell, ownPoses, ownRobot } from "./controls";
 import { FLOOR, POLISHED, TABLE, WALLS } from "./floor";
+import { historyOf } from "./history";
 import { Marks, World } from "./Marks";
-import type { Scene, Shown } from "./scene";
+import { planOf, type Scene, type Shown } from "./scene";
 import { useCamera } from "./useCamera";
 import { useStageMap } from "./useStageMap";
 import "../common/lesson.css";
@@ -145,7 +146,11 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
     y: at.y,
     world: (px, py) => [...at.world(px, py)],
   };
-  const caption = now.caption(shown.value);
+  // While the map of another scene is computed the picture stays, and with it what is said of it.
+  const said = useRef({ caption: "", task: "" });
+  if (!said.current.caption || shown.value.history === historyOf(planOf(now)))
+    said.current = { caption: now.caption(shown.value), task: now.task };
+  const { caption, task } = said.current;
   return (
     <div class={`world-stage${still ? " still" : ""}`}>
       <div class="world-stage-box" ref={box}>
@@ -169,7 +174,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
       </div>
       <div class="world-stage-caption">
         <p>
-          {caption} <span class="no-print">{now.task}</span>
+          {caption} <span class="no-print">{task}</span>
         </p>
         {children}
       </div>

@@ -8,8 +8,9 @@ import { WorldStage } from "../../../lessons/stage/WorldStage";
 import { reducedMotion } from "../../../ui/browser/media";
 import { printing } from "../../../ui/browser/theme";
 import { act, canAct } from "./acts";
+import type { PageSlide, Slide } from "./deck/deck";
 import { listenToKeys } from "./keys";
-import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
+import { isPreview, paragraphsOf, place, presenting, slide, slides, stepped } from "./state";
 
 interface FormulaPart {
   readonly text: string;
@@ -140,26 +141,51 @@ function Framed({ address, title }: { address: string; title: string }) {
   return <iframe class="slide-frame" src={address} title={title} ref={frame} />;
 }
 
-/** The present slide, where it is none of the lecture's. */
-export function OwnSlide() {
-  const now = slide.value;
-  if (!presenting.value || !now || "section" in now) return null;
+interface PageSlideProps {
+  readonly of: PageSlide;
+  /** Whether it is the present slide; otherwise it is the next one, out of sight. */
+  readonly isNow: boolean;
+}
+
+/** A slide with a page of this service, which is loaded while the slide before it is shown: that takes a second. */
+function PageOfSlide({ of: { kind, title, address }, isNow }: PageSlideProps) {
   return (
-    <section class={`own-slide own-${now.kind} on-slide`} aria-label={now.title}>
-      {now.kind === "title" ? (
-        <TitleMap />
-      ) : now.kind === "text" ? (
-        <>
+    <section class={`own-slide own-${kind} ${isNow ? "on-slide" : "is-next"}`} aria-label={title} inert={!isNow}>
+      <Framed address={address} title={title} />
+    </section>
+  );
+}
+
+const isPage = (of: Slide): of is PageSlide => of.kind === "lab" || of.kind === "log";
+
+/** The present slide, where it is none of the lecture's, and the page that comes with the next one. */
+export function OwnSlide() {
+  if (!presenting.value) return null;
+  const now = slide.value;
+  const { index } = place.value;
+  const next = isPreview ? index : stepped(place.value, 1, true, slides.value).index;
+  return (
+    <>
+      {now?.kind === "title" && (
+        <section class="own-slide own-title on-slide" aria-label={now.title}>
+          <TitleMap />
+        </section>
+      )}
+      {now?.kind === "text" && (
+        <section class="own-slide own-text on-slide" aria-label={now.title}>
           <h2 class="visually-hidden">{now.title}</h2>
           <div class="own-text-page">
             {paragraphsOf(now.text).map((text, i) => (
               <Paragraph key={`${i} ${text}`} text={text} shown={i <= place.value.step} />
             ))}
           </div>
-        </>
-      ) : (
-        <Framed key={now.address} address={now.address} title={now.title} />
+        </section>
       )}
-    </section>
+      {slides.value.map((one, i) =>
+        isPage(one) && (i === index || i === next) ? (
+          <PageOfSlide key={`${i} ${one.address}`} of={one} isNow={i === index} />
+        ) : null,
+      )}
+    </>
   );
 }

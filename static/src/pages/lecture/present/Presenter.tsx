@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useLayoutEffect } from "preact/hooks";
 import { followedCode, questionInHeading } from "../../../store/classroom";
 import { ClassButton } from "../../../tools/classroom/ClassHost";
+import { letterOf } from "../../../tools/classroom/histogram";
 import { Button } from "../../../ui/Button";
 import { toast } from "../../../ui/Toast";
 import { act, canAct } from "./acts";
@@ -42,7 +43,8 @@ function Heading() {
   }, [heading]);
   if (!now) return null;
   const chosen = now.kind === "section" ? predicted.value[now.section] : undefined;
-  const isRight = chosen !== undefined && chosen === answerOf(now)?.right;
+  const answer = answerOf(now);
+  const isRight = chosen !== undefined && chosen === answer?.right;
   return (
     <div class="presenter-heading">
       <h1>{heading ?? titleOf(now)}</h1>
@@ -52,10 +54,11 @@ function Heading() {
             <>
               {chosen !== undefined && (
                 <b class={isRight ? "is-right" : "is-wrong"}>
-                  {isRight ? "✓" : "×"} {String.fromCharCode(65 + chosen)} was {isRight ? "right" : "not right"}.{" "}
+                  {isRight ? "✓" : "×"} {letterOf(chosen)} is {isRight ? "right" : "wrong"}
+                  {!isRight && answer?.right !== undefined && `, ${letterOf(answer.right)} is right`}.{" "}
                 </b>
               )}
-              {answerOf(now)?.answer}
+              {answer?.answer}
             </>
           )}
         </p>

@@ -48,7 +48,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["All of them", "Those in the perceptual field", "Those that were hit"],
   },
   sonar: {
-    question: "Echoes come from both jambs of an open door. What is mapped between them?",
+    question: "Both jambs of an open door echo. What is mapped between them?",
     options: ["An opening", "A wall", "Nothing: it stays unknown"],
   },
   "no-return": {

@@ -38,7 +38,7 @@ interface TextSlide extends Common {
 }
 
 /** A page of this service within the slide: the lab in some state, or the view of a log. */
-interface PageSlide extends Common {
+export interface PageSlide extends Common {
   readonly kind: "lab" | "log";
   readonly title: string;
   /** Path, query and fragment of the page. */
