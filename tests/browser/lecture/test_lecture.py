@@ -179,6 +179,7 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
         figures: document.querySelectorAll(".lesson:has(.lesson-figure figure)").length,
         canvases: canvases.length,
         light: canvases.filter(light).length,
+        unfinished: document.querySelectorAll(".drift [data-awaited], .matching [data-awaited]").length,
       };
     })""")
     open_lecture(page, server)
@@ -187,6 +188,7 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
     printed = page.evaluate("printed")
     assert printed["figures"] == page.locator(".lesson").count()
     assert printed["light"] == printed["canvases"] >= 14
+    assert printed["unfinished"] == 0  # also of figures that were never in view
     expect(page.locator("html")).not_to_have_attribute("data-theme", "light")
     # All that is seen once every figure is set up, with tables, captions, labels and formulas: few enough to be read.
     words = [word for word in page.locator("main").inner_text().split() if any(map(str.isalnum, word))]

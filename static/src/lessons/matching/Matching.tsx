@@ -6,6 +6,7 @@ import { written } from "../../ui/numbers";
 import { Toggle } from "../../ui/Toggle";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
+import { inSlices } from "../common/inSlices";
 import { Walls } from "../common/Scene";
 import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen } from "../common/useSteps";
@@ -28,14 +29,9 @@ import {
 import "./matching.css";
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { type Rgb, tokenRgb } from "../../style/colour";
-import { isDark } from "../../ui/browser/theme";
-import { whenIdle } from "../../ui/browser/whenIdle";
+import { isDark, printing } from "../../ui/browser/theme";
 import { type Pairs, type PointScan, placed } from "./model";
 import { FIELD, GEOMETRY, type Problem, problemIn, type RoomName } from "./world";
-
-/** Milliseconds without input before a slice of the work is done, and those that it may take. */
-const WAIT_MS = 16;
-const SLICE_MS = 12;
 
 const COUNT = STARTS.rows * STARTS.cols;
 /** Starts are computed in this order, so that the picture is coarse first: 331 and the number of starts are coprime. */
@@ -58,22 +54,18 @@ function useBasin(
   useSignalEffect(() => {
     const now = [problem.value, method.value, heading.value] as const;
     basin.value = { ends: new Uint8Array(COUNT), done: 0 };
-    if (!seen.value) return;
-    let stop = (): void => undefined;
-    const slice = (): void => {
-      const { ends, done } = basin.peek();
-      const next = ends.slice();
-      const until = performance.now() + SLICE_MS;
-      let count = done;
-      for (; count < COUNT && performance.now() < until; count++) {
-        const index = (count * STRIDE) % COUNT;
-        next[index] = endOf(...now, index);
-      }
-      basin.value = { ends: next, done: count };
-      if (count < COUNT) stop = whenIdle(WAIT_MS, slice);
+    const isPrinted = printing.value;
+    if (!seen.value && !isPrinted) return;
+    const ends = new Uint8Array(COUNT);
+    let done = 0;
+    const matchOne = (): boolean => {
+      const index = (done++ * STRIDE) % COUNT;
+      ends[index] = endOf(...now, index);
+      return done < COUNT;
     };
-    stop = whenIdle(WAIT_MS, slice);
-    return () => stop();
+    return inSlices(isPrinted, matchOne, () => {
+      basin.value = { ends: ends.slice(), done };
+    });
   });
   return basin;
 }
@@ -232,6 +224,7 @@ export function Matching() {
   const isSnapped = hand.value !== pose.value;
   const correlative = method.value === "correlative";
   const { ends, done } = basin.value;
+  const isComplete = done === COUNT;
   const correct = ends.reduce((sum, end) => sum + (end === TRUE_POSE ? 1 : 0), 0);
   const where = `x ${written(hand.value[0], 2)} m, y ${written(hand.value[1], 2)} m, ${isSnapped ? "snapped, " : ""}${written(100 * distance, 1)} cm from the true position`;
   return (
@@ -291,9 +284,9 @@ export function Matching() {
             )}
           </Stage>
           <p class="match-key number">
-            <span class="match-swatch found" /> true pose {percent(done > 0 ? correct / done : 0)}{" "}
+            <span class="match-swatch found" /> true pose{isComplete && ` ${percent(correct / COUNT)}`}{" "}
             <span class="match-swatch elsewhere" /> another
-            {done < ends.length && ` (${percent(done / ends.length)} done)`}
+            {!isComplete && <span data-awaited="">(the picture fills in)</span>}
           </p>
         </div>
       </div>

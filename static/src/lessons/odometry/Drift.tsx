@@ -2,10 +2,11 @@ import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/si
 import { useRef } from "preact/hooks";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { Button } from "../../ui/Button";
-import { whenIdle } from "../../ui/browser/whenIdle";
+import { printing } from "../../ui/browser/theme";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point, Pose } from "../../wire/protocol";
+import { inSlices } from "../common/inSlices";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";
 import { useSeen } from "../common/useSteps";
@@ -25,10 +26,6 @@ import "./odometry.css";
 
 const DEGREE = Math.PI / 180;
 
-/** Milliseconds without input before matching goes on, and those that a slice of it may take. */
-const WAIT_MS = 16;
-const SLICE_MS = 10;
-
 const NONE: readonly Pose[] = TRUTH.slice(0, 1);
 
 /** A drive mapped along the poses of noisy odometry, and along poses that scan matching corrects. */
@@ -43,18 +40,17 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
 
   useSignalEffect(() => {
     const size = noise.value;
-    if (!seen.value) return;
-    let stop = (): void => undefined;
+    const isPrinted = printing.value;
+    if (!seen.value && !isPrinted) return;
     let poses = NONE;
-    const slice = (): void => {
-      const until = performance.now() + SLICE_MS;
-      while (poses.length < TRUTH.length && performance.now() < until) poses = [...poses, corrected(poses, size)];
-      matched.value = poses;
-      if (poses.length < TRUTH.length) stop = whenIdle(WAIT_MS, slice);
-      else matchedMap.value = mapAlong(poses);
+    const match = (): boolean => {
+      poses = [...poses, corrected(poses, size)];
+      return poses.length < TRUTH.length;
     };
-    stop = whenIdle(WAIT_MS, slice);
-    return () => stop();
+    return inSlices(isPrinted, match, () => {
+      matched.value = poses;
+      if (poses.length === TRUTH.length) matchedMap.value = mapAlong(poses);
+    });
   });
 
   const set = (change: Partial<Noise>): void => {
@@ -127,7 +123,9 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
       <figcaption class="number">
         Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. RMS error of
         the poses: <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
-        <b class="drift-matched awaited-number">{isDone ? `${written(errorOf(matched.value), 2)} m` : "…"}</b>{" "}
+        <b class="drift-matched awaited-number" data-awaited={isDone ? undefined : ""}>
+          {isDone ? `${written(errorOf(matched.value), 2)} m` : "…"}
+        </b>{" "}
         corrected.
       </figcaption>
     </figure>
