@@ -82,7 +82,7 @@ _ROWS = (
            "grid_origin", _spoiled("hall", 15, 300, "grid_origin")),
     Recipe("visitors", 2, "Open day", "The robot was shown to guests while it mapped the office.",
            "people", _spoiled("office", 12, 400, "people")),
-    Recipe("leak", 2, "Free space outside", "A corridor with a new floor. On the map one can leave it anywhere.",
+    Recipe("leak", 2, "Free space outside", "A corridor with a new floor. On the map its walls have gaps.",
            "polished", _polished),
     Recipe("offset", 3, "Two of each corner", "The sensor was moved for cleaning, and put back by eye.",
            "mount_x", _spoiled("room", 13, 250, "mount_x")),

@@ -38,7 +38,7 @@ POINTS = {
     "matching": r"end points lie on the walls",
     "graph": r"each wall is drawn once",
     "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
-    "particles": r"4,000 poses, .* worth \d+ of equal weight",
+    "particles": r"4,000 poses, .* effective number is \d+:",
     "sensor-models": r"Here log q = −52\.\d, at the ring log q = −19",
     "kidnapping": r"carried away 4 scans ago\. 0 % of the belief",
     "layers": r"Under the cross: cost 1\d\d\.",

@@ -70,7 +70,7 @@ export const particlesScene = (): Scene =>
     },
     drawing: ScanningRobot,
     caption: () =>
-      `${weighed.value.poses.length.toLocaleString("en")} poses, weighted by one scan of ${weighed.value.points.length} beams (size: weight), worth ${written(effectiveNumber(weighed.value.weights), 0)} of equal weight: several places fit so few beams.`,
+      `${weighed.value.poses.length.toLocaleString("en")} poses, weighted by one scan of ${weighed.value.points.length} beams (size: weight). Their effective number is ${written(effectiveNumber(weighed.value.weights), 0)}: so few beams fit several places.`,
     task: "Drag the robot.",
   });
 

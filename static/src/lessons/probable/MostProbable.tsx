@@ -125,7 +125,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
         <span>
           <span class="probable-swatch product" /> their product
         </span>
-        <span>(each relative to its greatest value)</span>
+        <span>(each scaled to a maximum of 1)</span>
       </p>
       <div class="figure-controls no-print">
         <Choice

@@ -41,7 +41,7 @@ export const sonarMethod = onPath<"sonar_cone" | "moravec_elfes">("sonar_cone");
 /** Counting: the beams of a scan, and how they update a cell. */
 export const countingBeams = onPath(180);
 export const countingUpdate = onPath<"per_beam" | "per_scan">("per_beam");
-/** Scans of the drive after the cupboard was removed. */
+/** Scans of the drive after the table was removed. */
 export const scansAfter = onPath(4);
 /** Height of the laser's plane, metres. */
 export const laserHeight = onPath(0.45);

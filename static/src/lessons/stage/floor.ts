@@ -23,7 +23,7 @@ export const WALLS: readonly Wall[] = [
   ...box(9.535, 1.535, 9.835, 1.835),
 ];
 
-/** A cupboard that is taken away half way. */
+/** A table that is taken away half way. */
 export const TABLE: readonly Wall[] = box(8.735, 4.935, 9.735, 5.635);
 
 /** A low table: a solid block below the plane of the laser, where that is mounted at its usual height. */

@@ -39,7 +39,7 @@ import { rangeAt, SONAR_REACH, USUAL } from "./sensing";
 import { lookOfWall, STRETCH } from "./wall";
 
 const DEGREE = Math.PI / 180;
-/** Scan at which the cupboard is taken away. */
+/** Scan at which the table is taken away. */
 const REMOVED = 62;
 
 /** Everything that is really there. */
@@ -262,7 +262,7 @@ export const SCENES = {
       conditions: { tableUntil: REMOVED },
       marks: ["beams"],
       caption: (now) =>
-        `The cupboard was taken away ${plural(scansAfter.value, "scan")} ago, and the map still shows ${scansAfter.value > 12 ? "what is left of it" : "it"}. ${cellInWords(now)}`,
+        `The table was taken away ${plural(scansAfter.value, "scan")} ago, and the map still shows ${scansAfter.value > 12 ? "what is left of it" : "it"}. ${cellInWords(now)}`,
     }),
   counting: () =>
     scene({

@@ -21,7 +21,7 @@ export interface Conditions {
   /** The south wall is polished: a beam that meets it more than 30° off its normal does not come back. */
   readonly polished: boolean;
   readonly people: boolean;
-  /** Scan from which the cupboard is gone. */
+  /** Scan from which the table is gone. */
   readonly tableUntil: number;
   /** The laser's plane cuts the low table. */
   readonly lowTable: boolean;

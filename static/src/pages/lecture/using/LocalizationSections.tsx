@@ -25,14 +25,14 @@ export function ParticlesSection(head: SectionHead) {
             resampling can be left out.
           </p>
           <p>
-            How many particles does a belief need? The more places it covers, the more: <b>KLD sampling</b> counts the
-            bins with a particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is
-            below ε with probability 99 % if q = 2.33, the quantile of the normal distribution.
+            How many particles? The more places the belief covers, the more: <b>KLD sampling</b> counts the bins with a
+            particle in them. With M particles for B bins the Kullback-Leibler distance to the belief is below ε with
+            probability 99 % if q = 2.33, the quantile of the normal distribution.
           </p>
           <KldNumber />
           <p>
-            In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is this quantile itself, so its default of 0.99 means 84
-            %: 296 particles for 24 bins and ε = 0.05, where 99 % needs 417. <span class="no-print">Drag ε and q.</span>
+            In AMCL, Nav2’s localization, pf_z (kld_z in ROS 1) is q itself: its default of 0.99 means 84 %, here 296
+            particles in place of 417. <span class="no-print">Drag ε and q.</span>
           </p>
           <LaterMore id="particles" />
         </>

@@ -21,8 +21,8 @@ export function ForgettingSection(head: SectionHead) {
           <Forgetting seen={seen} clamp={clamp} />
           <div class="for-stage no-print">
             <Slider
-              label="On the stage: scans since the cupboard was removed"
-              sentence="How many scans the robot of the stage has taken since the cupboard was removed."
+              label="On the stage: scans since the table was removed"
+              sentence="How many scans the robot of the stage has taken since the table was removed."
               {...bound(scansAfter)}
               initial={4}
               low={0}

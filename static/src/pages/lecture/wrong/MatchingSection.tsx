@@ -11,8 +11,7 @@ const REALIZATIONS: readonly {
   {
     name: "ICP",
     sketch: "icp",
-    sentence:
-      "Iterative closest point: pair each point with the nearest one, move the scan so that the pairs fit, and repeat.",
+    sentence: "Pairs of nearest points, again and again, as in the figure.",
   },
   {
     name: "Scan to scan",
@@ -55,10 +54,9 @@ export function MatchingSection(head: SectionHead) {
       after={
         <>
           <p>
-            The <b class="noun-beam">colour</b> is the score of every position at the current heading; segments join
-            each point to the nearest one. <b>Point to point</b> makes them short; <b>point to line</b> only their part
-            across the wall, so a scan slides along it. Both need a start in the <b class="noun-miss">blue</b> part of
-            the second picture. The <b>correlative</b> method tries every pose of its window.
+            The <b class="noun-beam">colour</b> is the score of every position at the current heading. ICP needs a start
+            in the <b class="noun-miss">blue</b> part of the second picture. The <b>correlative</b> method tries every
+            pose of its window.
           </p>
           <p>
             In the corridor any pose along the walls fits; in the symmetric room two fit equally. A moved table shifts
@@ -82,7 +80,10 @@ export function MatchingSection(head: SectionHead) {
       }
     >
       <p>
-        To correct a pose, the scan is aligned with another scan or with the map.{" "}
+        To correct a pose, the scan is aligned with another scan or with the map. <b>ICP</b> (iterative closest point)
+        pairs each point with the nearest one, moves the scan so that the pairs fit, and repeats. Segments in the figure
+        join the pairs: <b>point to point</b> makes them short, <b>point to line</b> only their part across the wall, so
+        a scan slides along it.{" "}
         <span class="no-print">
           Drag the <b class="noun-robot">scan</b> until it snaps; the outer handle turns it.
         </span>
