@@ -1,5 +1,5 @@
-import { computed, type ReadonlySignal, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
-import { useMemo, useRef } from "preact/hooks";
+import { computed, effect, type ReadonlySignal, type Signal, useComputed, useSignal } from "@preact/signals";
+import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
@@ -51,22 +51,27 @@ function useBasin(
   seen: ReadonlySignal<boolean>,
 ): Signal<Basin> {
   const basin = useSignal<Basin>({ ends: new Uint8Array(COUNT), done: 0 });
-  useSignalEffect(() => {
-    const now = [problem.value, method.value, heading.value] as const;
-    basin.value = { ends: new Uint8Array(COUNT), done: 0 };
-    const isPrinted = printing.value;
-    if (!seen.value && !isPrinted) return;
-    const ends = new Uint8Array(COUNT);
-    let done = 0;
-    const matchOne = (): boolean => {
-      const index = (done++ * STRIDE) % COUNT;
-      ends[index] = endOf(...now, index);
-      return done < COUNT;
-    };
-    return inSlices(isPrinted, matchOne, () => {
-      basin.value = { ends: ends.slice(), done };
-    });
-  });
+  // In a layout effect: a figure that is rendered to be printed is painted before other effects.
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        const now = [problem.value, method.value, heading.value] as const;
+        basin.value = { ends: new Uint8Array(COUNT), done: 0 };
+        const isPrinted = printing.value;
+        if (!seen.value && !isPrinted) return;
+        const ends = new Uint8Array(COUNT);
+        let done = 0;
+        const matchOne = (): boolean => {
+          const index = (done++ * STRIDE) % COUNT;
+          ends[index] = endOf(...now, index);
+          return done < COUNT;
+        };
+        return inSlices(isPrinted, matchOne, () => {
+          basin.value = { ends: ends.slice(), done };
+        });
+      }),
+    [],
+  );
   return basin;
 }
 

@@ -1,5 +1,5 @@
-import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { effect, type Signal, useComputed, useSignal } from "@preact/signals";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { Button } from "../../ui/Button";
 import { printing } from "../../ui/browser/theme";
@@ -38,20 +38,25 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
   const matched = useSignal<readonly Pose[]>(NONE);
   const matchedMap = useSignal<OccupancyGrid>(mapAlong(NONE));
 
-  useSignalEffect(() => {
-    const size = noise.value;
-    const isPrinted = printing.value;
-    if (!seen.value && !isPrinted) return;
-    let poses = NONE;
-    const match = (): boolean => {
-      poses = [...poses, corrected(poses, size)];
-      return poses.length < TRUTH.length;
-    };
-    return inSlices(isPrinted, match, () => {
-      matched.value = poses;
-      if (poses.length === TRUTH.length) matchedMap.value = mapAlong(poses);
-    });
-  });
+  // In a layout effect: a figure that is rendered to be printed is painted before other effects.
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        const size = noise.value;
+        const isPrinted = printing.value;
+        if (!seen.value && !isPrinted) return;
+        let poses = NONE;
+        const match = (): boolean => {
+          poses = [...poses, corrected(poses, size)];
+          return poses.length < TRUTH.length;
+        };
+        return inSlices(isPrinted, match, () => {
+          matched.value = poses;
+          if (poses.length === TRUTH.length) matchedMap.value = mapAlong(poses);
+        });
+      }),
+    [],
+  );
 
   const set = (change: Partial<Noise>): void => {
     noise.value = { ...noise.peek(), ...change };
