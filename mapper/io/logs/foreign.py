@@ -177,18 +177,24 @@ def trajectory_format(head: bytes) -> str | None:
     ``head`` is the beginning of the file; of its last line, which may be cut, nothing is read.
     """
     lines = [line for line in head.split(b"\n")[:-1] if line.strip() and not line.lstrip().startswith(b"#")]
+    if len(lines) > 1 and not re.search(rb"\d", lines[0]):  # the names of the columns
+        lines = lines[1:]
     found = {_format_of_pose(line) for line in lines[:POSE_LINES]}
+    if found == {"TUM"}:  # and not points with a normal, whose length is 1 as well
+        times = [float(re.split(rb"[,\s]", line.strip(), maxsplit=1)[0]) for line in lines[:POSE_LINES]]
+        return "TUM" if times == sorted(times) else None
     return found.pop() if len(found) == 1 else None
 
 
 def _format_of_pose(line: bytes) -> str | None:
     """Return the format of a line with one pose, None of another line.
 
-    A TUM file has eight numbers, the last four a unit quaternion; KITTI's the first three rows of a matrix; EuRoC's and
-    NCLT's begin with nanoseconds and microseconds and have commas: a quaternion from the fifth number on, or three
-    angles at the end.
+    A TUM file has eight numbers, the last four a unit quaternion, with blanks or commas between them; KITTI's the first
+    three rows of a matrix; EuRoC's and NCLT's begin with nanoseconds and microseconds and have commas: a quaternion
+    from the fifth number on, or three angles at the end.
     """
     has_commas = b"," in line
+    line = line.rstrip(b", \r")
     try:
         numbers = [float(word) for word in (line.split(b",") if has_commas else line.split())]
     except ValueError:
@@ -196,7 +202,8 @@ def _format_of_pose(line: bytes) -> str | None:
     if has_commas:
         if len(numbers) >= 8 and numbers[0] > 1e17 and _is_unit(numbers[4:8]):
             return "EuRoC"
-        return "NCLT" if len(numbers) == 7 and 1e14 < numbers[0] < 1e17 else None
+        if len(numbers) == 7 and 1e14 < numbers[0] < 1e17:
+            return "NCLT"
     if len(numbers) == 8 and _is_unit(numbers[4:]):
         return "TUM"
     axes = numbers[0:3], numbers[4:7], numbers[8:11]

@@ -1,8 +1,14 @@
-"""The lines of numbers that trajectories and relations are: as many on each, blanks between, ``#`` before remarks."""
+"""The lines of numbers that trajectories and relations are: as many on each, with remarks after ``#``.
+
+As programs write it, blanks stand between the values; tables have commas, semicolons or tabs there, and in some
+countries decimal commas. The first line of numbers tells which of them a file has.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 
 from mapper.core.errors import ReadError
@@ -12,32 +18,101 @@ from mapper.io.logs.foreign import TRAJECTORIES, trajectory_format
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.lines import TextLines
 
+_UNIT = re.compile(r"\s*[\[(](?:s|sec|ns|m|)[\])]$|\s*_(?:s|ns|m)$")  #: after the name of a column
 
-def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tuple[int, list[str]]]:
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """What separates the values of a line, None blanks, and whether their decimals follow a comma."""
+
+    separator: str | None
+    has_decimal_commas: bool
+
+    @classmethod
+    def of(cls, line: str, wanted: int) -> _Layout:
+        """Return the layout by a line of numbers, in which at least ``wanted`` values are expected."""
+        if ";" in line:
+            return cls(";", "," in line)
+        words = line.split()
+        if "," in line and len(words) >= wanted and not any(re.search(",.*,|,$", word) for word in words):
+            return cls(None, has_decimal_commas=True)
+        return cls("," if "," in line else None, has_decimal_commas=False)
+
+    def split(self, line: str) -> list[str]:
+        tokens = line.split() if self.separator is None else line.rstrip(self.separator).split(self.separator)
+        tokens = [token.strip(' \t"') for token in tokens]
+        return [token.replace(",", ".", 1) for token in tokens] if self.has_decimal_commas else tokens
+
+
+def rows(
+    path: Source, limits: Limits, kind: str, columns: str, synonyms: Mapping[str, str] | None = None
+) -> Iterator[tuple[int, list[str]]]:
     """Yield the number and the tokens of each line of the file at ``path``, plain or packed.
 
-    ``columns`` names the values of a line, one word each, and ``kind`` says whose line it is, for the errors. Raises
-    :class:`ReadError`, naming the line, for another number of values, for packed data that is damaged and for a file
-    that cannot be opened, and :class:`LimitError`.
+    ``columns`` names the values of a line, one word each, and ``kind`` says whose line it is, for the errors. A line
+    before the numbers that names all columns, as a remark or not, by these words or ``synonyms`` of them, may have them
+    in another order, and others among them. Raises :class:`ReadError`, naming the line, for another number of values,
+    for packed data that is damaged and for a file that cannot be opened, and :class:`LimitError`.
     """
     lines = TextLines(path, limits)
-    wanted = len(columns.split())
+    wanted = columns.split()
+    order, n_values = list(range(len(wanted))), len(wanted)
+    layout: _Layout | None = None
     for number, text in lines:
-        tokens = text.decode("latin-1").split()
-        if not tokens or tokens[0].startswith("#") or (number == 1 and tokens == columns.split()):
+        said = text.decode("latin-1").strip()
+        if layout is None:
+            named = _columns_named(said, wanted, synonyms or {})
+            if named is not None:
+                order, n_values = named
+                continue
+        if not said or said.startswith("#"):
             continue
-        if len(tokens) != wanted:
-            other = trajectory_format(text + b"\n")
-            has = f"has {len(tokens)} value{'s' if len(tokens) != 1 else ''}"
-            if b"," in text or b";" in text:
-                has = "has commas or semicolons between its values"
-            why = "" if other is None else f" It is of a trajectory in the format {other}. {TRAJECTORIES[other]}"
-            raise ReadError(
-                "trajectory.columns", f"Line {number} {has}, but a {kind} line has {wanted}: {columns}.{why}"
-            )
-        yield number, tokens
+        layout = layout or _Layout.of(said, n_values)
+        tokens = layout.split(said)
+        if len(tokens) != n_values:
+            raise ReadError("trajectory.columns", f"Line {number} {_why_not(tokens, text, kind, n_values, columns)}")
+        if layout.separator == "," and order == list(range(n_values)):
+            _refuse_other_format(number, text, kind)
+        yield number, [tokens[column] for column in order]
     if lines.broken is not None:
         raise ReadError("trajectory.truncated", f"{lines.broken}, after line {lines.number}.")
+
+
+def _columns_named(line: str, wanted: Sequence[str], synonyms: Mapping[str, str]) -> tuple[list[int], int] | None:
+    """Return where the wanted columns stand in a line that names them all, and how many it names; None of others."""
+    line = line.lstrip("#% ")
+    separator = next((sign for sign in ",;\t" if sign in line), None)
+    names = [_UNIT.sub("", name.strip(' "').lower()) for name in line.split(separator)]
+    names = [synonyms.get(name, name) for name in names]
+    if any(names.count(column) != 1 for column in wanted):
+        return None
+    return [names.index(column) for column in wanted], len(names)
+
+
+def _why_not(tokens: Sequence[str], text: bytes, kind: str, n_values: int, columns: str) -> str:
+    """Return what a line has that has not ``n_values`` values."""
+    has = f"has {len(tokens)} value{'s' if len(tokens) != 1 else ''}"
+    if len(tokens) <= 1 or any("," in token or ";" in token for token in tokens):
+        has = "has commas or semicolons between its values" if b"," in text or b";" in text else has
+    if n_values != len(columns.split()):
+        return f"{has}, but the line with the names of the columns has {n_values}."
+    other = trajectory_format(text + b"\n")
+    why = ""
+    if other is not None and other != kind:
+        why = f" It is of a trajectory in the format {other}. {TRAJECTORIES[other]}"
+    if len(tokens) == n_values - 1:
+        why = f" If the {columns.split()[0]} is missing, write it before the others."
+    return f"{has}, but a {kind} line has {n_values}: {columns}.{why}"
+
+
+def _refuse_other_format(number: int, text: bytes, kind: str) -> None:
+    """Raise :class:`ReadError` for a line with as many values that is of another format of trajectories."""
+    other = trajectory_format(text + b"\n")
+    if other is not None and other != kind:
+        raise ReadError(
+            "trajectory.columns",
+            f"Line {number} is of a trajectory in the format {other}, not of {kind}. {TRAJECTORIES[other]}",
+        )
 
 
 def stamp_ns(token: str, line: int, kind: str, per_second: float = 1.0) -> int:

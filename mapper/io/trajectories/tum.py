@@ -1,7 +1,8 @@
 """Trajectories in the format of the TUM RGB-D benchmark, which evo and many SLAM programs write.
 
 Source: the benchmark's file formats: ``timestamp tx ty tz qx qy qz qw``, seconds, metres, a unit quaternion; lines that
-begin with ``#`` are remarks. :func:`mapper.io.export.tum_lines` writes it.
+begin with ``#`` are remarks. :func:`mapper.io.export.tum_lines` writes it. Tables with commas, semicolons or tabs are
+read too; a line with the names of the columns says their order.
 """
 
 from __future__ import annotations
@@ -23,6 +24,30 @@ from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, o
 from mapper.sensors.timed_poses import TimedPoses
 
 COLUMNS = "timestamp tx ty tz qx qy qz qw"
+#: Names of the columns in tables, in small letters → those of the format.
+SYNONYMS = {
+    **dict.fromkeys(("time", "t", "stamp", "seconds", "sec", "secs"), "timestamp"),
+    **{
+        form.format(axis): f"t{axis}"
+        for axis in "xyz"
+        for form in (
+            "{}",
+            "p{}",
+            "p_{}",
+            "pos_{}",
+            "position_{}",
+            "pos.{}",
+            "position.{}",
+            "translation_{}",
+            "p_rs_r_{}",
+        )
+    },
+    **{
+        form.format(part): f"q{part}"
+        for part in "xyzw"
+        for form in ("q_{}", "quat_{}", "rot_{}", "orientation_{}", "orientation.{}", "rotation_{}", "q_rs_{}")
+    },
+}
 NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1: files have as few as two digits
 FLAT_M, FLAT_RAD = 0.05, math.radians(3.0)  #: heights and tilts that differ by less are a planar trajectory's
 
@@ -54,7 +79,7 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
     """
     stamps, values = array("q"), array("d")
     per_second, notes = 1.0, list[str]()
-    for line, tokens in rows(path, limits, "TUM", COLUMNS):
+    for line, tokens in rows(path, limits, "TUM", COLUMNS, SYNONYMS):
         if not stamps:
             per_second, notes = fields.time_unit(tokens[0], line, "TUM")
         stamps.append(stamp_ns(tokens[0], line, "TUM", per_second))

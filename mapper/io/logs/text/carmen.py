@@ -97,6 +97,7 @@ class CarmenReader:
         self.odometry = _Messages()
         self.truth = _Messages()
         self.parameters: dict[str, float] = {}
+        self._not_stated: dict[str, str] = {}  #: parameters that cannot be as a line states them → a note
         self.ignored: Counter[str] = Counter()
         self._offset = NO_OFFSET  #: of poses that are georeferenced
         self._is_far: dict[str, bool] = {}  #: of whose poses → whether they are
@@ -238,7 +239,13 @@ class CarmenReader:
             return
         (value,) = fields.numbers(tokens[2:3], line, "PARAM")
         name, unit = _PARAMETERS[tokens[1]]
-        if not abs(value) <= 1000.0 or (name.endswith(("_max", "_fov", "_resolution")) and value <= 0.0):
+        if name.endswith(("_max", "_fov", "_resolution")) and value <= 0.0:
+            # As robots without such a laser have it, and simulators without a limit.
+            self._not_stated[name] = (
+                f"PARAM {tokens[1]} is {value:g} {unit}, which no laser has: it counts as not stated."
+            )
+            return
+        if not abs(value) <= 1000.0:
             raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} {unit}.")
         self.parameters[name] = value
 
@@ -249,6 +256,7 @@ class CarmenReader:
         """
         word = self._chosen(topic)
         sensor = self.sensors[word]
+        notes += [note for parameter, note in self._not_stated.items() if parameter.startswith(_side_of(word))]
         for other, stack in self.sensors.items():
             if other != word:
                 notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
@@ -365,8 +373,7 @@ class CarmenReader:
         return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
 
     def _parameter(self, word: str, which: str) -> float | None:
-        side = "front" if word in FRONT else "rear" if word in REAR else "other"
-        return self.parameters.get(f"{side}_{which}")
+        return self.parameters.get(f"{_side_of(word)}_{which}")
 
     def _beams(self, word: str, kind: int) -> Beams:
         """Return the beams of some of a sensor's scans: as they are stated, or else by their number and the parameters.
@@ -483,6 +490,11 @@ _PARAMETERS = {
         for which in ("fov", "resolution")
     },
 }
+
+
+def _side_of(word: str) -> str:
+    """Return where the laser of lines ``word`` is, by the names of its parameters."""
+    return "front" if word in FRONT else "rear" if word in REAR else "other"
 
 
 def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:

@@ -17,7 +17,8 @@ as those of a recording are (:mod:`mapper.io.logs.grouping.scan_groups`). ``moun
 say where it sits on the robot, and ``time_increment`` the seconds from one beam to the next of a scan that is stamped
 at its first. Then the line ``stamp,x,y,theta,ranges``, and a line for each scan: its time in seconds (since 1970 also
 in milli-, micro- or nanoseconds), the robot's pose in metres and radians, and as many ranges in metres as there are
-beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
+beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks. A name
+may end in another unit, as ``range_max_mm``, ``theta_deg``, ``stamp [ms]`` or ``ranges (cm)``: then it counts.
 
 As spreadsheets of other countries save it, semicolons or tabs may stand for the commas, and then commas for the decimal
 points; fields may be in quotation marks.
@@ -60,6 +61,25 @@ INITIAL = {
     "mount_yaw": 0.0,
     "time_increment": 0.0,
 }
+#: Units that may follow a name, and how many of the format's, metres, radians and seconds, are one.
+_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_ANGLES = {"rad": 1.0, "deg": math.radians(1.0)}
+_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_UNITS = {
+    **dict.fromkeys(("angle_min", "angle_increment", "mount_yaw", "theta"), _ANGLES),
+    **dict.fromkeys(("range_min", "range_max", "mount_x", "mount_y", "x", "y", "ranges"), _LENGTHS),
+    **dict.fromkeys(("time_increment", "stamp"), _TIMES),
+}
+_NAME = re.compile(r"(.+?)(?:_([a-z]+)| ?[\[(]([a-z]+)[\])])")
+
+
+def _with_unit(word: str) -> tuple[str, float]:
+    """Return a name of the format, and how many of its unit are one of the unit in ``word``; 1 where it states none."""
+    found = _NAME.fullmatch(word)
+    if word in _UNITS or found is None:
+        return word, 1.0
+    per_unit = _UNITS.get(found[1], {}).get(found[2] or found[3])
+    return (word, 1.0) if per_unit is None else (found[1], per_unit)
 
 
 def is_csv_scans(head: bytes) -> bool:
@@ -67,7 +87,7 @@ def is_csv_scans(head: bytes) -> bool:
     lines = (line.strip() for line in head.split(b"\n"))
     first = next((line for line in lines if line and not _is_remark(line)), b"").decode("latin-1")
     separator = _separator(first)
-    return separator is not None and _fields(first, separator)[0] in {*NEEDED, *INITIAL}
+    return separator is not None and _with_unit(_fields(first, separator)[0])[0] in {*NEEDED, *INITIAL}
 
 
 def _is_remark(line: bytes) -> bool:
@@ -96,7 +116,9 @@ class _Reader:
         self.notes: list[str] = []
         self._in_rows = False
         self._separator: str | None = None
-        self._per_second = 1.0  #: of the unit of the times
+        self._per_second: float | None = None  #: of the unit of the times, once it is known
+        self._per_unit = {"x": 1.0, "y": 1.0, "theta": 1.0, "ranges": 1.0}  #: metres, radians
+        self._converted: list[str] = []  #: names that state another unit
         self._decimal = ""  #: what stands before the decimals, once a number has told it
         self._first: list[float] | None = None  #: the first scan's pose
 
@@ -111,12 +133,18 @@ class _Reader:
             return
         if self._in_rows:
             self._take_scan(tokens, line)
-        elif tuple(tokens[:4]) == COLUMNS:
+            return
+        name, per_unit = _with_unit(tokens[0])
+        if tuple(_with_unit(token)[0] for token in tokens[:4]) == COLUMNS:
+            self._take_columns(tokens)
             self._begin_rows(line)
-        elif tokens[0] in NEEDED or tokens[0] in INITIAL:
+        elif name in NEEDED or name in INITIAL:
             if len(tokens) < 2 or any(tokens[2:]):
                 raise ReadError("log.header", f"Line {line}: {tokens[0]} needs one value, as in {tokens[0]},0.5.")
-            (self.values[tokens[0]],) = fields.numbers(self._with_points(tokens[1:2], line, tokens[0]), line, tokens[0])
+            (value,) = fields.numbers(self._with_points(tokens[1:2], line, tokens[0]), line, tokens[0])
+            self.values[name] = value * per_unit
+            if per_unit != 1.0:
+                self._converted.append(tokens[0])
         else:
             raise ReadError(
                 "log.header",
@@ -142,6 +170,20 @@ class _Reader:
                 )
         return found
 
+    def _take_columns(self, tokens: list[str]) -> None:
+        """Take the units that the names of the columns state."""
+        for token in tokens[: len(COLUMNS) + 1]:
+            name, per_unit = _with_unit(token)
+            if per_unit == 1.0:
+                if name != token and name == "stamp":
+                    self._per_second = 1.0
+                continue
+            self._converted.append(token)
+            if name == "stamp":
+                self._per_second = round(1.0 / per_unit)
+            else:
+                self._per_unit[name] = per_unit
+
     def _begin_rows(self, line: int) -> None:
         missing = [name for name in NEEDED if name not in self.values]
         if missing:
@@ -150,6 +192,11 @@ class _Reader:
             if not abs(value) <= 1e4 and name not in LIMITS:
                 raise ReadError("log.header", f"Before line {line}: {name} cannot be {value:g}.")
         self._in_rows = True
+        if self._converted:
+            self.notes.append(
+                f"{', '.join(self._converted)} state other units than the format has: they are converted to metres, "
+                "radians and seconds."
+            )
 
     def _take_scan(self, tokens: list[str], line: int) -> None:
         tokens = self._with_points(tokens, line, "CSV")
@@ -167,11 +214,13 @@ class _Reader:
                 f"Line {line} has {n} ranges, which an angle_increment of {self.values['angle_increment']:g} rad "
                 "cannot lie between.",
             )
-        if not self.stack.n_scans:
+        if self._per_second is None:
             self._per_second, said = fields.time_unit(tokens[0], line, "CSV")
             self.notes += said
         stamp = fields.stamp(tokens[0], line, "CSV", self._per_second)
-        pose = fields.pose(tokens[1:4], line, "CSV", "the robot’s", self.limits, FARTHEST_M)
+        units = [self._per_unit[name] for name in COLUMNS[1:]]
+        pose = fields.pose(tokens[1:4], line, "CSV", "the robot’s", self.limits, FARTHEST_M / min(units))
+        pose = [value * per_unit for value, per_unit in zip(pose, units, strict=True)]
         self._first = first = self._first or pose
         if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
             raise ReadError(
@@ -180,6 +229,8 @@ class _Reader:
                 f"impossible: it is more than {self.limits.max_pose:g} m from the first.",
             )
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
+        if self._per_unit["ranges"] != 1.0:
+            readings = [reading * self._per_unit["ranges"] for reading in readings]
         self.stack.add(line, readings, (pose, pose), stamp)
 
 

@@ -215,3 +215,7 @@ def test_a_trajectory_in_the_format_tum_is_no_cloud() -> None:
     poses = b"# timestamp tx ty tz qx qy qz qw\n0.0 1 2 0 0 0 0.6 0.8\n0.1 1 2 0 0 0 0 1\n"
     assert cloud_format(poses) is None
     assert cloud_format(poses.replace(b"0.6 0.8", b"20 30")) == "text"
+    assert cloud_format(poses.replace(b" ", b",")) is None
+    assert cloud_format(poses.removeprefix(b"# ").replace(b" ", b", ")) is None
+    # Points with an intensity, a normal and a curvature of 0: their first column does not ascend.
+    assert cloud_format(b"2.5,1,2,7,0,0,1,0\n1.5,1,2,7,0,0.6,0.8,0\n") == "text"

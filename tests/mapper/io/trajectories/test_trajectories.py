@@ -74,10 +74,41 @@ def test_a_trajectory_in_another_format_is_named(tmp_path: Path) -> None:
     """In place of the number of its values alone."""
     for line, said in (
         ("1.0 0 0 2.5 0 1.0 0 0 0 0 1.0 0\n", r"has 12 values, .* in the format KITTI\. It states no times"),
-        ("1403636580838555648,1,2,3,0.8,0.6,0,0\n", r"has commas .* in the format EuRoC\. evo_traj euroc"),
+        ("1403636580838555648,1,2,3,0.8,0.6,0,0\n", r"in the format EuRoC, not of TUM\. evo_traj euroc"),
+        ("1,2,3,0,0,0.8,0.6\n", r"has 7 values, .* If the timestamp is missing, write it before"),
     ):
         with pytest.raises(ReadError, match=said):
             read_tum(written(tmp_path, line))
+
+
+SHUFFLED = "x,y,z,qw,qx,qy,qz,time,frame"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "12.5,1.25,-2,0,0,0,0.6,0.8",
+        "12.5, 1.25, -2, 0, 0, 0, 0.6, 0.8,",
+        "timestamp,tx,ty,tz,qx,qy,qz,qw\r\n12.5,1.25,-2,0,0,0,0.6,0.8",
+        '"time [s]";"p_x [m]";"p_y [m]";"p_z [m]";"q_x";"q_y";"q_z";"q_w"\n12,5;1,25;-2;0;0;0;0,6;0,8',
+        "12,5 1,25 -2 0,0 0 0 0,6 0,8",
+        "12,5\t1,25\t-2,0\t0\t0\t0\t0,6\t0,8",
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+        "12.5,1.25,-2,0,0.8,0,0,0.6",
+        f"# a remark\n{SHUFFLED}\n1.25,-2,0,0.8,0,0,0.6,12.5,map",
+        f"# {SHUFFLED.replace(',', ' ')}\n1.25 -2 0 0.8 0 0 0.6 12.5 map",
+    ],
+)
+def test_tables_are_read_by_their_separators_and_names(tmp_path: Path, text: str) -> None:
+    found = read_tum(written(tmp_path, text + "\n"))
+    assert found.stamps_ns.tolist() == [12_500_000_000]
+    np.testing.assert_allclose(found.poses, [[1.25, -2.0, 2.0 * math.atan2(0.6, 0.8)]])
+
+
+def test_a_line_with_fewer_values_than_names_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadError) as error:
+        read_tum(written(tmp_path, f"{SHUFFLED}\n1.25,-2,0,0.8,0,0,0.6,12.5\n"))
+    assert error.value.message == "Line 2 has 8 values, but the line with the names of the columns has 9."
 
 
 @pytest.mark.parametrize(

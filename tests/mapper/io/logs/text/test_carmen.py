@@ -65,6 +65,20 @@ def test_a_stated_maximum_range_wins(tmp_path):
     assert np.isposinf(log.ranges[0, 1:]).all()
 
 
+@pytest.mark.parametrize("value", ["0", "0.0", "-1"])
+@pytest.mark.parametrize("name", ["robot_frontlaser_max", "laser_front_laser_fov", "laser_front_laser_resolution"])
+def test_a_parameter_of_the_laser_that_is_zero_counts_as_not_stated(tmp_path, name, value):
+    readings = [7.9, 20.0] * 90
+    log = written(tmp_path, f"PARAM {name} {value} nohost 0", flaser(readings, (0, 0, 0)))
+    plain = written(tmp_path, flaser(readings, (0, 0, 0)))
+    np.testing.assert_array_equal(log.ranges, plain.ranges)
+    assert (log.range_max, log.angle_increment) == (plain.range_max, plain.angle_increment)
+    (note,) = set(log.notes) - set(plain.notes)
+    assert note.startswith(f"PARAM {name} is {float(value):g} ")
+    rear = written(tmp_path, f"PARAM {name.replace('front', 'rear')} {value} nohost 0", flaser(readings, (0, 0, 0)))
+    assert rear.notes == plain.notes
+
+
 def test_zero_negative_and_nan_readings_are_no_measurement_and_noted(tmp_path):
     log = written(tmp_path, flaser([0.0, -1.0, math.nan, 2.0], (0, 0, 0)))
     assert np.isnan(log.ranges[0, :3]).all()

@@ -54,6 +54,29 @@ def test_what_spreadsheets_of_other_countries_save(tmp_path, separator, decimal)
     assert log.stamps_ns.tolist() == expected.stamps_ns.tolist() == [500_000_000, 1_500_000_000]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "angle_min_deg,-90\nangle_increment_deg,60\nrange_max_mm,4000\nmount_x_cm,20\n"
+        "stamp_ms,x_mm,y_mm,theta_deg,ranges_mm\n500,1250,-300,90,2310,inf,,2500\n",
+        "angle_min (deg);-90\nangle_increment (deg);60\nrange_max [cm];400\nmount_x;0,2\n"
+        "stamp [ns];x [cm];y [cm];theta (deg);ranges (cm)\n500000000;125;-30;90;231,0;inf;nan;250,0\n",
+    ],
+)
+def test_names_may_state_other_units(tmp_path, text):
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    assert is_log(path)
+    log = open_log(path)
+    assert (log.angle_min, log.angle_increment) == pytest.approx((-np.pi / 2, np.pi / 3))
+    assert (log.range_max, log.mount[0]) == pytest.approx((4.0, 0.2))
+    np.testing.assert_allclose(log.ranges, np.array([[2.31, np.inf, np.nan, 2.5]]), rtol=1e-6)
+    np.testing.assert_allclose(log.trajectory().poses, [[1.25, -0.3, np.pi / 2]])
+    assert log.stamps_ns.tolist() == [500_000_000]
+    (note,) = [note for note in log.notes if "other units" in note]
+    assert note.endswith("state other units than the format has: they are converted to metres, radians and seconds.")
+
+
 def test_quoted_fields(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('"angle_min","-1,5"\n"angle_increment","0,5"\n' + COLUMNS + '"0","1,25","0","0","2,5","3"\n')
