@@ -101,7 +101,7 @@ def _why_not(tokens: Sequence[str], text: bytes, kind: str, n_values: int, colum
     if other is not None and other != kind:
         why = f" It is of a trajectory in the format {other}. {TRAJECTORIES[other]}"
     if len(tokens) == n_values - 1:
-        why = f" If the {columns.split()[0]} is missing, write it before the others."
+        why = f" If the {columns.split(maxsplit=1)[0]} is missing, write it before the others."
     return f"{has}, but a {kind} line has {n_values}: {columns}.{why}"
 
 

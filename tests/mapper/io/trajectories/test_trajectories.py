@@ -93,8 +93,10 @@ SHUFFLED = "x,y,z,qw,qx,qy,qz,time,frame"
         '"time [s]";"p_x [m]";"p_y [m]";"p_z [m]";"q_x";"q_y";"q_z";"q_w"\n12,5;1,25;-2;0;0;0;0,6;0,8',
         "12,5 1,25 -2 0,0 0 0 0,6 0,8",
         "12,5\t1,25\t-2,0\t0\t0\t0\t0,6\t0,8",
-        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
-        "12.5,1.25,-2,0,0.8,0,0,0.6",
+        (
+            "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+            "12.5,1.25,-2,0,0.8,0,0,0.6"
+        ),
         f"# a remark\n{SHUFFLED}\n1.25,-2,0,0.8,0,0,0.6,12.5,map",
         f"# {SHUFFLED.replace(',', ' ')}\n1.25 -2 0 0.8 0 0 0.6 12.5 map",
     ],

@@ -57,10 +57,14 @@ def test_what_spreadsheets_of_other_countries_save(tmp_path, separator, decimal)
 @pytest.mark.parametrize(
     "text",
     [
-        "angle_min_deg,-90\nangle_increment_deg,60\nrange_max_mm,4000\nmount_x_cm,20\n"
-        "stamp_ms,x_mm,y_mm,theta_deg,ranges_mm\n500,1250,-300,90,2310,inf,,2500\n",
-        "angle_min (deg);-90\nangle_increment (deg);60\nrange_max [cm];400\nmount_x;0,2\n"
-        "stamp [ns];x [cm];y [cm];theta (deg);ranges (cm)\n500000000;125;-30;90;231,0;inf;nan;250,0\n",
+        (
+            "angle_min_deg,-90\nangle_increment_deg,60\nrange_max_mm,4000\nmount_x_cm,20\n"
+            "stamp_ms,x_mm,y_mm,theta_deg,ranges_mm\n500,1250,-300,90,2310,inf,,2500\n"
+        ),
+        (
+            "angle_min (deg);-90\nangle_increment (deg);60\nrange_max [cm];400\nmount_x;0,2\n"
+            "stamp [ns];x [cm];y [cm];theta (deg);ranges (cm)\n500000000;125;-30;90;231,0;inf;nan;250,0\n"
+        ),
     ],
 )
 def test_names_may_state_other_units(tmp_path, text):
