@@ -17,8 +17,8 @@ as those of a recording are (:mod:`mapper.io.logs.grouping.scan_groups`). ``moun
 say where it sits on the robot, and ``time_increment`` the seconds from one beam to the next of a scan that is stamped
 at its first. Then the line ``stamp,x,y,theta,ranges``, and a line for each scan: its time in seconds (since 1970 also
 in milli-, micro- or nanoseconds), the robot's pose in metres and radians, and as many ranges in metres as there are
-beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks. A
-name may end in another unit, which then counts: ``range_max_mm``, ``theta_deg``, ``stamp [ms]``, ``ranges (cm)``.
+beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
+A name may end in another unit, which then counts: ``range_max_mm``, ``theta_deg``, ``stamp [ms]``, ``ranges (cm)``.
 
 As spreadsheets of other countries save it, semicolons or tabs may stand for the commas, and then commas for the decimal
 points; fields may be in quotation marks.
