@@ -46,8 +46,8 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     drift = drift_finding(log, trajectory, config)
     if not is_alone:
         return drift
-    # A wrong sweep that was found when the log was read is mapped rightly.
-    corrected = each_part(as_mapped(log, config), lambda part: replace(part, wrong_sweep=""))
+    # A wrong sweep or clock that was found when the log was read is mapped rightly.
+    corrected = each_part(as_mapped(log, config), lambda part: replace(part, wrong_sweep="", wrong_clock=""))
     if config.deskew == "off":
         corrected = each_part(corrected, lambda part: replace(part, time_increment=0.0))
     if drift is None and not log.trajectory(trajectory).is_placeholder:

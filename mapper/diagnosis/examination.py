@@ -57,6 +57,7 @@ CHECKS: tuple[Check, ...] = (
     Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
     Check(sweep.check_sweep, (sweep.CHECK,), _FEW),
+    Check(lambda log, _: timing.check_clock(log), (timing.CLOCK,), _FEW),
     Check(mounting.check_changing, (mounting.CHANGING,), _FEW),
     Check(mounting.check_turned, ("mount.turned",), _CHANGING),
     Check(_delay_or_offset, ("timing.delay", "mount.offset"), _TURNED),

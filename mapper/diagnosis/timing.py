@@ -10,8 +10,10 @@ from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
 from mapper.mapping.parameters import BY_NAME
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
 
+CLOCK = "timing.clock"  #: poses by another clock, which is put right when the log is read
 DELAYS_S = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)  #: tried with both signs
 FINER_S = (0.08, 0.04, 0.02, 0.01)  #: steps away from the best of them, one after another
 LEAST_SPANS = 8  #: times as long as a delay that is tried is the log at least
@@ -19,6 +21,17 @@ LEAST_SCANS = 10
 OFF_BORDER = 0.13  #: of a cell: by it all is moved, so that walls at round coordinates are on no border of the grids
 BETTER = 1.06
 BY = 0.015
+
+
+def check_clock(log: ScanLog) -> list[Finding]:
+    """Return what was found of a source of poses when the log was read (:mod:`mapper.io.logs.pose_clocks`)."""
+    said = next((part.wrong_clock for part in sensors_of(log) if part.wrong_clock), "")
+    if not said:
+        return []
+    advice = (
+        "The map is right without more; set the two clocks by one server, or correct where the sender takes its stamps."
+    )
+    return [Finding(CLOCK, said, advice, 0.95)]
 
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:

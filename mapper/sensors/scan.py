@@ -262,6 +262,8 @@ class ScanLog:
     file states no angles, and that they are a guess: its beams are as many as those of no lidar that is known;
     ``mount_assumed`` that a recording does not state where the sensor is on the robot. ``wrong_sweep`` is a sentence on
     the stated times between beams, where they cannot be, or the readings contradict them: the log is as they say.
+    ``wrong_clock`` is one on a source of poses whose stamps the readings contradict: the log has its poses by the
+    scans' clock.
     ``odometry`` has the odometry as recorded, where there is any: its messages, and where the scans stand among them.
     ``order_ns`` (n_scans,) int64 are times that ascend in the order of the scans, where the stamps do not (None): by
     them scans of several sensors follow one another, and those of one sensor with different beams.
@@ -292,6 +294,7 @@ class ScanLog:
     angles_assumed: bool = False
     mount_assumed: bool = False
     wrong_sweep: str = ""
+    wrong_clock: str = ""
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.sweeps import contradicted_sweep
+from mapper.io.logs.pose_clocks import pose_clock
+from mapper.io.logs.sweeps import Sweep, contradicted_sweep
 from mapper.sensors.joint_log import each_part, sensors_of, with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
@@ -35,12 +36,15 @@ def _understood(log: ScanLog) -> ScanLog:
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
     if any(why):
         log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
-    contradicted = contradicted_sweep(max(sensors_of(log), key=lambda part: part.n_scans))
+    contradicted = contradicted_sweep(_longest(log), period)
     if contradicted is not None:
-        log, why = each_part(log, _reversed if contradicted.reversed else _at_once), [*why, contradicted.why]
+        # What is impossible is not used then, but neither are the beams measured at once, as that note says.
+        log, why = each_part(log, lambda part: _as_swept(part, contradicted)), [contradicted.why]
     said = next(filter(None, why[::-1]), "")
     if said:
         log = each_part(log, lambda part: replace(part, wrong_sweep=said))
+    log, late = _by_one_clock(log)
+    why += late
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log), *_notes_on_speed(log)])
 
 
@@ -52,6 +56,33 @@ def _usual_reading(log: ScanLog) -> float:
     some = log.ranges[:: 1 + log.ranges.size // ENOUGH_READINGS]
     readings = some[np.isfinite(some) & (some > 0.0)]
     return float(np.median(np.unique(readings))) if len(readings) else 0.0
+
+
+def _longest(log: ScanLog) -> ScanLog:
+    return max(sensors_of(log), key=lambda part: part.n_scans)
+
+
+def _by_one_clock(log: ScanLog) -> tuple[ScanLog, list[str]]:
+    """Return the log with the poses of each source by the clock of the scans, and notes on those that were not."""
+    longest = _longest(log)
+    clocks = {name: pose_clock(longest, name) for name in longest.trajectories}
+    found = {name: clock for name, clock in clocks.items() if clock is not None}
+    if not found:
+        return log, []
+
+    def corrected(part: ScanLog) -> ScanLog:
+        return replace(part, trajectories={**part.trajectories, **{n: c.corrected(part, n) for n, c in found.items()}})
+
+    notes = list(dict.fromkeys(clock.why for clock in found.values()))
+    return each_part(log, lambda part: replace(corrected(part), wrong_clock=notes[0])), notes
+
+
+def _as_swept(log: ScanLog, sweep: Sweep) -> ScanLog:
+    if sweep.reversed:
+        return _reversed(log)
+    if sweep.time_increment < 0.0:  # in the other order, of which nothing was stated
+        return _reversed(replace(log, time_increment=-sweep.time_increment))
+    return replace(log, time_increment=sweep.time_increment)
 
 
 def _at_once(log: ScanLog) -> ScanLog:

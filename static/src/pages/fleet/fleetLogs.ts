@@ -128,6 +128,7 @@ const FINDINGS: Readonly<Record<string, string>> = {
   "readings.few": "few readings",
   "readings.itself": "beams hit the robot",
   "readings.max_range": "no return stored as a range",
+  "timing.clock": "clock of the poses",
   "timing.delay": "delay",
   "timing.increment": "motion within a scan",
   "walls.drift": "drift",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -37,10 +38,10 @@ def at_once(increment: float) -> ScanLog:
     return replace(log, ranges=to_the_walls(poses).astype(np.float32), time_increment=increment)
 
 
-def reversed_order(delay: float = 0.0) -> ScanLog:
+def reversed_order(delay: float = 0.0, n_scans: int = N) -> ScanLog:
     """A log of a lidar that turns clockwise, whose driver lists the beams counter-clockwise, in time too."""
-    first = 100.0 + np.arange(N) / RATE
-    log = swept(N, delay=delay)
+    first = 100.0 + np.arange(n_scans) / RATE
+    log = swept(n_scans, delay=delay)
     poses = true_poses(first[:, np.newaxis] + STEP * np.arange(BEAMS)[::-1])
     poses[..., 2] += log.angles
     return replace(log, ranges=to_the_walls(poses).astype(np.float32))
@@ -55,7 +56,7 @@ def read(log: ScanLog) -> ScanLog:
 def test_a_true_sweep_is_used_whatever_the_clocks_and_the_poses_are(delay: float, wrong: dict[str, float]) -> None:
     """Of a scan that is stamped late beams at the stamp fit better than at the stated times, and neither does well."""
     log = read(with_poses(swept(N, delay=delay), **wrong))
-    assert (log.time_increment, log.notes) == (STEP, ())
+    assert (log.time_increment, log.wrong_sweep) == (STEP, "")
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.1, 0.15, -0.2])
@@ -85,10 +86,11 @@ def test_beams_that_were_measured_in_the_other_order_are_taken_so(delay: float, 
     [
         (reversed_order(), "in the other order"),
         (at_once(STEP), "as measured at once"),
-        (replace(swept(N), time_increment=4.0 * STEP), "the scans are"),
+        (replace(swept(N), time_increment=4.0 * STEP), "state no time_increment that can be"),
+        (replace(at_once(0.0), time_increment=4.0 * STEP), "the scans are"),
         (swept(N), None),
     ],
-    ids=["reversed", "at once", "too long", "true"],
+    ids=["reversed", "at once", "too long", "too long, at once", "true"],
 )
 def test_the_doctor_names_a_sweep_that_was_found_wrong_when_the_log_was_read(made: ScanLog, said: str | None) -> None:
     """The map is right without it, but the sensor's driver is not; drift or a delay is not named in its place."""
@@ -97,6 +99,24 @@ def test_the_doctor_names_a_sweep_that_was_found_wrong_when_the_log_was_read(mad
     assert [one.check for one in found] == ([] if said is None else [sweep.CHECK])
     assert all(said in one.sentence and one.parameters is None for one in found if said is not None)
     assert first_cause(log, None, MappingConfig()) is None, "the map of the log is right"
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.05])
+@pytest.mark.parametrize("made", [swept, reversed_order])
+def test_a_sweep_that_is_not_stated_is_found(made: Callable[..., ScanLog], delay: float) -> None:
+    """Of a lidar that turns clockwise, whose driver lists the beams the other way, the last beam is the first."""
+    log = read(with_poses(replace(made(n_scans=N, delay=delay), time_increment=0.0)))
+    assert log.time_increment == pytest.approx(STEP)
+    assert "state no time_increment" in log.wrong_sweep
+    poses = true_poses(log.stamps_ns[:, np.newaxis] * 1e-9 + delay + STEP * np.arange(BEAMS))
+    poses[..., 2] += log.angles
+    np.testing.assert_allclose(log.ranges, to_the_walls(poses), atol=1e-4)
+
+
+@pytest.mark.parametrize("wrong", [{}, {"drift": 0.02}, {"noise": 0.01}])
+def test_scans_that_were_taken_at_once_and_state_nothing_have_no_sweep(wrong: dict[str, float]) -> None:
+    log = read(with_poses(at_once(0.0), **wrong))
+    assert (log.time_increment, log.notes) == (0.0, ())
 
 
 @pytest.mark.parametrize("share", [0.05, 0.5, 2.0])

@@ -1,0 +1,133 @@
+"""How well the readings of a log agree, by the times at which its beams and its poses were measured.
+
+Where the robot turns, beams that are placed at wrong times end beside the walls that others saw where it hardly moved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose
+from mapper.sensors.motion import Motion, seconds
+from mapper.sensors.scan import ScanLog
+
+Float64Array = NDArray[np.float64]
+
+STRETCH = 40  #: scans one after another that are compared with each other: poses drift little meanwhile
+SHORTER = 20  #: of a log in which more stretches of so many tell something: a short one, with few turns
+MOST_STRETCHES = 6  #: that are looked at, those in which the robot moves most
+FAST, LEAST_STILL, MOST_STILL = 5, 4, 10  #: scans of each in which it moves most, and hardly
+LEAST_STRETCHES = 2  #: fewer tell nothing
+MOST_BEAMS = 360  #: of each scan
+FEWER_BEAMS = 120  #: of each scan, with which it is looked for roughly
+REACH_M = 3.0  #: a turn of 1 rad moves the end of a beam so far
+LEAST_MOVED_M = 0.05  #: by which the robot moves a beam's end within the span of time, where this tells anything
+STILL = 0.5  #: of that, at most, where it hardly moves
+FARTHEST_M = 0.3  #: from the nearest end of another beam: what is farther was not seen by others
+BETTER, BY_M = 0.75, 0.01  #: the share, and by how much, that beams by other times end nearer to others
+MUCH = 0.5  #: the share where nothing was stated that the readings contradict
+DELAYS_S = tuple(0.05 * k for k in range(-6, 7))  #: of the scans, with which the times may fit best
+FINER_S = (0.025, 0.0125, 0.00625)  #: steps by which it is looked for around the best of them
+
+
+def fits(one: float, other: float, share: float = BETTER) -> bool:
+    """Return whether beams end clearly nearer to others, ``one`` metres, than by other times, ``other`` metres."""
+    return one <= share * other and one <= other - BY_M
+
+
+class Agreement:
+    """Scans of a log in which the robot moves, beside others, a moment apart, in which it hardly does.
+
+    ``span_s`` seconds after its stamp is the time within which it moves in a scan. Poses are those of a trajectory,
+    None the default. ``tells`` is False where it moves too little.
+    """
+
+    def __init__(self, log: ScanLog, span_s: float, trajectory: str | None = None) -> None:
+        self._log, self._motion, self._first = log, Motion.of(log, trajectory), seconds(log)
+        begin, end = self._motion.at(self._first), self._motion.at(self._first + span_s)
+        turned = np.abs(np.angle(np.exp(1j * (end[:, 2] - begin[:, 2]))))
+        moved = np.hypot(*(end - begin)[:, :2].T) + REACH_M * turned
+        usable = self._motion.is_dense(self._first, self._first + span_s)
+        self._stretches = max((_stretches(moved, usable, length) for length in (STRETCH, SHORTER)), key=len)
+        self.tells = len(self._stretches) >= LEAST_STRETCHES
+        #: When each stretch is, seconds.
+        self.times = np.array([float(self._first[np.concatenate(scans)].mean()) for scans in self._stretches])
+
+    def apart(self, increment: float, delays: float | Float64Array = 0.0, most_beams: int = MOST_BEAMS) -> float:
+        """Return how far ends in the scans with motion are from the nearest in the others, on average, metres.
+
+        Beams are measured ``increment`` seconds one after another, the first of them ``delays`` after the stamp, one
+        for all or (stretches,).
+        """
+        distances, counts = self.by_stretch(increment, delays, most_beams)
+        return float(distances.sum() / counts.sum()) if counts.any() else 0.0
+
+    def by_stretch(
+        self, increment: float, delays: float | Float64Array, most_beams: int = MOST_BEAMS
+    ) -> tuple[Float64Array, Float64Array]:
+        """Return the sum of the distances of :meth:`apart` in each stretch (stretches,), metres, and their number."""
+        from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few logs need
+
+        sums, counts = np.zeros(len(self._stretches)), np.zeros(len(self._stretches))
+        each = np.broadcast_to(np.asarray(delays, dtype=np.float64), sums.shape)
+        for number, (scans, delay) in enumerate(zip(self._stretches, each, strict=True)):
+            others, ends = (self._ends(some, increment, float(delay), most_beams) for some in scans)
+            if len(others):
+                found = cKDTree(others).query(ends, distance_upper_bound=FARTHEST_M)[0]
+                sums[number], counts[number] = np.minimum(found, FARTHEST_M).sum(), len(found)
+        return sums, counts
+
+    def best(self, increment: float, first_beam: float = 0.0) -> tuple[float, float]:
+        """Return the least distance with any delay, and that delay, seconds.
+
+        Without delay, the first beam is measured ``first_beam`` seconds after the stamp.
+        """
+
+        def tried(delays: Iterable[float], most_beams: int = MOST_BEAMS) -> list[tuple[float, float]]:
+            return [(self.apart(increment, first_beam + delay, most_beams), delay) for delay in delays]
+
+        _, delay = min(tried(DELAYS_S, FEWER_BEAMS))
+        ((least, delay),) = tried([delay])
+        for step in FINER_S:
+            least, delay = min((least, delay), *tried((delay - step, delay + step)))
+        return least, delay
+
+    def _ends(self, scans: NDArray[np.int64], increment: float, delay: float, most_beams: int) -> Float64Array:
+        """Return where beams of some scans end, (n, 2)."""
+        log = self._log
+        beams = np.arange(0, log.n_beams, 1 + log.n_beams // most_beams)
+        bases = self._motion.at((self._first[scans] + delay)[:, np.newaxis] + increment * beams)
+        mounts = log.mounts_at(scans)
+        sensors = compose(bases, mounts if mounts.ndim == 1 else mounts[:, np.newaxis])
+        ranges = log.ranges[np.ix_(scans, beams)].astype(np.float64)
+        with np.errstate(invalid="ignore"):
+            measured = (ranges > max(log.range_min, 0.0)) & (ranges < log.range_max)
+        headings = sensors[..., 2] + log.angles[beams]
+        ranges = np.where(measured, ranges, 0.0)
+        ends = sensors[..., :2] + ranges[..., np.newaxis] * np.stack([np.cos(headings), np.sin(headings)], axis=-1)
+        return np.asarray(ends[measured])
+
+
+def _stretches(
+    moved: Float64Array, usable: NDArray[np.bool_], length: int
+) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Return the scans in which the robot hardly moves, and those in which it does, of some stretches of a log.
+
+    Each has ``length`` scans; ``moved`` (n,) is by how much it moves the end of a beam within the span of each scan,
+    metres.
+    """
+    found = []
+    for start in range(0, len(moved), length):
+        scans = start + np.flatnonzero(usable[start : start + length])
+        scans = scans[np.argsort(moved[scans], kind="stable")]
+        fast, rest = scans[-FAST:], scans[:-FAST]
+        usual = float(np.median(moved[fast])) if len(fast) else 0.0
+        still = rest[moved[rest] <= STILL * usual]
+        if usual >= LEAST_MOVED_M and len(still) >= LEAST_STILL:
+            still = still[np.linspace(0, len(still) - 1, min(len(still), MOST_STILL)).astype(np.int64)]
+            found.append((usual, still, fast))
+    best = sorted(found, key=lambda one: -one[0])[:MOST_STRETCHES]
+    return [(still, fast) for _, still, fast in best]
