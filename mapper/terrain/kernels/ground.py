@@ -105,11 +105,33 @@ def smooth_unknown(heights: Heights, coarse: Heights, sweeps: int, other: Height
 
 
 @jit
+def _widen(shorter: Heights, by: int, out: Heights) -> None:
+    """Write the least of runs that are ``by`` cells longer at each end than those of ``shorter``.
+
+    Three of these make one, as long as ``by`` is at most their length.
+    """
+    rows, cols = shorter.shape
+    for row in range(rows):
+        before, after = shorter[row], out[row]
+        for col in range(min(by, cols)):
+            after[col] = min(before[0], before[col], before[min(col + by, cols - 1)])
+        for col in range(max(cols - by, 0), cols):
+            after[col] = min(before[max(col - by, 0)], before[col], before[cols - 1])
+        inside = max(cols - 2 * by, 0)
+        left, middle, right, written = before[:inside], before[by:], before[2 * by :], after[by:]
+        for k in range(inside):
+            a, b, c = left[k], middle[k], right[k]
+            a = min(b, a)
+            written[k] = min(c, a)
+
+
+@jit
 def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Heights) -> None:
     """Write the least of ``sign`` · height within a disc of ``radius`` cells, times ``sign``, into ``out``.
 
-    ``sign`` 1 erodes, −1 dilates. A disc is one run of cells in each of its rows. ``runs`` (2, rows, cols) has the
-    least of the runs of one length, which come of those that are a cell shorter at each end.
+    ``sign`` 1 erodes, −1 dilates. A disc is one run of cells in each of its rows, from the shortest, the first and last
+    row, to the longest. Where it reaches beyond the grid it has the row at the border again, of which it has a longer
+    run anyway. ``runs`` (2, rows, cols) is scratch.
     """
     rows, cols = heights.shape
     factor = np.float32(sign)
@@ -117,27 +139,19 @@ def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Height
         for col in range(cols):
             runs[0, row, col] = factor * heights[row, col]
             out[row, col] = np.inf
-    last = radius
-    for half in range(radius + 1):
-        now = runs[half % 2]
-        if half > 0:
-            shorter = runs[(half - 1) % 2]
-            for row in range(rows):
-                now[row, 0] = min(shorter[row, 0], shorter[row, min(1, cols - 1)])
-                now[row, cols - 1] = min(shorter[row, cols - 1], shorter[row, max(cols - 2, 0)])
-                for col in range(1, cols - 1):
-                    a, b, c = shorter[row, col - 1], shorter[row, col], shorter[row, col + 1]
-                    a = min(b, a)
-                    now[row, col] = min(c, a)
-        while last >= 0 and half == int(math.sqrt(radius * radius - last * last)):
-            for row in range(rows):
-                for side in range(2 if last > 0 else 1):
-                    y = row - last if side == 0 else row + last
-                    if 0 <= y < rows:
-                        for col in range(cols):
-                            a, b = out[row, col], now[y, col]
-                            out[row, col] = min(b, a)
-            last -= 1
+    half, now = 0, 0
+    for away in range(radius, -1, -1):
+        needed = int(math.sqrt(radius * radius - away * away))
+        while half < needed:
+            by = min(2 * half + 1, needed - half)
+            _widen(runs[now], by, runs[1 - now])
+            half, now = half + by, 1 - now
+        for row in range(rows):
+            above, below, written = runs[now, max(row - away, 0)], runs[now, min(row + away, rows - 1)], out[row]
+            for col in range(cols):
+                a, b, c = above[col], written[col], below[col]
+                a = min(b, a)
+                written[col] = min(c, a)
     for row in range(rows):
         for col in range(cols):
             out[row, col] = factor * out[row, col]
