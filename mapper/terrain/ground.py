@@ -24,7 +24,6 @@ from mapper.terrain.kernels import ground as kernels
 from mapper.terrain.parameters import (
     BLOCK,
     LEAST_INTO,
-    MOST_DROPS,
     PLANE_POINTS,
     PLANE_REACH,
     PLANE_SHARE,
@@ -81,7 +80,7 @@ def find_ground(
         )
     shape = int(cells[1]), int(cells[0])
     radius = min(math.ceil(config.window / config.cell), max(shape))
-    if shape[0] * shape[1] * radius * radius > MAX_WORK:
+    if (shape[0] + 2 * radius) * (shape[1] + 2 * radius) * radius * radius > MAX_WORK:
         raise LimitError(
             "terrain.window",
             f"Discs of up to {radius} cells on {shape[1]} × {shape[0]} cells are more than the limit; "
@@ -149,11 +148,13 @@ def objects(
     cell: float,
     around: Float32Array | None = None,
     share: float = 0.0,
+    margin: int = 0,
     progress: Callable[[float], None] = _no_progress,
 ) -> BoolArray:
     """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope.
 
-    The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` (rows, cols) is 1.
+    The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` is 1. ``heights`` and
+    ``around`` have ``margin`` more cells at each border, into which discs reach.
     """
     found = np.zeros(heights.shape, dtype=np.bool_)
     more = np.zeros_like(heights) if around is None else around
@@ -165,26 +166,77 @@ def objects(
         kernels.mark_lowered(before, after, slope * r * cell, more, share * cell, found)
         before, after = after, before
         progress(r / radius)
-    return found
+    return found[margin : found.shape[0] - margin, margin : found.shape[1] - margin].copy()
 
 
-def slope_around(heights: Float32Array, left_out: BoolArray, radius: int, slope: float, cell: float) -> Float32Array:
-    """Return how steep the ground is around each cell (rows, cols): its mean slope within about ``radius`` cells.
-
-    It is that of the lowest of each block of cells, without those ``left_out`` (rows, cols), after discs of up to
-    ``radius`` cells have taken out the objects.
-    """
+def lowest_of_blocks(heights: Float32Array, left_out: BoolArray) -> Float32Array:
+    """Return the least height of each block, without cells ``left_out`` (rows, cols); blocks of none are filled."""
     rows, cols = heights.shape
     lowest = np.empty((-(-rows // BLOCK), -(-cols // BLOCK)), dtype=np.float32)
     kernels.lowest_of_blocks(heights, left_out, BLOCK, lowest)
-    lowest = heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
-    reach, side = max(1, radius // BLOCK), BLOCK * cell
-    taken = objects(lowest, reach, slope, side)
+    return heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
+
+
+def border_lines(lowest: Float32Array, reach: int, steepest: float) -> list[tuple[Float32Array, Float32Array]]:
+    """Return how the ground goes on beyond each of four borders: heights of the outermost blocks, and rises outwards.
+
+    The rise from block to block is the median of those between each two of the ``reach`` + 1 ``lowest`` heights from
+    the border inwards, of all within ``reach`` blocks along it (Theil 1950, Sen 1968), from 0 to ``steepest`` metres.
+    The height is that of the lowest line of this rise: buildings at the border do not go on. Border k is before row 0
+    once the grid is turned k times by :func:`numpy.rot90`.
+    """
+    return [_border_line(np.rot90(lowest, turn), reach, steepest) for turn in range(4)]
+
+
+def _border_line(lowest: Float32Array, reach: int, steepest: float) -> tuple[Float32Array, Float32Array]:
+    depth = min(reach, lowest.shape[0] - 1)
+    if depth == 0:
+        return lowest[0], np.zeros_like(lowest[0])
+    pairs = [(lowest[i] - lowest[j]) / np.float32(j - i) for j in range(depth + 1) for i in range(j)]
+    along = np.pad(np.array(pairs), ((0, 0), (reach, reach)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(along, 2 * reach + 1, axis=1)
+    rise = np.clip(np.median(windows, axis=(0, 2)), np.float32(0.0), np.float32(steepest))
+    return (lowest[: depth + 1] + rise * np.arange(depth + 1, dtype=np.float32)[:, None]).min(axis=0), rise
+
+
+def continued(
+    heights: Float32Array, lines: list[tuple[Float32Array, Float32Array]], block: int, width: int
+) -> Float32Array:
+    """Return ``heights`` (rows, cols) with ``width`` more cells at each border, over which the ground goes on.
+
+    Discs that must not leave the grid lower the upper border of a slope as they lower an object. ``lines`` are those of
+    :func:`border_lines` for blocks of ``block`` × ``block`` cells.
+    """
+    rows, cols = heights.shape
+    out = np.empty((rows + 2 * width, cols + 2 * width), dtype=np.float32)
+    out[width : width + rows, width : width + cols] = heights
+    for turn, (base, rise) in enumerate(lines):
+        beyond = np.rot90(out, turn)
+        inside = slice(width, beyond.shape[1] - width)
+        places = (np.arange(beyond.shape[1] - 2 * width) + 0.5) / block - 0.5
+        first, per_block = (np.interp(places, np.arange(len(base)), values) for values in (base, rise))
+        # The lowest cell of a block on a slope is that furthest from an upper border.
+        beyond[:width, inside] = first + per_block / block * (np.arange(width, 0, -1)[:, None] + (block - 1.0))
+    for turn in range(4):
+        corner = np.rot90(out, turn)
+        corner[:width, :width] = np.maximum(corner[:width, width, None], corner[width, :width])
+    return out
+
+
+def slope_around(
+    lowest: Float32Array, lines: list[tuple[Float32Array, Float32Array]], reach: int, slope: float, side: float
+) -> Float32Array:
+    """Return how steep the ground is around each block (rows, cols): its mean slope within ``reach`` blocks.
+
+    It is that of the ``lowest`` heights of blocks of ``side`` metres after discs of up to ``reach`` blocks have taken
+    out the objects. ``lines`` are how it goes on beyond the borders.
+    """
+    taken = objects(continued(lowest, lines, 1, reach), reach, slope, side, margin=reach)
     surface = lowest if taken.all() else filled(np.where(taken, np.float32(np.nan), lowest))
     steep, mean = np.empty_like(lowest), np.empty_like(lowest)
     kernels.slope_of_surface(surface, side, steep)
     kernels.mean_around(steep, reach, STEEPEST, mean)
-    return mean.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)[:rows, :cols]
+    return mean
 
 
 def heights_of_centres(points: Float64Array, heights: Float32Array, corner: Float64Array, cell: float) -> Float32Array:
@@ -198,20 +250,24 @@ def heights_of_centres(points: Float64Array, heights: Float32Array, corner: Floa
     return filled(moved)
 
 
-def given_back(heights: Float32Array, taken: BoolArray, cell: float, height: float) -> tuple[BoolArray, BoolArray]:
+def given_back(
+    heights: Float32Array, taken: BoolArray, cell: float, height: float, front: int
+) -> tuple[BoolArray, BoolArray]:
     """Return which of the ``taken`` cells (rows, cols) are ground after all, and which others are in doubt.
 
-    Taken cells over which the surface goes on are one segment. It is ground if many of its sides go on into the ground
-    and few of them are a drop: crests and the edges of terraces, not roofs and bridges. In doubt are segments that do
-    go on into the ground somewhere.
+    Taken cells over which the surface goes on are one segment. It is ground if the sides that go on into the ground are
+    not few beside those that are a drop: crests and the edges of terraces, not roofs and bridges. It is also ground if
+    it goes on into the ground over a front of ``front`` cells, the length of the sum of the directions of these sides:
+    spurs with a drop on all other sides. At both ends of a bridge directions are opposite. In doubt are segments that
+    do go on into the ground somewhere.
     """
     parents = np.empty(heights.size, dtype=np.int32)
-    sides = np.empty((heights.size, 3), dtype=np.int32)
+    sides = np.empty((heights.size, 4), dtype=np.int32)
     given, contested = np.empty_like(taken), np.empty_like(taken)
     limits = STEEPEST * cell, height, RISE_SHARE
     segments.join_cells(heights, taken, *limits, parents)
     segments.count_sides(heights, taken, *limits, parents, sides)
-    segments.judge(taken, parents, sides, LEAST_INTO, MOST_DROPS, given, contested)
+    segments.judge(taken, parents, sides, LEAST_INTO, front, given, contested)
     return given, contested
 
 
@@ -260,12 +316,22 @@ def _filter(
     whole = filled(least)
     progress(0.1)
     low = objects(-whole, 1, config.low_slope, cell)
-    around = slope_around(whole, low, radius, config.slope, cell)
+    lowest, reach = lowest_of_blocks(whole, low), max(1, radius // BLOCK)
+    lines = border_lines(lowest, reach, STEEPEST * BLOCK * cell)
+    around = slope_around(lowest, lines, reach, config.slope, BLOCK * cell)
+    around = around.repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)[: shape[0], : shape[1]]
     high = objects(
-        whole, radius, config.slope, cell, around, config.local_slope, lambda share: progress(0.1 + 0.5 * share)
+        continued(whole, lines, BLOCK, radius),
+        radius,
+        config.slope,
+        cell,
+        np.pad(around, radius, mode="edge"),
+        config.local_slope,
+        radius,
+        lambda share: progress(0.1 + 0.5 * share),
     )
     centred = heights_of_centres(points, whole, corner, cell)
-    given, contested = given_back(centred, high, cell, config.height)
+    given, contested = given_back(centred, high, cell, config.height, radius)
     doubtful = given | contested
     known = np.where((high & ~given) | low, np.float32(np.nan), least)
     surface = filled(whole if np.isnan(known).all() else known)

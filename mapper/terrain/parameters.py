@@ -10,7 +10,7 @@ SWEEPS = 16  #: Jacobi sweeps at each level of the filling of cells without poin
 BLOCK = 4  #: cells along the side of a block, whose lowest heights tell how steep it is around
 STEEPEST = 1.5  #: rise over run of ground that still goes on from cell to cell
 RISE_SHARE = 0.5  #: rises of neighbouring cells may differ by the height of the limit and this share of the rise
-LEAST_INTO, MOST_DROPS = 0.25, 0.6  #: of a segment's sides: into the ground, and of a drop, where it is given back
+LEAST_INTO = 0.35  #: of a segment's sides into the ground and of a drop, those into the ground where it is given back
 PLANE_REACH, PLANE_POINTS = 3, 5  #: cells that the plane beside a point reaches, and points that it needs
 PLANE_SHARE = 0.3  #: points may lie off that plane by the height of the limit and this share of its rise over a cell
 

@@ -17,7 +17,6 @@ from mapper.core.array_types import BoolArray
 from mapper.terrain.parameters import (
     BLOCK,
     LEAST_INTO,
-    MOST_DROPS,
     PLANE_POINTS,
     PLANE_REACH,
     PLANE_SHARE,
@@ -148,26 +147,75 @@ def near_surface(
     return ground
 
 
-def slope_around(heights: Heights, left_out: BoolArray, radius: int, slope: float, cell: float) -> Heights:
-    """Return how steep the ground is around each cell (rows, cols), from the lowest of blocks of 4 × 4 cells.
-
-    Openings of these lowest heights take out the objects; the slopes of the rest are averaged within ``radius`` cells.
-    """
+def lowest_of_blocks(heights: Heights, left_out: BoolArray) -> Heights:
+    """Return the least height of each block of 4 × 4 cells, without those left out; blocks of none are filled."""
     rows, cols = heights.shape
     lowest = np.full((-(-rows // BLOCK), -(-cols // BLOCK)), np.nan, dtype=np.float32)
     for row, col in np.ndindex(rows, cols):
         if not left_out[row, col]:
             lowest[row // BLOCK, col // BLOCK] = np.fmin(lowest[row // BLOCK, col // BLOCK], heights[row, col])
-    lowest = heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
-    reach = max(1, radius // BLOCK)
-    taken = objects(lowest, reach, slope, BLOCK * cell)
+    return heights[::BLOCK, ::BLOCK].copy() if np.isnan(lowest).all() else filled(lowest)
+
+
+def border_line(lowest: Heights, reach: int, steepest: float) -> list[tuple[np.float32, np.float32]]:
+    """Return the height of the ground in each block of row 0 and how much it rises from there to a block before it.
+
+    The rise is the median of the slopes between any two blocks of the first ``reach`` + 1 rows, in the ``reach``
+    columns to both sides too (Theil 1950, Sen 1968). It is not negative: where the ground falls it goes on level.
+    """
+    rows, cols = lowest.shape
+    inside = range(min(reach + 1, rows))
+    line = []
+    for col in range(cols):
+        near = [min(max(k, 0), cols - 1) for k in range(col - reach, col + reach + 1)]
+        rises = [
+            (lowest[i, k] - lowest[j, k]) / np.float32(j - i)
+            for k in near
+            for i, j in itertools.combinations(inside, 2)
+        ]
+        rise = np.clip(np.median(rises), np.float32(0.0), np.float32(steepest)) if rises else np.float32(0.0)
+        line.append((min(lowest[i, col] + rise * np.float32(i) for i in inside), rise))
+    return line
+
+
+def continued(heights: Heights, lowest: Heights, block: int, width: int, reach: int, steepest: float) -> Heights:
+    """Return ``heights`` (rows, cols) with ``width`` more cells at each border, that rise as the ground inside does.
+
+    ``lowest`` are the lowest heights of blocks of ``block`` × ``block`` cells. Between their centres heights and rises
+    are interpolated.
+    """
+    out = np.pad(heights, width)
+    for turn in range(4):
+        line = np.array(border_line(np.rot90(lowest, turn), reach, steepest))
+        turned = np.rot90(out, turn)
+        for col in range(turned.shape[1] - 2 * width):
+            place = min(max((col + 0.5) / block - 0.5, 0.0), len(line) - 1.0)
+            left = min(int(place), max(len(line) - 2, 0))
+            right = min(left + 1, len(line) - 1)
+            height, rise = (1.0 - (place - left)) * line[left] + (place - left) * line[right]
+            for away in range(1, width + 1):
+                turned[width - away, width + col] = height + rise * (away + block - 1) / block
+    for turn in range(4):
+        corner = np.rot90(out, turn)
+        for row, col in np.ndindex(width, width):
+            corner[row, col] = max(corner[row, width], corner[width, col])
+    return out
+
+
+def slope_around(lowest: Heights, reach: int, slope: float, cell: float, steepest: float) -> Heights:
+    """Return how steep the ground is around each block (rows, cols) of 4 × 4 cells, from the lowest of each block.
+
+    Openings of these lowest heights take out the objects; the slopes of the rest are averaged within ``reach`` blocks.
+    """
+    beyond = continued(lowest, lowest, 1, reach, reach, steepest)
+    taken = objects(beyond, reach, slope, BLOCK * cell)[reach:-reach, reach:-reach]
     surface = lowest if taken.all() else filled(np.where(taken, np.float32(np.nan), lowest))
     steep = np.minimum(gradient(surface, BLOCK * cell), np.float32(STEEPEST)).astype(np.float64)
     mean = np.empty_like(lowest)
     for row, col in np.ndindex(lowest.shape):
         near = steep[max(row - reach, 0) : row + reach + 1, max(col - reach, 0) : col + reach + 1]
         mean[row, col] = sum(near.ravel().tolist()) / near.size
-    return np.asarray(mean[np.arange(rows)[:, None] // BLOCK, np.arange(cols) // BLOCK])
+    return mean
 
 
 def smaller_rise(before: float, after: float) -> float:
@@ -207,11 +255,14 @@ def goes_on(heights: list[np.float32], cell: float, height: float) -> bool:
     )
 
 
-def given_back(heights: Heights, taken: BoolArray, cell: float, height: float) -> tuple[BoolArray, BoolArray]:
+def given_back(
+    heights: Heights, taken: BoolArray, cell: float, height: float, front: int
+) -> tuple[BoolArray, BoolArray]:
     """Return which ``taken`` cells (rows, cols) are ground after all, and which of the others are in doubt.
 
     Taken cells over which the surface goes on are one segment. Of its sides some go on into the ground, some are a
-    drop, some rise to what is beside. Crests and edges of terraces have many of the first and few of the second.
+    drop, some rise to what is beside. Crests and edges of terraces have many of the first beside the second. Spurs have
+    the first on one side only: there the sum of their directions is ``front`` cells long or longer.
     """
     rows, cols = heights.shape
     sides = ((0, 1), (1, 0), (0, -1), (-1, 0))
@@ -237,17 +288,18 @@ def given_back(heights: Heights, taken: BoolArray, cell: float, height: float) -
                 if taken[y, x] and not segments[y, x] and is_smooth(row, col, down, right):
                     segments[y, x] = number
                     cells.append((y, x))
-        n = into = drops = 0
+        drops, directions = 0, []
         for row, col in cells:
             for y, x, down, right in neighbours(row, col):
                 if segments[y, x] == number:
                     continue
-                n += 1
                 if not taken[y, x] and is_smooth(row, col, down, right):
-                    into += 1
+                    directions.append((down, right))
                 elif heights[row, col] > heights[y, x]:
                     drops += 1
-        is_ground = into > 0 and into >= LEAST_INTO * n and drops <= MOST_DROPS * n
+        into = len(directions)
+        is_spur = into > 0 and math.hypot(*np.sum(directions, axis=0)) >= front
+        is_ground = is_spur or (into > 0 and into >= LEAST_INTO * (into + drops))
         for place in cells:
             given[place], contested[place] = is_ground, into > 0 and not is_ground
     return given, contested
@@ -310,10 +362,13 @@ def ground_points(
     least = lowest(points, corner, cell, shape)
     whole = filled(least)
     low = objects(-whole, 1, config.low_slope, cell)
-    around = slope_around(whole, low, radius, config.slope, cell)
-    high = objects(whole, radius, config.slope, cell, around, config.local_slope)
+    blocks, reach, steepest = lowest_of_blocks(whole, low), max(1, radius // BLOCK), STEEPEST * BLOCK * cell
+    around = slope_around(blocks, reach, config.slope, cell, steepest).repeat(BLOCK, axis=0).repeat(BLOCK, axis=1)
+    around = np.pad(around[: shape[0], : shape[1]], radius, mode="edge")
+    beyond = continued(whole, blocks, BLOCK, radius, reach, steepest)
+    high = objects(beyond, radius, config.slope, cell, around, config.local_slope)[radius:-radius, radius:-radius]
     centred = heights_of_centres(points, corner, whole, cell)
-    given, contested = given_back(centred, high, cell, height)
+    given, contested = given_back(centred, high, cell, height, radius)
     taken = (high & ~given) | low | np.isnan(least)
     surface = filled(whole if taken.all() else np.where(taken, np.float32(np.nan), least))
     ground = near_surface(points, corner, surface, cell, height, config.scaling)

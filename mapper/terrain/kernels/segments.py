@@ -82,7 +82,10 @@ def count_sides(
     parents: NDArray[np.int32],
     sides: NDArray[np.int32],
 ) -> None:
-    """Count the sides of each segment in ``sides`` (rows · cols, 3): all, those into the ground, those of a drop."""
+    """Write into ``sides`` (rows · cols, 4) of each segment: sides into the ground, of a drop, sums of directions.
+
+    The directions, in rows and columns, are those of the sides into the ground.
+    """
     rows, cols = heights.shape
     sides[:] = 0
     for row in range(rows):
@@ -98,11 +101,12 @@ def count_sides(
                     continue
                 if taken[y, x] and _root_of(parents, y * cols + x) == segment:
                     continue
-                sides[segment, 0] += np.int32(1)
                 if not taken[y, x] and _goes_on(heights, row, col, down, right, most, height, share):
-                    sides[segment, 1] += np.int32(1)
+                    sides[segment, 0] += np.int32(1)
+                    sides[segment, 2] += np.int32(down)
+                    sides[segment, 3] += np.int32(right)
                 elif heights[row, col] > heights[y, x]:
-                    sides[segment, 2] += np.int32(1)
+                    sides[segment, 1] += np.int32(1)
 
 
 @jit
@@ -111,7 +115,7 @@ def judge(
     parents: NDArray[np.int32],
     sides: NDArray[np.int32],
     least_into: float,
-    most_drops: float,
+    front: int,
     given: BoolArray,
     contested: BoolArray,
 ) -> None:
@@ -122,6 +126,8 @@ def judge(
             given[row, col] = contested[row, col] = False
             if taken[row, col]:
                 segment = _root_of(parents, row * cols + col)
-                n, into, drops = sides[segment, 0], sides[segment, 1], sides[segment, 2]
-                given[row, col] = into > 0 and into >= least_into * n and drops <= most_drops * n
+                into, drops = sides[segment, 0], sides[segment, 1]
+                down, right = np.int64(sides[segment, 2]), np.int64(sides[segment, 3])
+                is_front = down * down + right * right >= front * front
+                given[row, col] = into > 0 and (is_front or into >= least_into * (into + drops))
                 contested[row, col] = into > 0 and not given[row, col]
