@@ -1,4 +1,4 @@
-"""Ground points of a cloud by SMRF, the simple morphological filter, and two steps that check what it cuts off.
+"""Ground points of a cloud by SMRF, the simple morphological filter, and steps that check what it cuts off.
 
 Sources: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
 LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Segments that are judged by their sides:

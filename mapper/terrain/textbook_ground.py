@@ -1,4 +1,4 @@
-"""SMRF and the two steps after it in plain NumPy, step by step; the kernels must return the same.
+"""SMRF and the steps beside it in plain NumPy, step by step; the kernels must return the same.
 
 Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
 LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013. Empty cells are filled here by Laplace's

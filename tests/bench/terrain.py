@@ -71,7 +71,7 @@ def patches(rounds: int = 5) -> None:
 
 
 def smrf_alone(points: NDArray[Any]) -> BoolArray:
-    """Return which points (n,) are ground by SMRF without the steps that check what it cuts off."""
+    """Return which points (n,) are ground by SMRF that continues the borders, without the steps after it."""
     with patch.object(ground, "given_back", lambda _, taken, *__: (np.zeros_like(taken), np.zeros_like(taken))):
         return find_ground(points, SMRF).is_ground
 
