@@ -173,7 +173,7 @@ def border_line(lowest: Heights, reach: int, steepest: float) -> list[tuple[np.f
             for k in near
             for i, j in itertools.combinations(inside, 2)
         ]
-        rise = np.clip(np.median(rises), np.float32(0.0), np.float32(steepest)) if rises else np.float32(0.0)
+        rise = np.float32(np.clip(np.median(rises), 0.0, steepest)) if rises else np.float32(0.0)
         line.append((min(lowest[i, col] + rise * np.float32(i) for i in inside), rise))
     return line
 
@@ -288,7 +288,8 @@ def given_back(
                 if taken[y, x] and not segments[y, x] and is_smooth(row, col, down, right):
                     segments[y, x] = number
                     cells.append((y, x))
-        drops, directions = 0, []
+        drops = 0
+        directions: list[tuple[int, int]] = []
         for row, col in cells:
             for y, x, down, right in neighbours(row, col):
                 if segments[y, x] == number:
