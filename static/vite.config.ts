@@ -71,7 +71,6 @@ export default defineConfig({
     proxy: {
       "/api": { target: service, ws: true },
       "/scenes": { target: service, ws: true },
-      "/3d": { target: service },
     },
   },
   // Most tests need no document; those that do name happy-dom in their first line: setting it up takes as long as they do.

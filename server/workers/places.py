@@ -13,8 +13,8 @@ from server.classes.classes import normalised
 PLACE_HEADER = "X-Gridbloom-Place"
 VISITOR_COOKIE = "gridbloom_visitor"
 
-_LINE = re.compile(rb"[A-Z]+ (?:[a-z]+://[^/ ]+)?((/[^ ?]*)[^ ]*)")
-_SESSION = re.compile(rb"/(?:(?:api/sessions|scenes)/|3d[?](?:[^ ]*&)?session=)([0-9a-z]{1,32})[.]")
+_LINE = re.compile(rb"[A-Z]+ (?:[a-z]+://[^/ ]+)?(/[^ ?]*)")
+_SESSION = re.compile(rb"/(?:api/sessions|scenes)/([0-9a-z]{1,32})[.]")
 _CLASS = re.compile(rb"/(?:api/classes|class)/([A-Za-z][^/]*)")
 _COOKIE = re.compile(rb"\r\ncookie:(?:[^\r\n]*?[ ;])?" + VISITOR_COOKIE.encode() + rb"=([^;\r\n ]*)", re.IGNORECASE)
 _PLACE = re.compile(rb"\r\n" + PLACE_HEADER.encode() + rb": *([0-9a-z]{1,32}) *\r\n", re.IGNORECASE)
@@ -43,10 +43,10 @@ def worker_of(head: bytes, address: str, workers: int, classes: Mapping[str, int
     line = _LINE.match(head)
     if line is None:  # not HTTP: any worker refuses it
         return None
-    target, path = line[1], line[2]
+    path = line[1]
     if _ANYWHERE.fullmatch(path):
         return None
-    if session := _SESSION.match(target):
+    if session := _SESSION.match(path):
         return worker_of_place(session[1].decode(), workers)
     if room := _CLASS.match(path):
         code = normalised(unquote(room[1].decode("latin-1")))

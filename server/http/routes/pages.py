@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import NOT_BUILT, built_file, find_pages, front_page, page_file, page_names
-from server.http.services import Sessions
-from server.stream.protocol import PAGE_NAME
 
 router = APIRouter(include_in_schema=False)
 
@@ -28,18 +24,6 @@ async def index(request: Request) -> Response:
 async def asset(request: Request, name: str) -> Response:
     """Return a file whose name contains a digest of its content, which never changes."""
     return built_file(request, f"assets/{name}", "public, max-age=31536000, immutable")
-
-
-@router.get("/3d")
-async def three_d(
-    sessions: Sessions, session: str, page: Annotated[str | None, Query(pattern=PAGE_NAME)] = None
-) -> Response:
-    """Redirect to the 3D view of a session, without viser's panel: the controls are in the page of the session.
-
-    That page, by the name that it gave itself, is told what is clicked in the view.
-    """
-    address = f"/scenes/{sessions.get(session).id}/plain/"
-    return RedirectResponse(address if page is None else f"{address}{page}/", status_code=307)
 
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])

@@ -100,7 +100,6 @@ NEVER = {
     ("HEAD", "/"),
     ("GET", "/{name}"),
     ("HEAD", "/{name}"),
-    ("GET", "/3d"),
     ("GET", "/sign-out"),
     ("POST", "/sign-out"),
     ("GET", "/metrics"),

@@ -78,8 +78,7 @@ def test_the_tables(service: Service) -> None:
         ("PATCH", "/api/worlds", None, 405, "http.method_not_allowed"),
         ("GET", "/api/sessions/unknown", None, 404, "session.unknown"),
         ("GET", "/api/sessions/unknown/map.pgm", None, 404, "session.unknown"),
-        ("GET", "/3d?session=unknown", None, 404, "session.unknown"),
-        ("GET", "/3d", None, 422, "request.invalid"),
+        ("GET", "/scenes/unknown", None, 404, "session.unknown"),
         ("DELETE", "/api/sessions/unknown", None, 404, "session.unknown"),
         ("POST", "/api/sessions", b"{", 422, "request.invalid"),
         ("POST", "/api/sessions", b"[" * 50_000, 400, "http.bad_request"),
@@ -239,11 +238,8 @@ def test_without_built_pages_the_front_page_gives_advice(service: Service, monke
     assert service.http.get("/lab.html").status_code == 404
 
 
-def test_the_3d_view_opens(service: Service) -> None:
+def test_the_address_of_a_3d_view_ends_in_a_slash(service: Service) -> None:
     session_id = service.begin()
-    answer = service.http.get(f"/3d?session={session_id}")
-    assert answer.status_code == 307
-    assert answer.headers["location"] == f"/scenes/{session_id}/plain/"
-    of_page = service.http.get(f"/3d?session={session_id}&page={'0a' * 16}")
-    assert of_page.headers["location"] == f"/scenes/{session_id}/plain/{'0a' * 16}/"
-    assert service.http.get(f"/3d?session={session_id}&page=/..").status_code == 422
+    answer = service.http.get(f"/scenes/{session_id}")
+    assert answer.status_code == 308
+    assert answer.headers["location"] == f"/scenes/{session_id}/"

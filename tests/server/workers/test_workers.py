@@ -173,7 +173,7 @@ def test_streams_of_both_workers_and_a_log_that_the_other_has_read(service: Work
     # Who has the address of a session shares it, looks at it in 3D and makes a puzzle of it, from whichever worker.
     shared = second.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
     assert [one["token"] for one in first.get(f"/api/sessions/{view}/links").json()["links"]] == [shared]
-    assert second.get("/3d", params={"session": view}).headers["location"] == f"/scenes/{view}/plain/"
+    assert second.get(f"/scenes/{view}").headers["location"] == f"/scenes/{view}/"
     token = first.post(f"/api/sessions/{view}/links", json={}).raise_for_status().json()["token"]
     # The other worker learns of the link from the records.
     answer = until(lambda: (got := second.get(f"/api/shared/{token}")).status_code == 200 and got)
