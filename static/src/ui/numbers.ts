@@ -1,20 +1,10 @@
 /** Arithmetic and formatting of numbers: slider positions, key steps, text. */
 
-import type { Signal } from "@preact/signals";
-
 export interface Range {
   readonly low: number;
   readonly high: number;
   readonly step: number;
 }
-
-/** What a control needs so that it shows the number of a signal and sets it. */
-export const bound = (signal: Signal<number>) => ({
-  value: signal.value,
-  onInput: (value: number): void => {
-    signal.value = value;
-  },
-});
 
 /** How many decimals a value of this step has: 0.05 → 2, 1 → 0. */
 export function decimals(step: number): number {

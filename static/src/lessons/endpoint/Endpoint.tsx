@@ -1,6 +1,7 @@
 import { useRef } from "preact/hooks";
 import { toLattice } from "../../grid/lattice";
-import { bound, written } from "../../ui/numbers";
+import { bound } from "../../ui/bound";
+import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight } from "../common/useSteps";
 import { cellSide, originAt, pipelineBeam } from "../stage/controls";

@@ -1,6 +1,6 @@
 import { Button } from "../../ui/Button";
+import { bound } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
-import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { looked, type Place, placeOfTable, since, tableLifetime, walkerAt } from "./state";
 import "./navigation.css";

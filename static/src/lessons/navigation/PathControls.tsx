@@ -1,9 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
+import { bound } from "../../ui/bound";
 import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
-import { bound, written } from "../../ui/numbers";
+import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { useInSight, useSeen, useSteps } from "../common/useSteps";
 import {

@@ -1,6 +1,7 @@
 import { computed, type Signal, signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { bound, written } from "../../ui/numbers";
+import { bound } from "../../ui/bound";
+import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import type { Point } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";

@@ -1,6 +1,7 @@
 import { tokenRgb } from "../../style/colour";
+import { bound } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
-import { bound, bytes, written } from "../../ui/numbers";
+import { bytes, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { LOW_TABLE_HEIGHT } from "../stage/floor";
 import { type Scene, scene } from "../stage/scene";

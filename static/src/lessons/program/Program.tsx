@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { GridGeometry, LaserScan } from "../../grid/occupancyGrid";
 import { bearingOf } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
+import { selected } from "../../ui/bound";
 import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
@@ -103,15 +104,7 @@ export function Program() {
         <Values here={here} run={run} scan={scan} />
       </div>
       <div class="figure-controls no-print">
-        <Choice
-          label="Step size"
-          bare
-          options={STEP_SIZES}
-          value={by.value}
-          onChange={(value) => {
-            by.value = value;
-          }}
-        />
+        <Choice label="Step size" bare options={STEP_SIZES} {...selected(by)} />
         <div class="actions">
           <Button icon="stepBack" label="Step back" onClick={() => go(-1)} />
           {!reducedMotion.value && (

@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
+import { bound, selected, switched } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
-import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { PatchFigure } from "./PatchFigure";
 import "./terrain.css";
@@ -56,10 +56,7 @@ export function Patch() {
       <Choice
         label="Begin with"
         options={PRESETS.map(({ id, label }) => ({ value: id, label }))}
-        value={preset.value}
-        onChange={(id) => {
-          preset.value = id;
-        }}
+        {...selected(preset)}
       />
       <PatchFigure
         key={preset.value}
@@ -75,18 +72,12 @@ export function Patch() {
         <SwitchChip
           label="Leave out outliers (RANSAC)"
           title="The plane of the three points that most others are within 5 cm of, fitted to those."
-          checked={isRobust.value}
-          onChange={(on) => {
-            isRobust.value = on;
-          }}
+          {...switched(isRobust)}
         />
         <SwitchChip
           label="Every point twice"
           title="The residual doubles, though the ground is the same; the roughness does not."
-          checked={isTwice.value}
-          onChange={(on) => {
-            isTwice.value = on;
-          }}
+          {...switched(isTwice)}
         />
       </div>
       <div class="figure-controls patch-limits">

@@ -1,7 +1,8 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { probability } from "../../grid/logOdds";
-import { bound, written } from "../../ui/numbers";
+import { bound } from "../../ui/bound";
+import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import { Stage } from "../common/Stage";

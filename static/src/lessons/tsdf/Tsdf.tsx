@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
+import { bound, switched } from "../../ui/bound";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
-import { bound, signed, written } from "../../ui/numbers";
+import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { type Scene, scene, WALL_CELL } from "../stage/scene";
 import {
@@ -120,18 +121,12 @@ export function Tsdf() {
           <SwitchChip
             label="Wall is moved halfway"
             title="For the second half of the readings the wall is 12 cm farther away."
-            checked={isMoved.value}
-            onChange={(on) => {
-              isMoved.value = on;
-            }}
+            {...switched(isMoved)}
           />
           <SwitchChip
             label="Store free space too"
             title="Voxels farther in front of the wall than the truncation are stored too, with the truncation as their distance."
-            checked={isCarved.value}
-            onChange={(on) => {
-              isCarved.value = on;
-            }}
+            {...switched(isCarved)}
           />
         </div>
       </div>

@@ -2,6 +2,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { selected } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { letterOf } from "./histogram";
 
@@ -87,10 +88,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
             { value: "options", label: "One of several" },
             { value: "number", label: "A number" },
           ]}
-          value={kind.value}
-          onChange={(value) => {
-            kind.value = value;
-          }}
+          {...selected(kind)}
         />
         {isAxis ? (
           <div class="class-axis-fields">

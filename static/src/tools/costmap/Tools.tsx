@@ -3,9 +3,9 @@
 import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { bound } from "../../ui/bound";
 import { inHand } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
-import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { limitUnit } from "./speedLimits";
 import { costmapOf, type MapTool, type Over } from "./state";

@@ -4,9 +4,9 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { bound, selected } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { Icon, type IconName } from "../../ui/Icon";
-import { bound } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { type MapTool, mapEditingOf } from "./state";
 import { WIDEST_M } from "./strokes";
@@ -70,10 +70,7 @@ export function Tools({ store }: { readonly store: Store }) {
               { value: "free", label: "Free" },
               { value: "unknown", label: "Unknown" },
             ]}
-            value={mapEditing.state.value}
-            onChange={(value) => {
-              mapEditing.state.value = value as "occupied" | "free" | "unknown";
-            }}
+            {...selected(mapEditing.state)}
           />
         )}
         {now === "keepout" && (

@@ -5,6 +5,7 @@ import type { ComponentChildren, RefObject } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { switched } from "../../ui/bound";
 import { inHand } from "../../ui/browser/media";
 import { SwitchChip } from "../../ui/dock/SwitchChip";
 import type { IconName } from "../../ui/Icon";
@@ -130,15 +131,7 @@ function Measured({ store, tool, snaps = true, children }: MeasuredProps) {
         {inHand(measuredText(tool, points, size))}
       </p>
       <div class="measured-actions">
-        {snaps && (
-          <SwitchChip
-            label="Snap to walls"
-            checked={measuring.snaps.value}
-            onChange={(isOn) => {
-              measuring.snaps.value = isOn;
-            }}
-          />
-        )}
+        {snaps && <SwitchChip label="Snap to walls" {...switched(measuring.snaps)} />}
         <Button
           kind="quiet"
           icon="undo"

@@ -5,6 +5,7 @@ import type { Size, View } from "../../render/view";
 import type { Stepping } from "../../store/stepping";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { selected } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import { key } from "./model";
@@ -52,14 +53,7 @@ const UNIT_OPTIONS = UNITS.map((one) => ({ value: one, label: one }));
 export function Steps({ store }: { readonly store: Store }) {
   return (
     <div class="steps stack">
-      <Choice
-        label="Step size"
-        options={UNIT_OPTIONS}
-        value={unit.value}
-        onChange={(chosen) => {
-          unit.value = chosen;
-        }}
-      />
+      <Choice label="Step size" options={UNIT_OPTIONS} {...selected(unit)} />
       {store.stepping.value ? (
         <StepNote store={store} />
       ) : (

@@ -2,9 +2,9 @@ import { Prediction } from "../../../lessons/common/Prediction";
 import { FIRST_PLACE, withoutReturn } from "../../../lessons/noreturn/model";
 import { NoReturn, robotAt } from "../../../lessons/noreturn/NoReturn";
 import { noReturn, noReturnRange as rangeMax } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
-import { bound } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 
 const POLICIES = [

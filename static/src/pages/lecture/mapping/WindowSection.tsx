@@ -1,7 +1,7 @@
 import { wallNoise, wallWindow } from "../../../lessons/stage/controls";
 import { Button } from "../../../ui/Button";
+import { bound } from "../../../ui/bound";
 import { DragNumber } from "../../../ui/DragNumber";
-import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { OnStage, Section, type SectionHead } from "../Section";
 

@@ -1,9 +1,9 @@
 import { signal } from "@preact/signals";
 import { Counting } from "../../../lessons/counting/Counting";
 import { countingBeams, countingUpdate } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
 import { DragNumber } from "../../../ui/DragNumber";
-import { bound } from "../../../ui/numbers";
 import { Section, type SectionHead } from "../Section";
 
 const scans = signal(1);

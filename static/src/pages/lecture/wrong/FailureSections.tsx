@@ -2,7 +2,7 @@
 
 import { SideView } from "../../../lessons/heights/SideView";
 import { peopleOn, peopleScans, polishedOn } from "../../../lessons/stage/controls";
-import { bound } from "../../../ui/numbers";
+import { bound } from "../../../ui/bound";
 import { Slider } from "../../../ui/Slider";
 import { ToggleOf } from "../../../ui/Toggle";
 import { OnStage, Section, type SectionHead, SectionLink } from "../Section";

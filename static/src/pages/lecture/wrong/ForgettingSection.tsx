@@ -3,8 +3,9 @@ import { INITIAL_CONFIG } from "../../../grid/occupancyGrid";
 import { Forgetting } from "../../../lessons/forgetting/Forgetting";
 import type { Clamp } from "../../../lessons/forgetting/model";
 import { scansAfter } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/bound";
 import { DragNumber } from "../../../ui/DragNumber";
-import { bound, signed } from "../../../ui/numbers";
+import { signed } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead, SectionLink } from "../Section";
 

@@ -1,6 +1,6 @@
 import { Mount } from "../../../lessons/mount/Mount";
 import { mountError } from "../../../lessons/stage/controls";
-import { bound } from "../../../ui/numbers";
+import { bound } from "../../../ui/bound";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead } from "../Section";
 

@@ -3,8 +3,8 @@ import { Prediction } from "../../../lessons/common/Prediction";
 import { Drift } from "../../../lessons/odometry/Drift";
 import { byOdometry, errorOf, USUAL } from "../../../lessons/odometry/model";
 import { driftError } from "../../../lessons/stage/controls";
+import { bound } from "../../../ui/bound";
 import { DragNumber } from "../../../ui/DragNumber";
-import { bound } from "../../../ui/numbers";
 import { Slider } from "../../../ui/Slider";
 import { Section, type SectionHead, SectionLink } from "../Section";
 

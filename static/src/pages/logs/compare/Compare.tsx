@@ -8,6 +8,7 @@ import { Legend } from "../../../tools/compare/Legend";
 import { Numbers } from "../../../tools/compare/Numbers";
 import { FileButton } from "../../../tools/files/FileButton";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { ToggleOf } from "../../../ui/Toggle";
@@ -98,10 +99,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 <Choice
                   label="Show as"
                   options={VIEW_MODES.map((mode) => ({ value: mode, label: TITLES[mode] }))}
-                  value={comparison.mode.value}
-                  onChange={(mode) => {
-                    comparison.mode.value = mode;
-                  }}
+                  {...selected(comparison.mode)}
                 />
                 {comparison.mode.value === "swipe" && (
                   <p class="quiet">Drag the divider, or move it with the arrow keys.</p>

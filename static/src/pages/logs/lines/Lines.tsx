@@ -6,6 +6,7 @@ import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import { clockTime, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import { plural } from "../../../ui/numbers";
 import { Select } from "../../../ui/Select";
 import { WhenKnown } from "../contents/useContents";
@@ -104,14 +105,7 @@ function Search({ state, all, onStep, children }: SearchProps) {
         }}
       />
       {nodes.length > 1 && (
-        <Select
-          label="Node"
-          value={state.node.value}
-          options={[{ value: "", label: "All nodes" }, ...nodes]}
-          onChange={(name) => {
-            state.node.value = name;
-          }}
-        />
+        <Select label="Node" {...selected(state.node)} options={[{ value: "", label: "All nodes" }, ...nodes]} />
       )}
       <input
         class="field-text"

@@ -8,6 +8,7 @@ import { MotionFan } from "../../../tools/localization/MotionFan";
 import { GIVEN_MAP } from "../../../tools/localization/model";
 import { SensorCurve } from "../../../tools/localization/SensorCurve";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
@@ -119,10 +120,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
                   { value: "", label: "The log’s own" },
                   ...sources.map((value) => ({ value, label: trajectoryLabel(value) })),
                 ]}
-                value={odometry.value}
-                onChange={(value) => {
-                  odometry.value = value;
-                }}
+                {...selected(odometry)}
               />
             )}
             <ParameterDetails

@@ -2,6 +2,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import { showAnswer } from "../../../ui/browser/attempts";
 import { Choice } from "../../../ui/Choice";
 import { written } from "../../../ui/numbers";
@@ -144,30 +145,9 @@ function Errors({
   const comparison = errors.value;
   return (
     <div class="errors">
-      <SelectField
-        title="Reference"
-        value={reference.value}
-        options={options}
-        onChange={(name) => {
-          reference.value = name;
-        }}
-      />
-      <SelectField
-        title="Compared with it"
-        value={estimate.value}
-        options={options}
-        onChange={(name) => {
-          estimate.value = name;
-        }}
-      />
-      <Choice
-        label="Aligned by"
-        options={ALIGNMENTS}
-        value={align.value}
-        onChange={(value) => {
-          align.value = value;
-        }}
-      />
+      <SelectField title="Reference" {...selected(reference)} options={options} />
+      <SelectField title="Compared with it" {...selected(estimate)} options={options} />
+      <Choice label="Aligned by" options={ALIGNMENTS} {...selected(align)} />
       <Choice
         label="Relative error over"
         options={["0.5", "1", "5", "10"].map((value) => ({ value, label: `${value} m` }))}

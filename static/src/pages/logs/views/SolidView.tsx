@@ -3,6 +3,7 @@
 import { useContext } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { PickingScene } from "../../../tools/scene/PickingScene";
+import { switched } from "../../../ui/bound";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
 import { ContentsContext } from "../contents/useContents";
 import { Clouds } from "./Clouds";
@@ -26,10 +27,7 @@ export function SolidView({ store, session, solid }: SolidViewProps) {
         <SwitchChip
           label="Point clouds"
           title="The point clouds of the log as voxels or points, at the time of the map."
-          checked={solid.clouds.value}
-          onChange={(isOn) => {
-            solid.clouds.value = isOn;
-          }}
+          {...switched(solid.clouds)}
         />
       </div>
       {solid.clouds.value ? (

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
 import { ask } from "../../../wire/ask";
@@ -42,14 +43,11 @@ export function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
           <label>
             <span>Another file</span>
             <Select
-              value={chosen.value}
+              {...selected(chosen)}
               options={[
                 { value: "", label: "choose one" },
                 ...others.value.map(({ id, name }) => ({ value: id, label: name })),
               ]}
-              onChange={(id) => {
-                chosen.value = id;
-              }}
             />
           </label>
           <Button disabled={chosen.value === ""} onClick={() => onCompare(chosen.value)}>
