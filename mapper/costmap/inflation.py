@@ -45,24 +45,24 @@ def radius_in_cells(config: InflationConfig, resolution: float) -> int:
     return radius
 
 
-def squared_distances(costs: UInt8Array, radius: int, with_unknown: bool = False) -> np.ndarray:
+def squared_distances(costs: UInt8Array, radius: int) -> np.ndarray:
     """Return the squared distance (rows, cols), in cells, of each cell to the nearest lethal cell of ``costs``.
 
-    Farther than ``radius`` cells is radius² + 1. The type is uint16 or uint32. ``with_unknown`` counts cells without
-    information as obstacles. Raises :class:`ConfigError` for a radius outside 0 … 253.
+    Farther than ``radius`` cells is radius² + 1. The type is uint16 or uint32. Raises :class:`ConfigError` for a radius
+    outside 0 … 253.
     """
     if not 0 <= radius <= MAX_RADIUS:
         raise ConfigError("costmap.radius", f"The radius must be 0 … {MAX_RADIUS} cells, not {radius}.")
     rows, cols = costs.shape
     out = np.full((rows, cols), radius * radius + 1, dtype=_type_for(radius))
-    blocks = _blocks(costs, with_unknown)
+    blocks = _blocks(costs, False)
 
     def fill(tiles: list[tuple[int, int]]) -> None:
         columns, squares, _ = _working(radius)
         for row, col in tiles:
             if near_blocks(blocks, row - radius, row + TILE_ROWS + radius, col - radius, col + TILE_COLS + radius):
                 part = out[row : row + TILE_ROWS, col : col + TILE_COLS]
-                tile_distances(costs, with_unknown, radius, row, col, *_cut(columns, squares, part, radius), part)
+                tile_distances(costs, False, radius, row, col, *_cut(columns, squares, part, radius), part)
 
     _over_tiles(fill, CellBox(0, rows, 0, cols))
     return out

@@ -171,14 +171,12 @@ class Contradiction:
     """Shares of endpoints, 0 … 1, that are in free space of another part of the log.
 
     ``near`` is the share between parts a moment apart, ``far`` that between parts far apart in time; ``evidence`` is
-    the number of endpoints that ``far`` is made of, and ``by_part`` (PARTS,) the share for each part, nan without any.
-    ``parts`` are the PARTS parts themselves, on a grid of ``geometry``.
+    the number of endpoints that ``far`` is made of. ``parts`` are the PARTS parts, on a grid of ``geometry``.
     """
 
     near: float
     far: float
     evidence: float
-    by_part: NDArray[np.float64]
     parts: Sequence[_Part]
     geometry: GridGeometry
 
@@ -240,9 +238,7 @@ def contradiction(whole: Examined, thinned: Examined) -> Contradiction:
         window = cut(whole, start, start + WINDOW)
         halves, place = _parts(window, 2)
         near += _compared(halves, place, lambda i, j: i != j).sum(axis=0)
-    totals = far.sum(axis=1)
-    by_part = np.divide(far[:, 0], totals, out=np.full(len(far), np.nan), where=totals > 0)
-    return Contradiction(_share(near), _share(far.sum(axis=0)), float(totals.sum()), by_part, parts, geometry)
+    return Contradiction(_share(near), _share(far.sum(axis=0)), float(far.sum(axis=1).sum()), parts, geometry)
 
 
 def cut(seen: Examined, start: int, stop: int) -> Examined:
@@ -264,12 +260,12 @@ def _parts(seen: Examined, n_parts: int) -> tuple[list[_Part], GridGeometry]:
     seen.check_wanted()
     geometry = geometry_for(seen.log, seen.config)
     edges = np.linspace(0, seen.log.n_scans, n_parts + 1).astype(int)
-    found = []
+    parts = []
     for start, stop in pairwise(edges.tolist()):
         grid = OccupancyGrid(geometry)
         integrate_scans(grid, seen.log, seen.config, None, start, stop)
-        found.append(_part(grid, geometry))
-    return found, geometry
+        parts.append(_part(grid, geometry))
+    return parts, geometry
 
 
 def _part(grid: OccupancyGrid, geometry: GridGeometry) -> _Part:
@@ -297,13 +293,13 @@ def _compared(
     parts: Sequence[_Part], geometry: GridGeometry, counts: Callable[[int, int], bool]
 ) -> NDArray[np.float64]:
     """Return for each part (n, 2) how many of its endpoints the others contradict and how many they confirm."""
-    found = np.zeros((len(parts), 2))
+    totals = np.zeros((len(parts), 2))
     said = np.zeros(geometry.rows * geometry.cols, dtype=np.int8)  # 1 free, 2 near an endpoint of the other part
     for i, other in enumerate(parts):
         said[other.free], said[other.near] = 1, 2
         for j, part in enumerate(parts):
             if counts(i, j):
                 here = said[part.ends]
-                found[j] += (part.weights[here == 1].sum(), part.weights[here == 2].sum())
+                totals[j] += (part.weights[here == 1].sum(), part.weights[here == 2].sum())
         said[other.free] = said[other.near] = 0
-    return found
+    return totals

@@ -50,14 +50,13 @@ class Estimate:
 class Clusters:
     """Clusters of particles: ``weight`` (k,), ``mean`` (k, 3), ``covariance`` (k, 3, 3); ``number`` (n,) of each one's.
 
-    ``n_bins`` is how many bins of :data:`BINS` the particles fill, ``entropy`` that of their weights, bits.
+    ``entropy`` is that of the weights of the bins of :data:`BINS`, bits.
     """
 
     weight: Float64Array
     mean: Float64Array
     covariance: Float64Array
     number: NDArray[np.int64]
-    n_bins: int
     entropy: float
 
 
@@ -79,7 +78,7 @@ def find_clusters(particles: Float64Array, weights: Float64Array) -> Clusters:
     origin = particles[:, :2].mean(axis=0)
     add_moments(particles, weights, number, origin, moments)
     mean, covariance = statistics(moments, origin)
-    return Clusters(moments[:, 0], mean, covariance, number, count, float(-np.sum(share * np.log2(share))))
+    return Clusters(moments[:, 0], mean, covariance, number, float(-np.sum(share * np.log2(share))))
 
 
 def statistics(moments: Float64Array, origin: Float64Array) -> tuple[Float64Array, Float64Array]:

@@ -16,8 +16,7 @@ class TransformEdge:
     """Transform of the frame ``child`` in ``parent`` over time, as a log states it.
 
     ``is_static`` says that it was stated as never changing (tf_static), ``moves`` that it was stated differently at
-    different times. ``first_stamp_ns`` and ``last_stamp_ns`` are the earliest and the latest time that it was stated
-    for, ``count`` how often.
+    different times, ``count`` how often it was stated.
     """
 
     parent: str
@@ -25,8 +24,6 @@ class TransformEdge:
     is_static: bool
     moves: bool
     count: int
-    first_stamp_ns: int
-    last_stamp_ns: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +64,3 @@ class RobotLog:
     def topics(self) -> tuple[Topic, ...]:
         """All that the file holds, the sensors first; empty for formats of one stream."""
         return self.first.topics
-
-    def scan_log(self, topic: str | None = None) -> ScanLog:
-        """Return one planar sensor (None: the first). Raises :class:`ConfigError` for one that the log lacks."""
-        if topic is None:
-            return self.first
-        found = next((one for name, one in self.sensors.items() if name.lstrip("/") == topic.lstrip("/")), None)
-        if found is None:
-            known = ", ".join(name[:200] for name in list(self.sensors)[:6])
-            raise ConfigError("log.topic", f"The log has no scans on {topic!r:.80}; it has {known}.")
-        return found

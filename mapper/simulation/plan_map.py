@@ -40,8 +40,8 @@ def is_furniture(solid: Polygon) -> bool:
     return bool(long <= LONGEST and (short > THINNEST or long <= POST))
 
 
-def with_moved_furniture(world: World, distance: float = 1.0) -> World:
-    """Return a world whose furniture stands ``distance`` metres from where it does in ``world``.
+def with_moved_furniture(world: World) -> World:
+    """Return a world whose furniture stands a metre from where it does in ``world``.
 
     Each piece is moved east, north, west or south, in the first direction in which its middle is free; a piece that is
     hemmed in stays.
@@ -51,9 +51,8 @@ def with_moved_furniture(world: World, distance: float = 1.0) -> World:
     def moved(solid: Polygon) -> Polygon:
         if not is_furniture(solid):
             return solid
-        ways = distance * _WAYS
         room = 0.5 * float(np.ptp(solid, axis=0).max())
-        free = bare.clearance(solid.mean(axis=0) + ways) >= room
-        return solid + ways[int(np.argmax(free))] if free.any() else solid
+        free = bare.clearance(solid.mean(axis=0) + _WAYS) >= room
+        return solid + _WAYS[int(np.argmax(free))] if free.any() else solid
 
     return replace(world, solids=tuple(moved(solid) for solid in world.solids))

@@ -162,9 +162,9 @@ def merge_logs(
     )
 
 
-def map_along(parts: list[tuple[ScanLog, Float64Array]], config: MappingConfig | None = None) -> OccupancyGrid:
+def map_along(parts: list[tuple[ScanLog, Float64Array]]) -> OccupancyGrid:
     """Return one map of logs along poses (n_scans, 3) in one frame, all scans of the first log before the next's."""
-    config = config or MappingConfig().with_values(RECORDED)
+    config = MappingConfig().with_values(RECORDED)
     logs = [replace(log, trajectories={MERGED: Trajectory(poses, "poses corrected by SLAM")}) for log, poses in parts]
     grid = grid_for(logs[0], config, MERGED)
     for log in logs[1:]:

@@ -46,25 +46,22 @@ def optimise(
     *,
     robust: str = "geman_mcclure",
     robust_scale: float = 3.0,
-    fixed: int = 0,
     max_iterations: int = MAX_ITERATIONS,
-    graduated: bool = True,
     system: SparseSystem | None = None,
     check: Callable[[], None] | None = None,
 ) -> PoseGraph:
     """Return the graph with the poses that minimise Σ ρ(eᵀ Ω e) over its edges, and their residuals and weights.
 
-    ``fixed`` is the row of the node that does not move. The robust kernel ρ (:func:`robust_weights`) applies to loops
-    that are not locked; with ``graduated`` its scale starts at the largest residual. The starting poses are the
-    graph's. ``system`` is a :class:`SparseSystem` of the graph's edges to use again. ``check`` is called
-    from time to time; what it raises ends the work. Raises :class:`ConfigError` where the edges leave a pose
-    undetermined.
+    The first node does not move. The robust kernel ρ (:func:`robust_weights`) applies to loops that are not locked; its
+    scale starts at the largest residual. The starting poses are the graph's. ``system`` is a :class:`SparseSystem` of
+    the graph's edges to use again. ``check`` is called from time to time; what it raises ends the work. Raises
+    :class:`ConfigError` where the edges leave a pose undetermined.
     """
     m = len(graph.nodes)
     if m == 0 or not len(graph.i):
         return graph
     if system is None:
-        system = SparseSystem(m, np.column_stack([graph.i, graph.j]), np.array([fixed]))
+        system = SparseSystem(m, np.column_stack([graph.i, graph.j]), np.array([0]))
     poses = graph.poses.copy()
     e = len(graph.i)
     errors, chi2 = np.empty((e, 3)), np.empty(e)
@@ -83,7 +80,7 @@ def optimise(
         weights[is_robust] = robust_weights(robust, chi2[is_robust], scale)
 
     measure()
-    if graduated and is_robust.any():
+    if is_robust.any():
         widening = max(1.0, 2.0 * float(chi2[is_robust].max()) / square)
     for _ in range(max_iterations):
         weigh(robust_scale * np.sqrt(widening))
@@ -120,5 +117,5 @@ def optimise_newest(
         locked=graph.locked[kept], residual=graph.residual[kept], weight=graph.weight[kept],
     )  # fmt: skip
     system = SparseSystem(len(used), rows, np.flatnonzero(used < first))
-    found = optimise(part, robust=robust, robust_scale=robust_scale, max_iterations=max_iterations, system=system)
-    return found.poses[used >= first]
+    solved = optimise(part, robust=robust, robust_scale=robust_scale, max_iterations=max_iterations, system=system)
+    return solved.poses[used >= first]

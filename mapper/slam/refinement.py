@@ -26,17 +26,17 @@ from mapper.slam.sparse_system import SparseSystem
 
 
 class PartedSystem:
-    """The system H Δ = b of poses (n, 3) that ``pairs`` (p, 2) of them contribute to; pose ``fixed`` does not move.
+    """The system H Δ = b of poses (n, 3) that ``pairs`` (p, 2) of them contribute to; the first does not move.
 
     Up to ``most`` poses are one :class:`SparseSystem`, and its solution is exact. More are divided by place into parts
     of at most ``most``, one of which is held in memory at a time; each :meth:`solve` is one sweep over them, in the
     opposite order of the one before.
     """
 
-    def __init__(self, poses: Float64Array, pairs: Int64Array, most: int, fixed: int = 0) -> None:
-        self._n, self._pairs, self._fixed = len(poses), pairs, fixed
+    def __init__(self, poses: Float64Array, pairs: Int64Array, most: int) -> None:
+        self._n, self._pairs = len(poses), pairs
         self.parts = divided(poses[:, :2], most)
-        self._whole = SparseSystem(self._n, pairs, np.array([fixed])) if len(self.parts) == 1 else None
+        self._whole = SparseSystem(self._n, pairs, np.array([0])) if len(self.parts) == 1 else None
         self.filled = 0  #: blocks of the largest factor so far
 
     def solve(
@@ -54,7 +54,7 @@ class PartedSystem:
         for part in self.parts:
             inside = np.zeros(self._n, dtype=np.bool_)
             inside[part] = True
-            inside[self._fixed] = False
+            inside[0] = False
             rows = np.flatnonzero(inside[self._pairs].any(axis=1))
             pairs, blocks = self._pairs[rows], hessians[rows]
             known = step[pairs].reshape(-1, 6)
@@ -190,7 +190,7 @@ def neighbour_pairs(
     """
     m = len(poses)
     tree = KDTree(poses[:, :2])
-    found = [np.zeros((0, 2), dtype=np.int64)]
+    neighbours = [np.zeros((0, 2), dtype=np.int64)]
     for begin in range(0, m, BLOCK):
         if check is not None:
             check()
@@ -207,9 +207,9 @@ def neighbour_pairs(
             wanted = min(n - n // 2, len(rest))
             spread = rest[(np.arange(wanted) + 1) * len(rest) // max(wanted, 1) - 1]
             chosen = np.concatenate([earlier[: n // 2], spread])
-            found.append(np.column_stack([chosen, np.full(len(chosen), row)]))
-    found += [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(before, m - 1) + 1)]
-    pairs = np.concatenate(found)
+            neighbours.append(np.column_stack([chosen, np.full(len(chosen), row)]))
+    neighbours += [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(before, m - 1) + 1)]
+    pairs = np.concatenate(neighbours)
     pairs = pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))]
     flipped = pairs.sum(axis=1) % 2 == 1
     pairs[flipped] = pairs[flipped, ::-1]

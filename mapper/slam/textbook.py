@@ -40,11 +40,11 @@ def edge_jacobians(
     return a, b
 
 
-def optimise_dense(graph: PoseGraph, iterations: int = 30, fixed: int = 0) -> Float64Array:
-    """Return the poses (m, 3) that minimise Σ eᵀ Ω e, by Gauss and Newton's method, with the pose ``fixed`` held."""
+def optimise_dense(graph: PoseGraph) -> Float64Array:
+    """Return the poses (m, 3) that minimise Σ eᵀ Ω e, by Gauss and Newton's method, with the first pose held."""
     poses = graph.poses.copy()
     m = len(poses)
-    for _ in range(iterations):
+    for _ in range(30):
         h, b = np.zeros((3 * m, 3 * m)), np.zeros(3 * m)
         for k, (i, j) in enumerate(zip(graph.i.tolist(), graph.j.tolist(), strict=True)):
             error = edge_error(poses[i], poses[j], graph.relative[k])
@@ -54,7 +54,7 @@ def optimise_dense(graph: PoseGraph, iterations: int = 30, fixed: int = 0) -> Fl
                 b[3 * one : 3 * one + 3] += first.T @ omega @ error
                 for other, second in zip((i, j), jacobians, strict=True):
                     h[3 * one : 3 * one + 3, 3 * other : 3 * other + 3] += first.T @ omega @ second
-        free = np.repeat(np.arange(m) != fixed, 3)
+        free = np.repeat(np.arange(m) != 0, 3)
         step = np.zeros(3 * m)
         step[free] = np.linalg.solve(h[np.ix_(free, free)], -b[free])
         poses += step.reshape(m, 3)

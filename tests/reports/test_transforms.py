@@ -623,7 +623,7 @@ def test_each_robot_has_its_own_odometry(tmp_path: Path) -> None:
     )
     robot = open_robot_log(written(tmp_path, said, "mcap"))
     assert [list(log.trajectories) for log in robot.sensors.values()] == [["a/odom"], ["b/odom"]]
-    assert_places(robot.scan_log("/b/scan"), sensor_at((0.0, 0.0, 0.0), way=1))
+    assert_places(robot.sensors["/b/scan"], sensor_at((0.0, 0.0, 0.0), way=1))
 
 
 def test_a_topic_of_transforms_that_is_not_there_is_refused(tmp_path: Path) -> None:

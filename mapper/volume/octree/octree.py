@@ -55,11 +55,8 @@ class Octree:
     masks: UInt8Array
 
     @classmethod
-    def of(cls, volume: OccupancyVolume, *, max_likelihood: bool = False) -> Octree:
-        """Return the pruned octree of a map; with ``max_likelihood`` of its states, at the least or greatest log-odds.
-
-        Source: octomap's OcTree::prune and OccupancyOcTreeBase::toMaxLikelihood.
-        """
+    def of(cls, volume: OccupancyVolume) -> Octree:
+        """Return the pruned octree of a map. Source: octomap's OcTree::prune."""
         config = volume.config
         n = volume.blocks.count
         codes = np.empty(n, dtype=np.int64)
@@ -69,8 +66,7 @@ class Octree:
         values = belief.values.reshape(-1, 32)
         grown, masks = np.empty(n * 600, dtype=np.float32), np.empty(n * 600, dtype=np.uint8)
         n = grow_tree(codes[order], order, belief.parts, values, _parts_in_morton_order(), grown, masks)
-        tree = cls(config.resolution, grown[:n], masks[:n])
-        return tree.max_likelihood(config) if max_likelihood else tree.pruned()
+        return cls(config.resolution, grown[:n], masks[:n]).pruned()
 
     def pruned(self) -> Octree:
         """Return the tree in which no eight leaves of one parent are equal, with the values of inner nodes."""
@@ -86,7 +82,10 @@ class Octree:
         return Octree(self.resolution, values[:n].copy(), masks[:n].copy())
 
     def max_likelihood(self, config: VolumeConfig) -> Octree:
-        """Return the pruned tree of the states of the leaves, at the least or greatest log-odds of ``config``."""
+        """Return the pruned tree of the states of the leaves, at the least or greatest log-odds of ``config``.
+
+        Source: octomap's OccupancyOcTreeBase::toMaxLikelihood.
+        """
         occupied = self.values >= config.log_odds_occupied
         states = np.where(occupied, config.log_odds_max, config.log_odds_min).astype(np.float32)
         return Octree(self.resolution, states, self.masks).pruned()

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 from mapper.sensors.georeference import Offset
 from mapper.sensors.joint_log import JointLog, sensors_of
-from mapper.sensors.robot_log import RobotLog, TransformEdge
+from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 from server.library.packs.arrays import UNREADABLE, write_arrays
@@ -125,7 +125,6 @@ class _About(Struct, frozen=True):
 
     version: int
     topics: tuple[Topic, ...]
-    transforms: tuple[TransformEdge, ...]
     sensors: list[dict[str, Any]]
 
 
@@ -148,7 +147,6 @@ def write_pack(log: RobotLog, path: Path) -> None:
     about = _About(
         version=VERSION,
         topics=log.topics,
-        transforms=log.transforms,
         sensors=[_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
     )
     stored = {str(number): array for number, array in enumerate(arrays.values())}
@@ -195,12 +193,6 @@ def read_whole_pack(path: Path) -> ScanLog:
 
 def _joined(logs: list[ScanLog]) -> ScanLog:
     return logs[0] if len(logs) == 1 else JointLog.of(logs)
-
-
-def read_transforms(path: Path) -> tuple[TransformEdge, ...]:
-    """Return the tree of frames of a packed log. Raises :class:`StalePackError` as :func:`read_pack`."""
-    with _opened(path) as (about, _):
-        return about.transforms
 
 
 @contextmanager

@@ -39,17 +39,17 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     return True
 
 
-def png_of(codes: UInt8Array, *, dark: bool = False) -> bytes:
-    """Return a picture of ``codes`` (rows, cols), the first row on top, as PNG in the colours of a palette."""
+def png_of(codes: UInt8Array) -> bytes:
+    """Return a picture of ``codes`` (rows, cols), the first row on top, as PNG in the colours of a light page."""
     image = Image.fromarray(codes, mode="P")
-    image.putpalette([value for colour in (DARK if dark else LIGHT) for value in colour])
+    image.putpalette([value for colour in LIGHT for value in colour])
     out = io.BytesIO()
     image.save(out, format="PNG", optimize=True, transparency=0)
     return out.getvalue()
 
 
 def write_codes(codes: UInt8Array, path: Path) -> None:
-    """Write the picture of ``codes``, in the colours of a light page."""
+    """Write the picture of ``codes``."""
     with atomic_write(path) as file:
         file.write(png_of(codes))
 

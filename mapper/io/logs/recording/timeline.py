@@ -134,9 +134,9 @@ class Timeline:
 
     def set_stamps(self) -> None:
         """Give poses without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
-        found = with_set_stamps(np.array(self._stamps, dtype=np.int64), np.array(self._recorded, dtype=np.int64))
-        if found is not None:
-            self.set_to(found)
+        corrected = with_set_stamps(np.array(self._stamps, dtype=np.int64), np.array(self._recorded, dtype=np.int64))
+        if corrected is not None:
+            self.set_to(corrected)
 
     def set_to(self, stamps_ns: Int64Array) -> None:
         """Take other stamps (n,), in the order of the recording."""
@@ -216,7 +216,7 @@ class Timeline:
     def _slack_ns(self, stamps: Int64Array, poses: Poses3) -> tuple[int, int]:
         """Return how long before the first and after the last pose these are near enough, by the speeds there."""
         last = len(stamps) - 1
-        found = []
+        slacks = []
         for end, other in (
             (0, min(int(np.searchsorted(stamps, stamps[0] + SLACK_NS)), last)),
             (last, max(int(np.searchsorted(stamps, stamps[-1] - SLACK_NS, side="right")) - 1, 0)),
@@ -225,8 +225,8 @@ class Timeline:
             moved = float(np.linalg.norm(poses.positions[other] - poses.positions[end]))
             dot = min(abs(float(poses.rotations[other] @ poses.rotations[end])), 1.0)
             share = max(moved / _SLACK_M, 2.0 * float(np.arccos(dot)) / _SLACK_RAD)
-            found.append(min(SLACK_NS, int(passed / share)) if share > 0.0 else SLACK_NS)
-        return found[0], found[1]
+            slacks.append(min(SLACK_NS, int(passed / share)) if share > 0.0 else SLACK_NS)
+        return slacks[0], slacks[1]
 
     def _are_apart(self, low: Int64Array, high: Int64Array) -> NDArray[np.bool_]:
         """Return whether poses of these places in the order (n,) are of two runs."""
@@ -267,11 +267,6 @@ class Timeline:
         stamps, _, order = self._sorted()
         last = np.append(stamps[1:] != stamps[:-1], True)
         return np.asarray(np.array(self._stamps, dtype=np.int64)[order[last]])
-
-    @property
-    def span_ns(self) -> tuple[int, int]:
-        """The earliest and the latest stamp, as stated."""
-        return min(self._stamps), max(self._stamps)
 
     @property
     def moves(self) -> bool:

@@ -190,21 +190,18 @@ class FrameTree:
 
     def transforms(self) -> tuple[TransformEdge, ...]:
         """Return what is stated of each pair of frames, by child and parent."""
-        found = []
+        edges = []
         for child in sorted(self._moving.keys() | self._static.keys()):
             moving, statics = self._moving.get(child, {}), self._static.get(child)
             for parent in sorted(moving.keys() | set(() if statics is None else statics.parents)):
                 own = np.zeros(0, dtype=np.int64) if statics is None else statics.of(parent)
-                stamps = [statics.stamps[index] for index in own] if statics is not None else []
                 moves = len({statics.values[index] for index in own}) > 1 if statics is not None else False
                 line = moving.get(parent)
                 count = len(own)
                 if line is not None:
-                    stamps += line.span_ns
                     count, moves = count + len(line), moves or line.moves
-                ends = (count, min(stamps), max(stamps))
-                found.append(TransformEdge(parent, child, bool(len(own)), moves, *ends))
-        return tuple(found)
+                edges.append(TransformEdge(parent, child, bool(len(own)), moves, count))
+        return tuple(edges)
 
     # Parents
 
@@ -253,15 +250,15 @@ class FrameTree:
 
         Parents of static transforms that replace each other are not counted.
         """
-        found = []
+        multiple = []
         for frame in path:
             counts = {parent: len(line) for parent, line in self._moving.get(frame, {}).items()}
             statics = self._static.get(frame)
             if counts and statics is not None:
                 counts.setdefault(statics.parents[-1], len(statics.of(statics.parents[-1])))
             if len(counts) > 1:
-                found.append((frame, counts))
-        return found
+                multiple.append((frame, counts))
+        return multiple
 
     def replaced_statics(self, frames: Path) -> list[str]:
         """Return which of these frames have a static transform that was replaced by another."""
@@ -312,7 +309,7 @@ class FrameTree:
         numbers = np.stack([which for _, _, which in choices], axis=1)
         combinations, of = np.unique(numbers, axis=0, return_inverse=True)
         of = np.ravel(of)
-        found: list[tuple[Path, NDArray[np.bool_]]] = []
+        paths: list[tuple[Path, NDArray[np.bool_]]] = []
         rest = always.copy()
         other = usual or self._any_path(source, target)
         for index, combination in enumerate(combinations[:MAX_CHOICES]):
@@ -321,15 +318,15 @@ class FrameTree:
             if path is None or path == other:
                 continue
             other = other or path
-            found.append((path, of == index))
+            paths.append((path, of == index))
             rest &= of != index
         if other is not None and rest.any():
-            found.append((other, rest))
-        return found
+            paths.append((other, rest))
+        return paths
 
     def _choices(self, source: str, target: str, when: Moments) -> list[tuple[str, tuple[str, ...], Int64Array]]:
         """Return the frames above two whose parent changes, their parents, and which of them each time (n,) has."""
-        found = []
+        choices = []
         seen: set[str] = set()
         todo = [source, target]
         while todo and len(seen) < MAX_DEPTH * 4:
@@ -340,8 +337,8 @@ class FrameTree:
             parents = self.parents(frame)
             todo += parents
             if len(parents) > 1:
-                found.append((frame, parents, self._parent_at(frame, parents, when)))
-        return found
+                choices.append((frame, parents, self._parent_at(frame, parents, when)))
+        return choices
 
     def _parent_at(self, frame: str, parents: tuple[str, ...], when: Moments) -> Int64Array:
         """Return which of ``parents`` a frame has at each time (n,): that of the last transform before it."""
@@ -401,12 +398,12 @@ class FrameTree:
 
     def lookup(self, path: Path, when: Moments) -> Poses3:
         """Return where the first frame of a path was in the last, at n times, or once where nothing of it moves."""
-        found = identity()
+        poses = identity()
         for one, other in pairwise(path):
             line, is_up = self._line(one, other)
             step = self._static_at(one, other, is_up, when) if line is None else line.at(when.stamps_ns)
-            found = (step if is_up else step.inverse) @ found
-        return found
+            poses = (step if is_up else step.inverse) @ poses
+        return poses
 
     def _static_at(self, one: str, other: str, is_up: bool, when: Moments) -> Poses3:
         child, parent = (one, other) if is_up else (other, one)
@@ -503,11 +500,11 @@ class FrameTree:
         """
         named = (*self._of_moving.children, *self._of_static.children)
         known = dict.fromkeys([*self._moving, *self._static, *named])
-        found = [frame for frame in known if self.is_base(frame, hints) and self.worlds(frame, only_moving=True)]
-        robots = {frame.rpartition("/")[0] for frame in found}
+        bases = [frame for frame in known if self.is_base(frame, hints) and self.worlds(frame, only_moving=True)]
+        robots = {frame.rpartition("/")[0] for frame in bases}
         robot = sensor.rpartition("/")[0] if len(robots) > 1 else next(iter(robots), "")
         ranks = {name: rank for rank, name in enumerate(BASES)}
-        candidates = [frame for frame in found if frame.rpartition("/")[0] == robot]
+        candidates = [frame for frame in bases if frame.rpartition("/")[0] == robot]
         return min(candidates, key=lambda frame: ranks.get(_last(frame), len(BASES)), default=None)
 
     @staticmethod
@@ -543,11 +540,11 @@ class FrameTree:
                 break  # what is beside a frame that moves may be another robot's
         if not any(moves for _, moves in up):
             down += self._paths_beside(base)
-        found: dict[Path, None] = {}
+        paths: dict[Path, None] = {}
         for path, moves in [*sorted(up, key=lambda one: -len(one[0])), *down]:
             if path[-1] not in robot and (moves or (not only_moving and _last(path[-1]) in WORLDS)):
-                found[path] = None
-        return sorted(found, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]
+                paths[path] = None
+        return sorted(paths, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]
 
     def _paths_beside(self, base: str) -> Iterator[tuple[Path, bool]]:
         """Yield the paths over a frame that is fixed to ``base`` and moves in another parent of its own.

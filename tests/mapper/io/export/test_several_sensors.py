@@ -68,7 +68,7 @@ def test_the_file_is_read_as_the_same_sensors_and_makes_the_same_map(tmp_path: P
         write_mcap(file, two, None, "true")
     robot = open_robot_log(path)
     assert set(robot.sensors) == {"/front/scan", "/rear_scan_2"}
-    again = JointLog.of([robot.scan_log(name) for name in ("/front/scan", "/rear_scan_2")])
+    again = JointLog.of([robot.sensors[name] for name in ("/front/scan", "/rear_scan_2")])
     np.testing.assert_array_equal(again.part_of_scan, two.part_of_scan)
     config = MappingConfig(resolution=0.1)
     maps = []

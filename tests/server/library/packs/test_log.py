@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.sensors.robot_log import RobotLog, TransformEdge
+from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 from server.library.logs.cache import LogCache
@@ -17,7 +17,6 @@ from server.library.packs.log import (
     StalePackError,
     nbytes,
     read_pack,
-    read_transforms,
     write_pack,
 )
 
@@ -107,9 +106,7 @@ def test_each_packed_sensor_is_read_with_its_own_poses(tmp_path: Path) -> None:
         odometry = OdometryRecords(timed, np.arange(n) - 1, np.ones((n, 3)))
         listed = tuple(replace(one, chosen=one.name == name) for one in topics)
         logs[name] = log_of(n, topic=name, topics=listed, trajectories={"tf": way}, odometry=odometry)
-    edge = TransformEdge("base", "laser", is_static=True, moves=False, count=1, first_stamp_ns=5, last_stamp_ns=5)
-    write_pack(RobotLog(logs, transforms=(edge,)), path)
-    assert read_transforms(path) == (edge,)
+    write_pack(RobotLog(logs), path)
     assert read_pack(path).topic == "/front"
     for name, log in logs.items():
         again = read_pack(path, name)
