@@ -161,13 +161,13 @@ def _interface(name: str, schema: Schema, *, is_answer: bool) -> list[str]:
 
 def _with_references(of: object, schemas: Schema) -> set[str]:
     """Return the names of the schemas that one refers to, directly or through others."""
-    found: set[str] = set()
+    names: set[str] = set()
     left = [*_references(of)]
     while left:
-        if (name := left.pop()) not in found:
-            found.add(name)
+        if (name := left.pop()) not in names:
+            names.add(name)
             left += _references(schemas[name])
-    return found
+    return names
 
 
 def typescript(document: Schema) -> str:

@@ -41,8 +41,8 @@ def _start_without_blas() -> None:
 def _imported_by(packages: frozenset[str]) -> frozenset[str]:
     """Return these packages of kernels and all that they import, directly or not."""
     texts = (path.read_text() for package in packages for path in (_ROOT / package / "kernels").glob("*.py"))
-    found = packages.union(*(_IMPORTED.findall(text) for text in texts))
-    return found if found == packages else _imported_by(found)
+    modules = packages.union(*(_IMPORTED.findall(text) for text in texts))
+    return modules if modules == packages else _imported_by(modules)
 
 
 @cache

@@ -24,7 +24,9 @@ def imported_later(package: str, file: str) -> Callable[[str], object]:
     def modules() -> dict[str, str]:
         tree = ast.parse(Path(file).read_text(encoding="utf-8"))
         later = (node for one in tree.body if isinstance(one, ast.If) for node in one.body)
-        return {one.name: str(node.module) for node in later if isinstance(node, ast.ImportFrom) for one in node.names}
+        return {
+            name.name: str(node.module) for node in later if isinstance(node, ast.ImportFrom) for name in node.names
+        }
 
     def get(name: str) -> object:
         if name not in modules():

@@ -109,7 +109,11 @@ def build_costmap(
     observed: list[str] = []
 
     def add_keepouts(place: list[Layer], n_below: int | None) -> None:
-        used = [one for one in _keepouts(parameters) if one.below == n_below and one.enabled and one.name in masks]
+        used = [
+            keepout
+            for keepout in _keepouts(parameters)
+            if keepout.below == n_below and keepout.enabled and keepout.name in masks
+        ]
         place.extend(KeepoutLayer(geometry, masks[one.name], one.name) for one in used)
 
     for k, named in enumerate(parameters.layers):

@@ -72,10 +72,10 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     if not steps.any():
         return []
     driven = driven_ways(log, seen.trajectory)
-    found = []
+    findings = []
     back = steps < 0.0
     if back.any():
-        found.append(
+        findings.append(
             Finding(
                 "clock.backwards",
                 f"The time runs backwards {_times(int(back.sum()))}, by up to {-steps.min():.2f} s.",
@@ -86,7 +86,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         )
     same = steps == 0.0
     if same.any():
-        found.append(
+        findings.append(
             Finding(
                 "clock.doubled",
                 f"{int(same.sum())} scan{'s have' if same.sum() > 1 else ' has'} the same time as the one before.",
@@ -97,11 +97,11 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         )
     forward = steps[steps > 0.0]
     if not forward.size:
-        return found
+        return findings
     usual = float(np.median(forward))
     gap = recording_gaps(steps, driven)
     if gap.any():
-        found.append(
+        findings.append(
             Finding(
                 "clock.gap",
                 f"Nothing was recorded for {steps.max():.1f} s"
@@ -120,7 +120,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     missing = ~gap & (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < 0.25)
     if _are_dropped(missing, ratio, driven):
         lost = int(np.round(ratio[missing] - 1.0).sum())
-        found.append(
+        findings.append(
             Finding(
                 "clock.dropped",
                 f"About {lost} scans are missing: one comes every {usual:.3f} s, and {_times(int(missing.sum()))} "
@@ -132,7 +132,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
         )
     spread = float(np.median(np.abs(forward - usual))) / usual
     if spread > JITTER and not _speeds_are_smooth(steps, driven):
-        found.append(
+        findings.append(
             Finding(
                 "clock.jitter",
                 f"The scans come irregularly: half of the intervals differ from {usual:.3f} s by more than "
@@ -141,4 +141,4 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
                 0.6,
             )
         )
-    return found
+    return findings

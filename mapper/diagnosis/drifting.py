@@ -26,8 +26,8 @@ def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -
     whole, seen = examined_as_mapped(log, trajectory, config)
     if log.n_scans < LEAST_SCANS:
         return None
-    found = check_drift(whole, seen)
-    return found[0] if found else None
+    findings = check_drift(whole, seen)
+    return findings[0] if findings else None
 
 
 def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
@@ -57,12 +57,12 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
         # does a sweep that is stamped at its end.
         names = {sweep.CHECK} | ({"mount.offset"} if log.mount_assumed else set())
         names |= {"timing.delay"} if corrected.can_deskew(trajectory) else set()
-        found = _sure(still or causes_of_drift(corrected, trajectory, frozenset(names)))
-        return found[0] if found else None
+        causes = _sure(still or causes_of_drift(corrected, trajectory, frozenset(names)))
+        return causes[0] if causes else None
     if drift is None:
         return None
-    found = _sure(causes_of_drift(corrected, trajectory))
-    return found[0] if found and all(one.check != drift.check for one in found) else drift
+    causes = _sure(causes_of_drift(corrected, trajectory))
+    return causes[0] if causes and all(one.check != drift.check for one in causes) else drift
 
 
 def _sure(findings: Iterable[Finding]) -> list[Finding]:

@@ -43,8 +43,8 @@ def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
 
     Where both make the map sharper, it is the one that does so by more.
     """
-    found = [*timing.check(log, seen), *mounting.check_offset(log, seen)]
-    return sorted(found, key=lambda one: one.sure, reverse=True)[:1]
+    findings = [*timing.check(log, seen), *mounting.check_offset(log, seen)]
+    return sorted(findings, key=lambda one: one.sure, reverse=True)[:1]
 
 
 _FEW = frozenset({readings.FEW})
@@ -94,17 +94,17 @@ def examine(
     longest = max((sensor for sensor, _ in sensors), key=lambda sensor: sensor.n_scans)
     if longest.n_scans < LEAST_SCANS:
         raise _too_short(longest)
-    found = []
+    findings = []
     for number, (sensor, _) in enumerate(sensors):
         if sensor.n_scans < LEAST_SCANS:
-            found.append([readings.few_scans(sensor.n_scans)])
+            findings.append([readings.few_scans(sensor.n_scans)])
             continue
         share = share_of(progress, number, len(sensors) + 1)
-        found.append(_examine_one(sensor, trajectory, share, wanted, time_offset, compared))
+        findings.append(_examine_one(sensor, trajectory, share, wanted, time_offset, compared))
     if progress is not None:
         progress(len(sensors) / (len(sensors) + 1))
-    between = check_between([sensor for sensor, _ in sensors], trajectory, found, wanted, time_offset)
-    return [*of_sensors(sensors, found), *between]
+    between = check_between([sensor for sensor, _ in sensors], trajectory, findings, wanted, time_offset)
+    return [*of_sensors(sensors, findings), *between]
 
 
 def causes_of_drift(log: ScanLog, trajectory: str | None, names: frozenset[str] = DOUBLING) -> list[Finding]:
@@ -135,14 +135,14 @@ def _examine_one(
         raise _too_short(log)
     stated, log = log, at_middle_of_sweep(log, trajectory, time_offset)
     seen = replace(examined(log, trajectory, most), time_offset=time_offset, wanted=wanted, compared=compared)
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for done, check in enumerate(checks):
         if progress is not None:
             progress(done / len(checks))
-        if check.spoiled_by & {finding.check for finding in found}:
+        if check.spoiled_by & {finding.check for finding in findings}:
             continue
         new = check.look(stated if check.names == (sweep.CHECK,) else log, seen)
-        found += new
+        findings += new
         for finding in new:
             if finding.check not in REMEDIED or finding.parameters is None:
                 continue
@@ -152,7 +152,7 @@ def _examine_one(
                 seen = replace(seen, log=examined(log, trajectory, most).log)
             else:
                 seen = replace(seen, config=seen.config.with_values(remedy_of(finding, seen)))
-    return found
+    return findings
 
 
 def remedy_of(finding: Finding, seen: Examined) -> dict[str, object]:

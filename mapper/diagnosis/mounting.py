@@ -123,8 +123,8 @@ def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:
     best, at = _sharpest(seen, names, now, 0.0)
     if log.mount_assumed:
         turned = sorted(((consistency(seen, mount_yaw=yaw), yaw) for yaw in DIRECTIONS), reverse=True)
-        found = [(best, at), *(_sharpest(seen, names, *one, tries=FARTHER) for one in turned[:3])]
-        best, at = max(found, key=lambda one: one[0])
+        candidates = [(best, at), *(_sharpest(seen, names, *one, tries=FARTHER) for one in turned[:3])]
+        best, at = max(candidates, key=lambda one: one[0])
     x, y, yaw = at["mount_x"], at["mount_y"], at["mount_yaw"]
     if best < FINER * now or best < now + FINER_BY or (math.hypot(x, y) < 0.03 and abs(yaw) < math.radians(0.4)):
         return []

@@ -99,15 +99,15 @@ def named_findings(names: Iterable[str]) -> frozenset[str]:
 
     Raises :class:`ConfigError`, with what there is, for any other name.
     """
-    found: set[str] = set()
+    named: set[str] = set()
     for name in names:
         meant = [finding for finding in FINDINGS if name in (ALL, finding, finding.partition(".")[0])]
         if not meant:
             raise ConfigError(
                 "check.finding", f"There is no finding {name!r:.40}; there are {ALL}, {', '.join(FINDINGS)}."
             )
-        found.update(meant)
-    return frozenset(found)
+        named.update(meant)
+    return frozenset(named)
 
 
 def judge(

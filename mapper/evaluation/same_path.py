@@ -33,15 +33,15 @@ def _are_close(one: Float64Array, two: Float64Array) -> bool:
 
 def stated_before(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
     """Return for each trajectory whose path another one before it has the name of that one."""
-    found: dict[str, str] = {}
+    same: dict[str, str] = {}
     for name, trajectory in trajectories.items():
         for earlier in trajectories:
             if earlier == name:
                 break
-            if earlier not in found and is_same_path(trajectories[earlier].poses, trajectory.poses):
-                found[name] = earlier
+            if earlier not in same and is_same_path(trajectories[earlier].poses, trajectory.poses):
+                same[name] = earlier
                 break
-    return found
+    return same
 
 
 def first_pair(trajectories: Mapping[str, Trajectory], same: Mapping[str, str]) -> tuple[str, str] | None:

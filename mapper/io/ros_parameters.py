@@ -150,16 +150,16 @@ def find_node(
     file. Raises :class:`ReadError` as :func:`nodes_of`.
     """
     of_all: dict[str, Any] = {}
-    found: dict[str, dict[str, Any]] = {}
+    nodes: dict[str, dict[str, Any]] = {}
     for path, parameters in nodes_of(root):
         last = path[-1] if path else ""
         if last in WILDCARDS:
             of_all |= {key: one for key, one in parameters.items() if key in declared or isinstance(one, dict)}
         elif last in names:
-            found.setdefault(last, parameters)
+            nodes.setdefault(last, parameters)
     for name in names:
-        if name in found:
-            return name, of_all | found[name]
+        if name in nodes:
+            return name, of_all | nodes[name]
     return (names[0], of_all) if of_all.keys() & set(declared) else None
 
 

@@ -129,9 +129,9 @@ def _remarks(data: bytes) -> dict[str, Any]:
 
     Raises :class:`ReadError` for a value that is no yaml.
     """
-    found = re.findall(rb"^\s*# gridbloom: (\w+): ([\w.+-]+)\s*$", data, re.MULTILINE)
+    remarks = re.findall(rb"^\s*# gridbloom: (\w+): ([\w.+-]+)\s*$", data, re.MULTILINE)
     values = {}
-    for name, text in ((name.decode(), value.decode()) for name, value in found):
+    for name, text in ((name.decode(), value.decode()) for name, value in remarks):
         if name in OWN_ROWS:
             try:
                 values[name] = load_untrusted(text)
@@ -142,9 +142,9 @@ def _remarks(data: bytes) -> dict[str, Any]:
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
-    found = find_node(root, ("amcl",), {*BY_NAME, *NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
-    if found is not None:
-        return _named(found[1]), "nav2"
+    node = find_node(root, ("amcl",), {*BY_NAME, *NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
+    if node is not None:
+        return _named(node[1]), "nav2"
     named = value_below(root, "amcl")
     top = named if isinstance(named, dict) else root
     if isinstance(top.get("ros__parameters"), dict):

@@ -14,6 +14,6 @@ def known_scans(converged: NDArray[np.bool_]) -> NDArray[np.bool_]:
     the estimate is the middle of particles in several places.
     """
     known = converged.copy()
-    found = np.flatnonzero(converged)
-    known[: found[0] if len(found) else 0] = True
+    converged_scans = np.flatnonzero(converged)
+    known[: converged_scans[0] if len(converged_scans) else 0] = True
     return known

@@ -61,8 +61,8 @@ class Localized:
     @property
     def first_converged(self) -> int | None:
         """The first scan from which on the filter had converged; None if it never had."""
-        found = np.flatnonzero(self.is_converged)
-        return int(found[0]) if len(found) else None
+        converged_scans = np.flatnonzero(self.is_converged)
+        return int(converged_scans[0]) if len(converged_scans) else None
 
 
 def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
@@ -174,10 +174,10 @@ def carry_back(
     from the most certain of the first :data:`SETTLED` scans after convergence. Where it never converged nothing is
     changed.
     """
-    found = np.flatnonzero(converged)
-    if not len(found) or found[0] == 0:
+    converged_scans = np.flatnonzero(converged)
+    if not len(converged_scans) or converged_scans[0] == 0:
         return
-    first = int(found[0])
+    first = int(converged_scans[0])
     stop = first + int(np.argmin(np.append(converged[first : first + SETTLED], False)))
     anchor = first + int(np.argmin(covariance[first:stop, 0, 0] + covariance[first:stop, 1, 1]))
     poses[:first] = compose(poses[anchor], compose(inverse(odometry[anchor]), odometry[:first]))

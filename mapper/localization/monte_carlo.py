@@ -213,22 +213,22 @@ class MonteCarloLocalizer:
 
     def _judge(self, scan: ScanBeams, expected: Float64Array) -> None:
         """Say whether the filter is sure of its place, of which the odometry led to ``expected`` (3,)."""
-        confidence, found = self._confidence, self.estimate
-        confidence.look(*unexplained_shares(self.model, scan, found.pose))
+        confidence, estimate = self._confidence, self.estimate
+        confidence.look(*unexplained_shares(self.model, scan, estimate.pose))
         other = self._alternative
         if other is None:
             confidence.wait()
         else:
             confidence.wait(other.n_scans, other.log_ratio)
-        is_elsewhere = bool(is_jump(expected[np.newaxis], found.pose[np.newaxis])[0])
-        if is_elsewhere or not found.is_converged or self._recovery.is_searched:
+        is_elsewhere = bool(is_jump(expected[np.newaxis], estimate.pose[np.newaxis])[0])
+        if is_elsewhere or not estimate.is_converged or self._recovery.is_searched:
             confidence.doubt()
         self._tell_confidence()
 
     def _tell_confidence(self) -> None:
-        found, confidence = self.estimate, self._confidence
-        is_sure = found.is_converged and confidence.is_confirmed
-        self.estimate = replace(found, is_sure=is_sure, contradicted=confidence.contradicted)
+        estimate, confidence = self.estimate, self._confidence
+        is_sure = estimate.is_converged and confidence.is_confirmed
+        self.estimate = replace(estimate, is_sure=is_sure, contradicted=confidence.contradicted)
 
     def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
         """Go on with other parameters, and with the map for those of the sensor. The particles stay."""

@@ -191,12 +191,12 @@ def update_hits_first(grid: OccupancyGrid, views: Sequence[View], config: Mappin
 
 def evidence_of_beams(grid: OccupancyGrid, views: Sequence[View], config: MappingConfig) -> NumberedEvidence:
     """Return what each beam of one scan says of each cell."""
-    found = []
+    evidence = []
     for scan, sensor_pose in views:
         z_max = min(scan.range_max, config.range_max)
         for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
-            found.append(evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config))
-    return list(enumerate(found))
+            evidence.append(evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, config))
+    return list(enumerate(evidence))
 
 
 def hits_before_misses(beams: NumberedEvidence, config: MappingConfig) -> NumberedEvidence:

@@ -36,12 +36,12 @@ def deskewed(
     own = log.trajectory(trajectory).poses[index] if offset == 0.0 else pose_at(first, times, poses)
     mount = compose(np.array(log.mount), np.array(config.mount))
     ranges = log.ranges[index] if times[0] <= first <= times[-1] else np.full(log.n_beams, np.nan)
-    found = []
+    scans = []
     for k, bearing in enumerate(-log.angles if config.mount_upside_down else log.angles):
         base = pose_at(first + log.time_increment * k, times, poses) if dense or config.deskew == "on" else own
         beam = LaserScan(ranges[k : k + 1], 0.0, 0.0, log.range_min, log.range_max)
-        found.append((beam, compose(base, compose(mount, np.array([0.0, 0.0, bearing])))))
-    return found
+        scans.append((beam, compose(base, compose(mount, np.array([0.0, 0.0, bearing])))))
+    return scans
 
 
 def pose_at(time: float, times: Sequence[float], poses: NDArray[np.float64]) -> NDArray[np.float64]:

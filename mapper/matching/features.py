@@ -85,7 +85,7 @@ def corners_of(walls: Walls) -> tuple[Float64Array, Float64Array]:
 
 def support(walls: Walls, others: Walls, poses: Float64Array) -> Float64Array:
     """Return the length (k,) of ``walls`` at each of ``poses`` (k, 3) that lies on one of ``others``, metres."""
-    lengths, found = walls.lengths, np.zeros(len(poses))
+    lengths, total = walls.lengths, np.zeros(len(poses))
     directions = others.directions
     along = np.stack([np.cos(directions), np.sin(directions)], axis=-1)
     for k, pose in enumerate(poses):
@@ -96,8 +96,8 @@ def support(walls: Walls, others: Walls, poses: Float64Array) -> Float64Array:
         turned = np.abs(wrap_angle(walls.directions[:, np.newaxis] + pose[2] - directions))
         shared = np.minimum(at.max(axis=2), others.lengths) - np.maximum(at.min(axis=2), 0.0)
         shared = np.where((across < SAME_M) & (turned < SAME_ANGLE), np.maximum(shared, 0.0), 0.0)
-        found[k] = np.minimum(shared.sum(axis=1), lengths).sum()
-    return found
+        total[k] = np.minimum(shared.sum(axis=1), lengths).sum()
+    return total
 
 
 def walls_of_target(target: Target) -> Walls:
@@ -126,10 +126,10 @@ def poses_by_features(task: Task) -> Float64Array:
     poses = poses[inside]
     if len(poses) > DRAWS:
         poses = poses[np.sort(np.random.default_rng(SEED).choice(len(poses), DRAWS, replace=False))]
-    found = support(walls, others, poses)
+    supports = support(walls, others, poses)
     chosen: list[Float64Array] = []
-    for k in np.argsort(-found, kind="stable"):
-        if len(chosen) == int(config.modes) or found[k] <= 0.0:
+    for k in np.argsort(-supports, kind="stable"):
+        if len(chosen) == int(config.modes) or supports[k] <= 0.0:
             break
         apart = [
             np.hypot(*(poses[k] - one)[:2]) > APART_M or abs(float(wrap_angle(poses[k, 2] - one[2]))) > APART_RAD

@@ -44,10 +44,10 @@ def place_map(first: OccupancyGrid, second: OccupancyGrid, guess: Float64Array |
             "modes": MODES, "mode_share": 0.5,
         }
     )  # fmt: skip
-    found = match_scan(walls._replace(points=points), 0, target, begin, config)
-    order = np.argsort(-found.scores, kind="stable")
-    candidates = compose(found.candidates[order], inverse(middle))
-    return replace(found, pose=candidates[0], candidates=candidates, scores=found.scores[order])
+    match = match_scan(walls._replace(points=points), 0, target, begin, config)
+    order = np.argsort(-match.scores, kind="stable")
+    candidates = compose(match.candidates[order], inverse(middle))
+    return replace(match, pose=candidates[0], candidates=candidates, scores=match.scores[order])
 
 
 def match_maps(

@@ -130,8 +130,8 @@ def _plugin(
     What else the node has is put into ``others``, sentences on names that Nav2 does not declare into ``notes``.
     """
     key = _LISTS[node]
-    found = find_node(root, (node,), (key,))
-    given = {**found[1]} if found else {}
+    section = find_node(root, (node,), (key,))
+    given = {**section[1]} if section else {}
     default, default_kind = _DEFAULTS[node]
     names = names_of(given.get(key, [default]), f"{node}.{key}")
     rows = {row.name: row for row in table}
@@ -146,7 +146,7 @@ def _plugin(
             others[node, own, name] = value
             if name not in declared:
                 notes.append(undeclared(f"{node}.{own}", name, {*declared, *rows}))
-    if own is None and found:
+    if own is None and section:
         block = given.get(next(iter(names), ""))
         plugin = block.get("plugin", usual) if isinstance(block, dict) else default_kind
         notes.append(not_built(".".join([node, *names[:1]]), plugin, _IN_PLACE[node]))

@@ -151,15 +151,15 @@ class GoalPlanner:
         """Return the cost to come of the cells up to the goal at least; of all that can be reached without a way."""
         if self.config.use_astar:
             return cost_to_come(self._costs, self._table, self._start, goal, use_astar=True)
-        found = self._found
-        if found is None:
-            found = cost_to_come(self._costs, self._table, self._start, goal)
-            self._is_whole = math.isinf(found[goal])
-        elif math.isinf(found[goal]) and not self._is_whole:
-            found = cost_to_come(self._costs, self._table, self._start, None)
+        potential = self._found
+        if potential is None:
+            potential = cost_to_come(self._costs, self._table, self._start, goal)
+            self._is_whole = math.isinf(potential[goal])
+        elif math.isinf(potential[goal]) and not self._is_whole:
+            potential = cost_to_come(self._costs, self._table, self._start, None)
             self._is_whole = True
-        self._found = found
-        return found
+        self._found = potential
+        return potential
 
     def _reaches(self, goal: Cell, name: str, table: Float64Array) -> bool:
         """Return whether there were a way to the goal with other costs of the steps."""

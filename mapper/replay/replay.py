@@ -44,13 +44,13 @@ class BoundsCache:
     def __call__(self, log: ScanLog, config: MappingConfig, trajectory: str | None) -> Bounds:
         """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
         key = (trajectory, *(getattr(config, name) for name in _BOUNDS_KEY))
-        found = self._known.pop(key, None)
-        if found is None:
-            found = bounds_of_log(log, config, trajectory)
-        self._known[key] = found  # the newest is last
+        bounds = self._known.pop(key, None)
+        if bounds is None:
+            bounds = bounds_of_log(log, config, trajectory)
+        self._known[key] = bounds  # the newest is last
         if len(self._known) > BOUNDS_KEPT:
             del self._known[next(iter(self._known))]
-        return found
+        return bounds
 
 
 class IncrementalReplay:

@@ -21,8 +21,8 @@ def ascending_times(stamps_ns: Int64Array, counted_ns: Int64Array | None = None)
     ``counted_ns`` (n,) are the stamps counted on where the clock of a recording began again.
     """
     numbers = np.arange(len(stamps_ns))
-    found = np.maximum.accumulate((stamps_ns if counted_ns is None else counted_ns) - numbers) + numbers
-    return None if np.array_equal(found, stamps_ns) else np.asarray(found)
+    times = np.maximum.accumulate((stamps_ns if counted_ns is None else counted_ns) - numbers) + numbers
+    return None if np.array_equal(times, stamps_ns) else np.asarray(times)
 
 
 def scan_order(logs: Sequence[ScanLog]) -> tuple[Int64Array, Int64Array]:
@@ -175,13 +175,13 @@ def by_sensor(log: ScanLog) -> list[tuple[ScanLog, Int64Array]]:
     if not isinstance(log, JointLog):
         return [(log, np.arange(log.n_scans))]
     of_part = sensor_numbers(log.parts)
-    found = []
+    sensors = []
     for number in range(of_part.max() + 1):
         numbers = np.flatnonzero(of_part == number)
         parts = [log.parts[k] for k in numbers.tolist()]
         sensor = parts[0] if len(parts) == 1 else log if len(parts) == len(log.parts) else JointLog.of(parts)
-        found.append((sensor, np.flatnonzero(np.isin(log.part_of_scan, numbers))))
-    return found
+        sensors.append((sensor, np.flatnonzero(np.isin(log.part_of_scan, numbers))))
+    return sensors
 
 
 def each_part(log: ScanLog, changed: Callable[[ScanLog], ScanLog]) -> ScanLog:

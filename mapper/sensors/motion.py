@@ -34,10 +34,10 @@ class Motion:
         else between the known poses at the scans' stamps. Where stamps run backwards they are sorted. Raises
         :class:`ConfigError` for a trajectory that the log lacks.
         """
-        found, stamps = log.trajectory(trajectory), log.stamps_ns
-        if found.is_known is not None and found.is_known.any():
-            found, stamps = found.take(found.is_known), stamps[found.is_known]
-        timed = found.timed if found.timed is not None and len(found.timed) else TimedPoses(stamps, found.poses)
+        chosen, stamps = log.trajectory(trajectory), log.stamps_ns
+        if chosen.is_known is not None and chosen.is_known.any():
+            chosen, stamps = chosen.take(chosen.is_known), stamps[chosen.is_known]
+        timed = chosen.timed if chosen.timed is not None and len(chosen.timed) else TimedPoses(stamps, chosen.poses)
         timed = timed.in_order()
         return cls(timed.stamps_ns.astype(np.float64) * 1e-9, timed.poses)
 

@@ -102,8 +102,8 @@ def lintels(
     (ax, ay), (bx, by) = a, b
     length, yaw = float(np.hypot(bx - ax, by - ay)), float(np.arctan2(by - ay, bx - ax))
     along = np.array([(bx - ax) / length, (by - ay) / length])
-    found = []
+    blocks = []
     for start, stop in doors:
         x, y = np.array(a) + 0.5 * (start + stop) * along
-        found.append(slab(box(float(x), float(y), stop - start, thickness, yaw), low, high))
-    return found
+        blocks.append(slab(box(float(x), float(y), stop - start, thickness, yaw), low, high))
+    return blocks

@@ -65,8 +65,8 @@ class World:
     @property
     def sections(self) -> tuple[Float64Array, ...]:
         """The outlines of the blocks in the plane of the lidar, polygons (n, 2)."""
-        found = [block.section(LASER_HEIGHT) for block in self.blocks]
-        return tuple(section for section in found if section is not None)
+        polygons = [block.section(LASER_HEIGHT) for block in self.blocks]
+        return tuple(section for section in polygons if section is not None)
 
     def in_laser_plane(self) -> World:
         """Return the world as the lidar sees it: sections of the blocks as solids."""
@@ -109,18 +109,18 @@ class World:
         if not len(free):
             raise ConfigError("world.full", f"A robot of radius {radius:g} m fits nowhere in the world {self.name!r}.")
         points = lattice.geometry.cell_to_world(free)
-        found = self._improved(points, target, radius)
-        gap = float(np.hypot(*(found - target)))
+        nearest = self._improved(points, target, radius)
+        gap = float(np.hypot(*(nearest - target)))
         # Clearance is 1-Lipschitz: no free place is nearer than the clearance that is lacking here.
         lacking = max(radius, TOUCH) - float(self.clearance(target))
         if np.isfinite(lacking) and gap - lacking <= max(gap / FINER, 2.0 * TOUCH):
-            return found
+            return nearest
         # The lattice may have missed a narrow place that is nearer: a finer one over all that is nearer finds it.
         offsets = np.linspace(-gap, gap, 2 * FINER + 1)
         nearer = target + np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
         nearer = nearer[np.hypot(*(nearer - target).T) < gap]
         nearer = nearer[self.clearance(nearer) >= max(radius, TOUCH)]
-        return self._improved(np.vstack([nearer, found]), target, radius)
+        return self._improved(np.vstack([nearer, nearest]), target, radius)
 
     def _improved(self, free: Float64Array, target: Float64Array, radius: float) -> Float64Array:
         """Return the place nearest to ``target`` on the straight free segments to it from ``free`` places (n, 2)."""

@@ -76,9 +76,9 @@ def strongest(strengths: Float64Array) -> Int64Array:
 
     Of equal ones the first counts.
     """
-    found = np.argwhere(strengths >= LEAST_STRENGTH)
-    order = np.argsort(-strengths[found[:, 0], found[:, 1]], kind="stable")
-    rest, chosen = found[order], list[Int64Array]()
+    corners = np.argwhere(strengths >= LEAST_STRENGTH)
+    order = np.argsort(-strengths[corners[:, 0], corners[:, 1]], kind="stable")
+    rest, chosen = corners[order], list[Int64Array]()
     while len(rest) and len(chosen) < MOST_CORNERS:
         chosen.append(rest[0])
         rest = rest[np.hypot(*(rest - rest[0]).T) * RESOLUTION > APART]

@@ -73,8 +73,8 @@ class LoopCloser:
             return []
         drift = graph_ways(j, way, loops)
         window = np.minimum(WINDOW + DRIFT * drift[nearest], self._config.loop_window)
-        found = np.flatnonzero(is_old & (away[nearest] < window + SIGHT))
-        order = found[np.argsort(away[nearest[found]], kind="stable")][:CANDIDATES]
+        near = np.flatnonzero(is_old & (away[nearest] < window + SIGHT))
+        order = near[np.argsort(away[nearest[near]], kind="stable")][:CANDIDATES]
         return [(int(k), int(nearest[k]), float(drift[nearest[k]])) for k in order]
 
     def _search(self, submap: int, anchor: int, j: int, poses: Float64Array, drift: float) -> Loop:

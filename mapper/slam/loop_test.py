@@ -95,16 +95,16 @@ def try_loop(
     """
     scans, local, members = store.arrays, place.poses, place.members
     least = config.loop_score
-    found, score = place.field.search_pyramid(place.levels, scans, j, guess, window, turn_window, TURN, 3, least)
+    match, score = place.field.search_pyramid(place.levels, scans, j, guess, window, turn_window, TURN, 3, least)
 
     def refused(reason: str, inliers: float = 0.0) -> Loop:
         return Loop(anchor, j, score, inliers, reason, np.zeros(3), np.zeros((3, 3)))
 
     if score <= 0.0:
         return refused(f"no pose in the window scores {least:.2f}")
-    others = _with_most_in_common(store, place, j, found)
-    pose, hessian = found.copy(), np.empty((3, 3))
-    pairs = refine_pose(scans, j, scans, others, local, found, PRIOR, rule, LOOP_ITERATIONS, pose, hessian)[0]
+    others = _with_most_in_common(store, place, j, match)
+    pose, hessian = match.copy(), np.empty((3, 3))
+    pairs = refine_pose(scans, j, scans, others, local, match, PRIOR, rule, LOOP_ITERATIONS, pose, hessian)[0]
     counts = np.empty(3, dtype=np.int64)
     count_agreement(scans, j, pose, members, local, GATE, 1, counts)
     points, agreeing, contradicting = counts.tolist()
@@ -116,7 +116,7 @@ def try_loop(
     if contradicting > config.loop_contradicted * points:
         part = 100 * contradicting / points
         return refused(f"{part:.0f} % of the points are where the earlier scans saw free space", inliers)
-    if np.hypot(*(pose - found)[:2]) > FARTHEST_SHIFT:
+    if np.hypot(*(pose - match)[:2]) > FARTHEST_SHIFT:
         return refused("the alignment leaves the place that the correlation found", inliers)
     first = int(others[0])
     information = information_of(hessian, float(pose[2]), PRIOR)

@@ -29,8 +29,8 @@ def odometry_name(log: ScanLog) -> str | None:
         if not one.is_placeholder and len(one.poses) and np.ptp(one.poses, axis=0).any()
     ]
     raw = [name for name in moving if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
-    found = raw or moving
-    return found[0] if found else None
+    chosen = raw or moving
+    return chosen[0] if chosen else None
 
 
 def motions(poses: Float64Array) -> Float64Array:
@@ -52,9 +52,9 @@ def matched_scans(sensor: NDArray[np.int64], poses: Float64Array | None, config:
     distance, turn = config.node_distance, config.node_turn
     own = [np.flatnonzero(sensor == k) for k in np.unique(sensor)]
     while True:
-        found = np.sort(np.concatenate([scans[_spaced(poses[scans], distance, turn)] for scans in own]))
-        if len(found) <= max(config.max_nodes, 2 * len(own)):
-            return found
+        matched = np.sort(np.concatenate([scans[_spaced(poses[scans], distance, turn)] for scans in own]))
+        if len(matched) <= max(config.max_nodes, 2 * len(own)):
+            return matched
         distance, turn = max(2.0 * distance, 0.01), max(2.0 * turn, 0.01)
 
 
@@ -110,16 +110,16 @@ def _spaced(poses: Float64Array, distance: float, turn: float) -> NDArray[np.int
     steps = motions(poses)
     moved = np.hypot(steps[:, 0], steps[:, 1]).tolist()
     turned = np.abs(steps[:, 2]).tolist()
-    found, way, angle = [0], 0.0, 0.0
+    spaced, way, angle = [0], 0.0, 0.0
     for k in range(len(moved)):
         way += moved[k]
         angle += turned[k]
         if way >= distance or angle >= turn:
-            found.append(k + 1)
+            spaced.append(k + 1)
             way = angle = 0.0
-    if found[-1] != len(poses) - 1:
-        found.append(len(poses) - 1)
-    return np.array(found, dtype=np.int64)
+    if spaced[-1] != len(poses) - 1:
+        spaced.append(len(poses) - 1)
+    return np.array(spaced, dtype=np.int64)
 
 
 def carry(

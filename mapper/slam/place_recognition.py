@@ -163,7 +163,7 @@ class PlaceRecognizer:
         possible = np.flatnonzero((way[new[0]] - way[last] >= LEAST_WAY) & (away <= window + self._config.place_length))
         # Of many those where the pose is least in doubt.
         possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_SUBMAPS])
-        found: list[tuple[int, int, Float64Array]] = []
+        recognized: list[tuple[int, int, Float64Array]] = []
         most = 0
         for number in possible.tolist():
             off, origin = float(drift[origins[number]]), origins[number]
@@ -174,13 +174,13 @@ class PlaceRecognizer:
                 self._map(newest), self._map(number), guess, float(window[number]), turn_window, pose
             )
             if count >= self._config.place_corners:
-                found.append((count, number, pose))
+                recognized.append((count, number, pose))
             most = max(most, count)
-        if not found and len(possible):
+        if not recognized and len(possible):
             nearest = int(origins[possible[np.argmin(away[possible])]])
             reason = f"{STAGE}at most {most} corners of an earlier submap correspond"
             tried.append(Loop(nearest, int(origins[-1]), 0.0, 0.0, reason, np.zeros(3), np.zeros((3, 3))))
-        for _, number, pose in sorted(found, key=lambda one: -one[0])[:VERIFIED]:
+        for _, number, pose in sorted(recognized, key=lambda one: -one[0])[:VERIFIED]:
             self._verify(self._map(newest), self._map(number), pose, tried)
 
     def _verify(self, new: LocalMap, old: LocalMap, pose: Float64Array, tried: list[Loop]) -> None:

@@ -213,10 +213,10 @@ def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: floa
     # About the patch's centre: planes of points far from 0 lose digits.
     in_order[:, :2] -= (at[order] + 0.5) * patches.size
     starts = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=rows * cols))]).astype(np.int64)
-    found = np.empty(len(kept), dtype=np.bool_)
-    consensus(in_order, starts, TRIALS, distance, found)
+    agrees = np.empty(len(kept), dtype=np.bool_)
+    consensus(in_order, starts, TRIALS, distance, agrees)
     out = np.zeros(len(local), dtype=np.bool_)
-    out[kept[order]] = found
+    out[kept[order]] = agrees
     return out
 
 

@@ -109,7 +109,7 @@ def triples_of(n: int, trials: int) -> NDArray[np.int64]:
     """
     if math.comb(n, 3) <= trials:
         return np.array(list(itertools.combinations(range(n), 3)), dtype=np.int64).reshape(-1, 3)
-    state, found = n, []
+    state, triples = n, []
     for _ in range(trials):
         triple: list[int] = []
         for left in (n, n - 1, n - 2):
@@ -118,8 +118,8 @@ def triples_of(n: int, trials: int) -> NDArray[np.int64]:
             for taken in sorted(triple):
                 chosen += chosen >= taken
             triple.append(chosen)
-        found.append(triple)
-    return np.array(found, dtype=np.int64)
+        triples.append(triple)
+    return np.array(triples, dtype=np.int64)
 
 
 def ransac_plane(

@@ -96,14 +96,14 @@ def objects(
     the slope s is lowered by s · ``cell`` more by each disc: so ``share`` · s · ``cell`` is added to the threshold,
     where s is the slope ``around`` (rows, cols).
     """
-    found = np.zeros(heights.shape, dtype=np.bool_)
+    is_object = np.zeros(heights.shape, dtype=np.bool_)
     before = heights
     for r in range(1, radius + 1):
         after = opened(before, r)
         more = np.float32(share * cell) * (np.zeros_like(heights) if around is None else around)
-        found |= before - after > np.float32(slope * r * cell) + more
+        is_object |= before - after > np.float32(slope * r * cell) + more
         before = after
-    return found
+    return is_object
 
 
 def gradient(surface: Heights, cell: float) -> Heights:

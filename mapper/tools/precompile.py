@@ -278,15 +278,15 @@ def kernels() -> dict[str, bool]:
 
     Functions with a leading underscore are compiled into those that call them and do not count.
     """
-    found: dict[str, bool] = {}
+    compiled: dict[str, bool] = {}
     for info in pkgutil.walk_packages(mapper.__path__, "mapper."):
         if not re.fullmatch(r"mapper\.\w+\.kernels\.\w+", info.name):
             continue
         for value in vars(importlib.import_module(info.name)).values():
             function = getattr(value, "py_func", None)
             if function is not None and function.__module__ == info.name and not function.__name__.startswith("_"):
-                found[f"{info.name}.{function.__name__}"] = bool(value.signatures)
-    return found
+                compiled[f"{info.name}.{function.__name__}"] = bool(value.signatures)
+    return compiled
 
 
 def _mark() -> Path:

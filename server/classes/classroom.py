@@ -407,11 +407,11 @@ def _for_followers(view: ClassView) -> ClassView:
 
     An older page of a lecturer's has its deck there, with notes, hidden slides and slides to come.
     """
-    found, slide = _PLACE.match(view.hash), view.slide
+    place, slide = _PLACE.match(view.hash), view.slide
     if slide is not None and slide.address is not None and not slide.address.startswith("/shared/"):
         # Whoever knows the id of a session, which may be in the address of the lab or of a log, can control it.
         slide = msgspec.structs.replace(slide, address=None)
-    return msgspec.structs.replace(view, hash=found[0] if found else "", slide=slide)
+    return msgspec.structs.replace(view, hash=place[0] if place else "", slide=slide)
 
 
 def _page_of(view: ClassView) -> str:

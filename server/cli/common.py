@@ -227,12 +227,12 @@ def place(text: str) -> list[float]:
 def numbers(option: str, wanted: str, count: int, text: str) -> list[float]:
     """Return the ``count`` numbers of an option, or end the command with an error that says what is ``wanted``."""
     try:
-        found = [float(part) for part in text.split(",")]
+        values = [float(part) for part in text.split(",")]
     except ValueError:
-        found = []
-    if len(found) != count:
+        values = []
+    if len(values) != count:
         fail(f"{option} needs {wanted}, not {text!r:.40}.")
-    return found
+    return values
 
 
 @contextmanager

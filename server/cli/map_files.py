@@ -44,13 +44,13 @@ def save(
 
 def states(grid: OccupancyGrid) -> dict[str, float]:
     """Return how many cells are in which state, and what is known of them in bits."""
-    found = map_metrics(grid)
+    metrics = map_metrics(grid)
     return {
-        "occupied": found.occupied,
-        "free": found.free,
-        "unknown": found.unknown,
-        "entropy_bits": round(found.entropy_bits, 1),
-        "information_gain_bits": round(found.information_gain_bits, 1),
+        "occupied": metrics.occupied,
+        "free": metrics.free,
+        "unknown": metrics.unknown,
+        "entropy_bits": round(metrics.entropy_bits, 1),
+        "information_gain_bits": round(metrics.information_gain_bits, 1),
     }
 
 
@@ -67,8 +67,8 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
         loaded = load_map(path)
     said, geometry, values = loaded.description, loaded.grid.geometry, loaded.values
     counts = {"occupied": values == OCCUPIED, "free": values == FREE, "unknown": values == UNKNOWN}
-    found = {name: int(cells.sum()) for name, cells in counts.items()}
-    found["between"] = values.size - sum(found.values())
+    n_cells = {name: int(cells.sum()) for name, cells in counts.items()}
+    n_cells["between"] = values.size - sum(n_cells.values())
     facts: dict[str, object] = {
         "name": path.name,
         "format": f"map, {said.mode}",
@@ -81,7 +81,7 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
         "occupied_thresh": said.occupied_thresh,
         "free_thresh": said.free_thresh,
         "frame": said.frame,
-        **found,
+        **n_cells,
         "notes": list(loaded.notes),
     }
     if as_json:
@@ -96,7 +96,7 @@ def describe_map(path: Path, *, as_json: bool) -> bool:
         f"  occupied above {said.occupied_thresh:g}, free below {said.free_thresh:g}"
         + (", negated: dark is free" if said.negate else "")
     )
-    shares = [f"{n} {name} ({100.0 * n / values.size:.1f} %)" for name, n in found.items() if n or name != "between"]
+    shares = [f"{n} {name} ({100.0 * n / values.size:.1f} %)" for name, n in n_cells.items() if n or name != "between"]
     typer.echo(f"  {', '.join(shares)}")
     print_notes(loaded.notes)
     return True

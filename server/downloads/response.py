@@ -98,12 +98,12 @@ class Download(Response):
 
 def _next(pieces: Iterator[bytes]) -> bytes:
     """Return the next pieces, until they are enough to be sent; nothing at the end."""
-    found = bytearray()
+    data = bytearray()
     for piece in pieces:
-        found += piece
-        if len(found) >= PIECE_BYTES:
+        data += piece
+        if len(data) >= PIECE_BYTES:
             break
-    return bytes(found)
+    return bytes(data)
 
 
 async def _while_connected(receive: Receive, answering: Coroutine[Any, Any, None]) -> None:

@@ -68,7 +68,9 @@ setInterval(() => document.activeElement.closest(".finder") || location.reload()
 
 def ordered(results: Sequence[Result], order: str = BY_NAME) -> list[tuple[Result, MapFacts]]:
     """Return the results with a map, by name or in one of :data:`ORDERS`; maps without that number come last."""
-    made = sorted(((one, one.facts) for one in results if one.facts is not None), key=lambda entry: entry[0].log)
+    made = sorted(
+        ((result, result.facts) for result in results if result.facts is not None), key=lambda entry: entry[0].log
+    )
     if order != BY_NAME:
         key = ORDERS[order][1]
         made.sort(key=lambda entry: -math.inf if (value := key(entry[1])) is None else value, reverse=True)

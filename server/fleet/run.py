@@ -94,10 +94,10 @@ class Fleet:
 
     def _read(self, key: str) -> None:
         try:
-            found = json.loads((self.folder / "results" / f"{key}.json").read_text(encoding="utf-8"))
-            error = found["error"] or {"code": "", "message": ""}
-            facts = msgspec.convert(found["facts"], MapFacts | None)
-            self.results[key] = Result(key, found["log"], found["seconds"], found["runs"], facts, **error)
+            stored = json.loads((self.folder / "results" / f"{key}.json").read_text(encoding="utf-8"))
+            error = stored["error"] or {"code": "", "message": ""}
+            facts = msgspec.convert(stored["facts"], MapFacts | None)
+            self.results[key] = Result(key, stored["log"], stored["seconds"], stored["runs"], facts, **error)
         except (OSError, ValueError, KeyError, TypeError, msgspec.ValidationError):
             return  # none yet
 
@@ -163,8 +163,8 @@ class Fleet:
 def key_of(path: Path, options: LogOptions) -> str:
     """Return what names a log, its contents and how it is read in a folder of results."""
     try:
-        found = path.stat()
-        what = f"{path.absolute()}\n{found.st_size}\n{found.st_mtime_ns}"
+        status = path.stat()
+        what = f"{path.absolute()}\n{status.st_size}\n{status.st_mtime_ns}"
     except OSError:  # its result says that it is missing
         what = f"{path.absolute()}"
     if options != LogOptions():

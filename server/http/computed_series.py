@@ -46,8 +46,8 @@ def errors_between(log: ScanLog, reference: str, estimate: str, options: Compari
 
 def _relative_errors(log: ScanLog, reference: str, estimate: str) -> Series:
     """Return the relative errors over 1 m of ``estimate``, each at the end of its metre."""
-    found = errors_between(log, reference, estimate)
-    distance, angle = found.relative_translation, found.relative_rotation
+    errors = errors_between(log, reference, estimate)
+    distance, angle = errors.relative_translation, errors.relative_rotation
     order = np.argsort(distance.stamps_ns, kind="stable")
     values = np.column_stack([distance.errors, angle.errors])[order]
     return Series("errors", "trajectories", _OF_PATHS, distance.stamps_ns[order], values)
@@ -74,13 +74,13 @@ async def computed_fields(library: Library, session: SessionHost, owner: str) ->
     added = library.trajectories.of(owner, recording.log_id)
     has_graph = any(one.name == recording.trajectory and one.has_graph for one in added)
     of_scans = scan_columns(recording.log, recording.trajectory)
-    found = {
+    fields = {
         MAP: OF_MAP,
         **({SLAM: OF_GRAPH} if has_graph else {}),
         **({ERRORS: _OF_PATHS} if _compared(recording) else {}),
         SCANS: of_scans,
     }
-    return {name: [column.label for column in columns] for name, columns in found.items()}
+    return {name: [column.label for column in columns] for name, columns in fields.items()}
 
 
 def _compared(recording: Recording) -> tuple[str, str] | None:

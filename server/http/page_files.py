@@ -51,10 +51,10 @@ def built_file(request: Request, relative: str, cache: str) -> Response:
     try:
         path = (root / relative).resolve()
         # resolve() first, so that neither ".." nor a symbolic link leads out of the folder.
-        found = path.is_relative_to(root.resolve()) and path.suffix in TYPES and path.is_file()
+        exists = path.is_relative_to(root.resolve()) and path.suffix in TYPES and path.is_file()
     except (OSError, RuntimeError):  # a name that is too long, a loop of symbolic links
-        found = False
-    if not found:
+        exists = False
+    if not exists:
         raise HTTPException(404)
     headers = {"Cache-Control": cache}
     response = FileResponse(path, media_type=TYPES[path.suffix], headers=headers, stat_result=path.stat())

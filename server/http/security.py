@@ -162,10 +162,10 @@ class Security:
 
     def _host_allowed(self, host: str) -> bool:
         """Return whether the Host header names this service. Prevents DNS rebinding by pages of other sites."""
-        found = _NETLOC.fullmatch(host)
-        if found is None:
+        match = _NETLOC.fullmatch(host)
+        if match is None:
             return False
-        name = found[1].strip("[]").lower()
+        name = match[1].strip("[]").lower()
         if "*" in self._hosts or name in self._hosts or name in ("localhost", self._host):
             return True
         try:

@@ -70,6 +70,6 @@ def _refuse_guests(session: SessionHost) -> None:
 
 def writable_session(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
     """Return as :func:`session_of_log`; raise :class:`MapperError` for a session that was begun with a link as well."""
-    found = session_of_log(sessions, session_id)
-    _refuse_guests(found.session)
-    return found
+    of_log = session_of_log(sessions, session_id)
+    _refuse_guests(of_log.session)
+    return of_log

@@ -148,9 +148,9 @@ class SignIns:
 
     def _read(self) -> None:
         try:
-            found = json.loads(self._file.read_text(encoding="utf-8"))
-            self._ended_until = int(found["ended_until"])
-            self._ended = {str(name): int(at) for name, at in found["ended"].items()}
+            entries = json.loads(self._file.read_text(encoding="utf-8"))
+            self._ended_until = int(entries["ended_until"])
+            self._ended = {str(name): int(at) for name, at in entries["ended"].items()}
         except FileNotFoundError:
             return
         except (OSError, ValueError, TypeError, KeyError, AttributeError):

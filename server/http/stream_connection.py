@@ -247,11 +247,11 @@ def _without_id(message: str | bytes, session_id: str) -> str | bytes:
 
 def _take_acknowledgement(session: SessionHost, client: Client, allowance: TokenBucket, data: bytes) -> bool:
     """Take an acknowledgement, by far the most frequent command, without waking a task; return whether it was one."""
-    found = _ACKNOWLEDGEMENT.fullmatch(data)
-    if found is None or not allowance.try_to_spend():
+    match = _ACKNOWLEDGEMENT.fullmatch(data)
+    if match is None or not allowance.try_to_spend():
         return False
     try:
-        session.acknowledge(client, int(found[1]))
+        session.acknowledge(client, int(match[1]))
     except ProtocolError:  # the task answers it
         return False
     return True

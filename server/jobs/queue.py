@@ -91,11 +91,11 @@ class JobQueue(Generic[Q, P, R]):
 
     async def follow(self, log_ids: Collection[str] | None = None) -> None:
         """Take over what other services have changed of some logs, None: of any. Raises :class:`StorageError`."""
-        found = {(one.owner, one.log_id): one for one in await self._rows.load(self._kind, log_ids)}
+        rows = {(one.owner, one.log_id): one for one in await self._rows.load(self._kind, log_ids)}
         known = [key for key in self.records if log_ids is None or key[1] in log_ids]
-        for key in [key for key in known if key not in found]:
+        for key in [key for key in known if key not in rows]:
             await self.forget(key)
-        for key, record in found.items():
+        for key, record in rows.items():
             if self.records.get(key) != record:
                 self._take(record)
             if record.is_unfinished and key not in self.running:

@@ -62,7 +62,7 @@ class JobStatus:
 
 def shared(status: JobStatus) -> dict[str, Any]:
     """Return the fields that the state of each kind of jobs has, for the making of one."""
-    return {one.name: getattr(status, one.name) for one in fields(JobStatus)}
+    return {field.name: getattr(status, field.name) for field in fields(JobStatus)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,9 +78,9 @@ class Loading:
             return await self.sample.load()
         if cut is not None:
             record = await self._settled(owner, log_id)
-            found = _cut_topic(record, topic)
-            if found is not None:
-                return await self.scans.of_sensor(record, found, cut)
+            cut_topic = _cut_topic(record, topic)
+            if cut_topic is not None:
+                return await self.scans.of_sensor(record, cut_topic, cut)
         if topic is not None:
             record = await self._settled(owner, log_id)
             if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:

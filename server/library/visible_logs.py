@@ -40,8 +40,8 @@ class VisibleLogs:
         await self._folder.look()
         self._folder.begin_survey()
         self._sample.begin()
-        found = [*self._uploads(owner), *self._folder.records(), self._sample.record]
-        return [self._as_seen_by(owner, record) for record in found]
+        records = [*self._uploads(owner), *self._folder.records(), self._sample.record]
+        return [self._as_seen_by(owner, record) for record in records]
 
     def files(self, owner: str) -> Sequence[Record]:
         """Return the logs with files that ``owner`` may open, as at the last look into the folder."""

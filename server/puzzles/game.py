@@ -47,8 +47,8 @@ class Game:
     @property
     def is_solved(self) -> bool:
         """Whether the cause is named and, where that is possible, the map repaired."""
-        found = self.progress
-        return found.is_named and (not self.can_repair or found.best >= REPAIRED)
+        progress = self.progress
+        return progress.is_named and (not self.can_repair or progress.best >= REPAIRED)
 
     @property
     def is_over(self) -> bool:
@@ -58,14 +58,14 @@ class Game:
     @property
     def points(self) -> int:
         """The points so far, 0 … 100; 0 for who had the answer shown."""
-        found = self.progress
-        if found.gave_up:
+        progress = self.progress
+        if progress.gave_up:
             return 0
         return points(
-            is_named=found.is_named,
-            repair=1.0 if self.is_solved else found.best,
-            wrong=len(found.wrong),
-            hints=found.hints,
+            is_named=progress.is_named,
+            repair=1.0 if self.is_solved else progress.best,
+            wrong=len(progress.wrong),
+            hints=progress.hints,
             can_repair=self.can_repair,
         )
 
@@ -108,30 +108,30 @@ class Game:
 
     def public(self) -> Attempt:
         """Return what the page may know now."""
-        puzzle, cause, found = self.puzzle, CAUSES[self.puzzle.cause], self.progress
+        puzzle, cause, progress = self.puzzle, CAUSES[self.puzzle.cause], self.progress
         shares = puzzle.shares(puzzle.spoiled)
         return Attempt(
             title=self.title,
             story=self.story,
             level=self.level,
             causes=[NamedCause(one.name, one.label) for one in CAUSES.values() if one.name in self.choices],
-            is_named=found.is_named,
-            wrong=sorted(found.wrong),
-            hints=list(cause.hints[: found.hints]),
-            hints_left=len(cause.hints) - found.hints,
+            is_named=progress.is_named,
+            wrong=sorted(progress.wrong),
+            hints=list(cause.hints[: progress.hints]),
+            hints_left=len(cause.hints) - progress.hints,
             costs=Costs(WRONG_POINTS, HINT_POINTS),
             first=puzzle.spoiled,
             goal=puzzle.repaired,
             now=self.now,
             measures=[measure for measure in get_args(Measure) if measure in shares or not shares],
             repair=None if self.now is None else puzzle.share(self.now),
-            best=found.best,
+            best=progress.best,
             enough=REPAIRED,
-            can_repair=self.can_repair if found.is_named else None,
-            repaired_with=self._repaired_with() if found.is_named else None,
+            can_repair=self.can_repair if progress.is_named else None,
+            repaired_with=self._repaired_with() if progress.is_named else None,
             points=self.points,
             is_solved=self.is_solved,
-            gave_up=found.gave_up,
+            gave_up=progress.gave_up,
             answer=self._answer() if self.is_over else None,
         )
 

@@ -70,7 +70,7 @@ def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool
 
     ``faults`` are those of a simulated robot. Raises :class:`ConfigError` where nothing is wrong.
     """
-    found = {
+    cause = {
         "drift": faults.get("drift") and not faults.get("slam"),
         "polished": faults.get("specular"),
         "beam_order": values.get("mount_upside_down"),
@@ -84,7 +84,7 @@ def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool
         "sweep": values.get("deskew") == "off",
         "clamp": values.get("clamp") is False,
     }
-    for name, is_there in found.items():
+    for name, is_there in cause.items():
         if is_there:
             return name
     raise ConfigError("puzzle.nothing_wrong", "This map has no fault that a puzzle could ask for: choose one.")

@@ -57,8 +57,8 @@ class SceneContents:
     def met(self, origin: Point, direction: Point) -> Point | None:
         """Return where a line of sight meets the columns of a map first (any thread); None: it meets none."""
         shown = [drawer for drawer in list(self._drawers.values()) if drawer.frame.visible]
-        found = [place for drawer in shown if (place := drawer.met(origin, direction)) is not None]
-        return min(found, key=lambda place: math.dist(origin, place), default=None)
+        places = [place for drawer in shown if (place := drawer.met(origin, direction)) is not None]
+        return min(places, key=lambda place: math.dist(origin, place), default=None)
 
     def draw_all_now(self) -> None:
         """Make every drawing due."""

@@ -218,7 +218,7 @@ class Scene:
         The service may not have noticed yet that its connection is lost.
         """
         views = [*self._views.values(), *reversed(self._left)]
-        return next((one for one in views if viewer.page and one.viewer == viewer), None)
+        return next((view for view in views if viewer.page and view.viewer == viewer), None)
 
     async def _dismiss(self, client: viser.ClientHandle) -> None:
         if (view := self._views.pop(client.client_id, None)) is not None:
@@ -379,7 +379,9 @@ class Scene:
 
     def _marked(self) -> dict[int, Mark]:
         """Return what the pages of viser's clients have selected and measure, by the number of the client."""
-        pages = {one.page: Mark(one.selected, one.measured) for one in self._session.hub.clients if one.page}
+        pages = {
+            client.page: Mark(client.selected, client.measured) for client in self._session.hub.clients if client.page
+        }
         viewers = [(number, view.viewer) for number, view in [*self._views.items()]]
         return {number: pages[one.page] for number, one in viewers if one.page in pages}
 

@@ -48,13 +48,13 @@ def triangles(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
     Source: ear clipping (Meisters 1975, "Polygons have ears"); quadratic, for polygons of a few dozen corners.
     """
     left = list(range(len(polygon)))
-    found: list[tuple[int, int, int]] = []
+    corners: list[tuple[int, int, int]] = []
     while len(left) > 3:
         ear = next((k for k in range(len(left)) if _is_ear(polygon, left, k)), 0)  # 0: a degenerate remainder
-        found.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
+        corners.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
         del left[ear]
-    found.append((left[0], left[1], left[2]))
-    return np.array(found, dtype=np.int64)
+    corners.append((left[0], left[1], left[2]))
+    return np.array(corners, dtype=np.int64)
 
 
 def _is_ear(polygon: NDArray[np.float64], left: list[int], k: int) -> bool:

@@ -284,10 +284,13 @@ class LogModel(SessionModel):
         return ParametersMessage(asdict(self.config), None, compare=self.comparison.description())
 
     def _trajectories_message(self) -> Trajectories:
-        found = self.recording.log.trajectories
+        trajectories = self.recording.log.trajectories
         same = self.recording.same_paths()
         return Trajectories(
-            [TrajectoryInfo(name, one.description, one.from_scans, same.get(name)) for name, one in found.items()],
+            [
+                TrajectoryInfo(name, one.description, one.from_scans, same.get(name))
+                for name, one in trajectories.items()
+            ],
             self.recording.compared(),
         )
 

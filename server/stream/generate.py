@@ -92,8 +92,8 @@ def constants(command: str) -> str:
 
 
 def _structs(classes: Iterable[type[msgspec.Struct]]) -> list[types.StructType]:
-    found = [types.type_info(cls) for cls in classes]
-    return [one for one in found if isinstance(one, types.StructType)]
+    structs = [types.type_info(cls) for cls in classes]
+    return [one for one in structs if isinstance(one, types.StructType)]
 
 
 MESSAGES, COMMANDS = _structs(wire.MESSAGES), _structs(wire.COMMANDS)
@@ -122,18 +122,18 @@ def _alias(of: types.Type) -> str | None:
 
 def _named_parts(roots: Iterable[types.Type]) -> dict[str, types.Type]:
     """Return the aliases and the objects inside messages by name, each after its parts."""
-    found: dict[str, types.Type] = {}
+    named: dict[str, types.Type] = {}
 
     def visit(one: types.Type, *, is_root: bool) -> None:
         for child in _children(one):
             visit(child, is_root=False)
         name = one.cls.__name__ if isinstance(one, types.StructType) else _alias(one)
         if name is not None and not is_root:
-            found.setdefault(name, one)
+            named.setdefault(name, one)
 
     for root in roots:
         visit(root, is_root=True)
-    return found
+    return named
 
 
 def _description(of: types.Type) -> str:
@@ -294,14 +294,14 @@ def schema() -> str:
         "ClassMessage": ClassMessage,
         "ClassCommand": ClassCommand,
     }
-    found, parts = msgspec.json.schema_components(unions.values(), ref_template="#/$defs/{name}")
+    components, parts = msgspec.json.schema_components(unions.values(), ref_template="#/$defs/{name}")
     for part in parts.values():
         if "description" in part:  # a docstring, from which only Python 3.13 and newer take the indentation
             part["description"] = inspect.cleandoc(part["description"])
     whole = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": protocol.SUBPROTOCOL,
-        "$defs": dict(zip(unions, found, strict=True)) | parts,
+        "$defs": dict(zip(unions, components, strict=True)) | parts,
     }
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 

@@ -72,8 +72,8 @@ class Handover:
     def other(self, head: bytes, address: str) -> int | None:
         """Return the other worker that has a request, None for one that may be answered here."""
         one = self._prepared
-        found = worker_of(head, address, self.workers, {} if one is None else {one.code: one.worker})
-        return None if found == self.own else found
+        worker = worker_of(head, address, self.workers, {} if one is None else {one.code: one.worker})
+        return None if worker == self.own else worker
 
     def pass_on(self, worker: int, head: bytes, descriptor: int) -> bool:
         """Pass on a connection, of which ``head`` was read; return False where the worker's buffer is full.

@@ -72,14 +72,14 @@ class SharedCounts:
     def get(self, key: str) -> tuple[float, float]:
         """Return the number of a key and the time when it was set; 0 and 0 for none."""
         name, entries = self._places(key)
-        found = np.flatnonzero(entries["key"] == name)
-        return (float(entries["number"][found[0]]), float(entries["at"][found[0]])) if len(found) else (0.0, 0.0)
+        rows = np.flatnonzero(entries["key"] == name)
+        return (float(entries["number"][rows[0]]), float(entries["at"][rows[0]])) if len(rows) else (0.0, 0.0)
 
     def set(self, key: str, number: float, at: float) -> None:
         """Set the number of a key, in the place of the oldest of those that share its places."""
         name, entries = self._places(key)
-        found = np.flatnonzero(entries["key"] == name)
-        entries[int(found[0]) if len(found) else int(np.argmin(entries["at"]))] = (name, number, at)
+        rows = np.flatnonzero(entries["key"] == name)
+        entries[int(rows[0]) if len(rows) else int(np.argmin(entries["at"]))] = (name, number, at)
 
     def _places(self, key: str) -> tuple[np.uint64, NDArray[np.void]]:
         name = keyed_hash(key, self._secret)

@@ -84,8 +84,8 @@ class _Supervisor:
         """Replace workers that end until a signal ends the service; then end the workers."""
         while True:
             wait_s = max(0.0, min(self._due.values(), default=time.monotonic() + 3600.0) - time.monotonic())
-            found = signal.sigtimedwait(SIGNALS, wait_s)
-            number = None if found is None else found.si_signo
+            signalled = signal.sigtimedwait(SIGNALS, wait_s)
+            number = None if signalled is None else signalled.si_signo
             if number in (signal.SIGTERM, signal.SIGINT):
                 break
             if number == signal.SIGHUP:

@@ -272,17 +272,17 @@ class _Reader:
     def _of_source(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> dict[str, Any]:
         """Return the parameters of the first source of observations; those of further sources have no effect."""
         where = ".".join(path)
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         for k, (source, block) in enumerate(blocks):
             acting = (*OF_SOURCE, "min_obstacle_height", "max_obstacle_height")
             known = {name: block[name] for name in block if name in acting}
             unknown = [name for name in block if name not in SOURCE]
             self.notes += [undeclared(f"{where}.{source}", name, SOURCE) for name in unknown]
             if k == 0:
-                found = known
+                values = known
             without_effect = block if k else {name: block[name] for name in block if name not in known}
             self.others.update({(path[1], source, name): value for name, value in without_effect.items()})
-        return found
+        return values
 
     def _config(
         self,
@@ -319,21 +319,21 @@ def _kind(block: Mapping[str, Any]) -> str:
 
 def _warnings(costmap: Nav2Costmap) -> list[str]:
     """Return sentences on what Nav2 warns of, and on a costmap that shows nothing of the map."""
-    found = []
+    warnings = []
     radius = costmap.outline.inscribed_radius
     for layer in costmap.layers:
         config = layer.config
         if isinstance(config, InflationConfig) and config.enabled and config.inflation_radius < radius:
-            found.append(
+            warnings.append(
                 f"{costmap.node}.{layer.name}: The inflation radius of {config.inflation_radius:g} m is smaller than "
                 f"the inscribed radius of the footprint, {radius:.3f} m: planners that take the robot for a point lead "
                 "it into obstacles. Nav2 warns of it too, and recommends at least the inscribed radius."
             )
     if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in costmap.layers):
-        found.append(
+        warnings.append(
             f"{costmap.node} has no static layer in use: nothing of the map is in its costs, only what sensors see."
         )
-    return found
+    return warnings
 
 
 def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:

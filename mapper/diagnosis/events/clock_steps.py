@@ -55,16 +55,16 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
         poses = log.trajectory(trajectory).poses
         moved = compose(inverse(poses[:-1]), poses[1:])
         way = np.hypot(moved[:, 0], moved[:, 1]) + 0.3 * np.abs(moved[:, 2])
-    found = []
+    clock_changes = []
     for k in np.flatnonzero(steps < -LEAST_BACK * usual).tolist():
         after = steps[k + 1 : k + 1 + AROUND]
         if len(after) and (after > 0.0).all():  # else stamps are out of order, and no clock was set
-            found.append(ClockStep(k, float(steps[k]) - usual))
+            clock_changes.append(ClockStep(k, float(steps[k]) - usual))
     is_regular = float(np.mean(np.abs(steps / usual - 1.0) < 0.25)) > REGULAR
     if way is not None and is_regular:
         jumps = np.flatnonzero(steps > max(LEAST_AHEAD_S, AHEAD * usual)).tolist()
-        found += [ClockStep(k, float(steps[k]) - usual) for k in jumps if _did_not_pass(steps, way, usual, k)]
-    return sorted(found, key=lambda one: one.scan)[:MOST]
+        clock_changes += [ClockStep(k, float(steps[k]) - usual) for k in jumps if _did_not_pass(steps, way, usual, k)]
+    return sorted(clock_changes, key=lambda one: one.scan)[:MOST]
 
 
 def near_clock_steps(log: ScanLog, found: list[ClockStep]) -> NDArray[np.bool_]:

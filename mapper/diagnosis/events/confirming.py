@@ -53,7 +53,7 @@ def _chained(steps: Float64Array) -> Float64Array:
 
 def _ends(log: ScanLog, scans: NDArray[np.int64], poses: Float64Array) -> Float64Array:
     """Return where the measured beams of scans with the robot's ``poses`` (n, 3) end, (m, 2)."""
-    found = [np.zeros((0, 2))]
+    ends = [np.zeros((0, 2))]
     for number, pose in zip(scans.tolist(), poses, strict=True):
         scan = log.scan(number)
         every = slice(None, None, 1 + len(scan.ranges) // MOST_BEAMS)
@@ -63,5 +63,5 @@ def _ends(log: ScanLog, scans: NDArray[np.int64], poses: Float64Array) -> Float6
         x, y, yaw = compose(pose, log.mount_of(number))
         bearings = angles[measured] + yaw
         along = np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
-        found.append((x, y) + ranges[measured, np.newaxis] * along)
-    return np.concatenate(found)
+        ends.append((x, y) + ranges[measured, np.newaxis] * along)
+    return np.concatenate(ends)

@@ -61,9 +61,9 @@ def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacem
     rest[untold] = 0.0
     for loss in motions.losses:  # what happened beside it belongs to it
         rest[max(0, loss.before - WITHIN) : loss.after + WITHIN] = 0.0
-    found = _windows(rest, motions)
-    found += [one for loss in motions.losses if (one := _of_loss(loss, motions)) is not None]
-    return sorted(found, key=lambda one: one.before)
+    displaced = _windows(rest, motions)
+    displaced += [one for loss in motions.losses if (one := _of_loss(loss, motions)) is not None]
+    return sorted(displaced, key=lambda one: one.before)
 
 
 def _without_systematic(differences: Float64Array, motions: Motions) -> Float64Array:
@@ -111,17 +111,17 @@ def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
         candidates += [(float(excess[i]), int(i), int(i) + length) for i in np.flatnonzero(excess > 1.0)]
     candidates.sort(key=lambda candidate: (-candidate[0], candidate[1], candidate[2]))
     taken = np.zeros(len(rest), dtype=np.bool_)
-    found: list[Displacement] = []
+    windows: list[Displacement] = []
     for _, first, stop in candidates:
         if taken[first:stop].any():
             continue
         if not _stays(rest, first, stop):
             continue
         taken[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS] = True
-        found.append(_timed(rest, motions, first, stop))
-        if len(found) == MOST_EVENTS:
+        windows.append(_timed(rest, motions, first, stop))
+        if len(windows) == MOST_EVENTS:
             break
-    return found
+    return windows
 
 
 def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:

@@ -70,8 +70,8 @@ def table(
 
 def _said(error: str, first_line: int) -> str:
     """Return what NumPy says of a row, as a sentence with the line in the file, remarks and empty lines not counted."""
-    found = _ROW.search(error)
-    where = f"near line {int(found.group(1)) + first_line}" if found else "in the points"
+    match = _ROW.search(error)
+    where = f"near line {int(match.group(1)) + first_line}" if match else "in the points"
     if "columns changed" in error or "number of columns" in error:
         return f"The number of values changes {where}: all points must have as many."
     word = error.split("'")[1] if error.count("'") > 1 else ""

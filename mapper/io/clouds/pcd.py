@@ -36,7 +36,7 @@ def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     check_count(header.points, limits)
     if header.points == 0:
         return made_cloud(np.zeros((0, 3)), {}, limits)
-    names = [one.name for one in header.fields]
+    names = [field.name for field in header.fields]
     single = {one.name.lower(): k for k, one in reversed([*enumerate(header.fields)]) if one.count == 1}
     single |= {one.name: k for k, one in reversed([*enumerate(header.fields)]) if one.count == 1 and one.name in "xyz"}
     missing = [axis for axis in "xyz" if axis not in single]
@@ -62,14 +62,16 @@ def _values(data: bytes, header: PcdHeader, limits: Limits) -> list[NDArray[Any]
         first_line = data.count(b"\n", 0, header.begin) + 1
         rows = table(data[header.begin :], None, header.points, width, limits, first_line)
         ends = np.cumsum([one.count for one in header.fields])
-        found = [rows[:, end - one.count : end].astype(one.kind) for one, end in zip(header.fields, ends, strict=True)]
+        of_fields = [
+            rows[:, end - one.count : end].astype(one.kind) for one, end in zip(header.fields, ends, strict=True)
+        ]
     elif header.kind == "binary":
         n = min(header.points, (len(data) - header.begin) // row.itemsize)
         values = np.frombuffer(data, row, n, header.begin)
-        found = [np.ascontiguousarray(values[name]) for name in row.names or ()]
+        of_fields = [np.ascontiguousarray(values[name]) for name in row.names or ()]
     else:
-        found = _unpacked(data, header, row)
-    return [one[:, 0] if field.count == 1 else one for one, field in zip(found, header.fields, strict=True)]
+        of_fields = _unpacked(data, header, row)
+    return [one[:, 0] if field.count == 1 else one for one, field in zip(of_fields, header.fields, strict=True)]
 
 
 def _unpacked(data: bytes, header: PcdHeader, row: np.dtype[np.void]) -> list[NDArray[Any]]:
@@ -84,7 +86,9 @@ def _unpacked(data: bytes, header: PcdHeader, row: np.dtype[np.void]) -> list[ND
         raise ReadError("cloud.damaged", "The packed points are damaged: they do not unpack.") from error
     columns = iter([np.ascontiguousarray(read.pc_data[name]) for name in read.pc_data.dtype.names or ()])
     # The numbers of each point are side by side, which pypcd4 takes for one column after another.
-    return [np.concatenate([next(columns) for _ in range(one.count)]).reshape(-1, one.count) for one in header.fields]
+    return [
+        np.concatenate([next(columns) for _ in range(field.count)]).reshape(-1, field.count) for field in header.fields
+    ]
 
 
 def _check_bytes(data: bytes, begin: int, needed: int) -> None:

@@ -64,9 +64,9 @@ class PcdHeader:
         kinds = {"f": "F", "i": "I", "u": "U"}
         rows = {
             "FIELDS": [f"f{k}" for k in range(len(self.fields))],
-            "SIZE": [one.kind[1] for one in self.fields],
-            "TYPE": [kinds[one.kind[0]] for one in self.fields],
-            "COUNT": [str(one.count) for one in self.fields],
+            "SIZE": [field.kind[1] for field in self.fields],
+            "TYPE": [kinds[field.kind[0]] for field in self.fields],
+            "COUNT": [str(field.count) for field in self.fields],
             "WIDTH": [str(n)],
             "HEIGHT": ["1"],
             "POINTS": [str(n)],
@@ -109,7 +109,7 @@ def pcd_header(data: bytes) -> PcdHeader:
         n = _whole(count, "COUNT")
         if n:  # a field of no numbers has no bytes
             fields.append(Field(printable(name[:100]), f"{kind.lower()}{size}", n))
-    if sum(one.count for one in fields) > MOST_NUMBERS:
+    if sum(field.count for field in fields) > MOST_NUMBERS:
         raise ReadError("cloud.header", f"A point has more than {MOST_NUMBERS} numbers, which no sensor’s has.")
     kind = " ".join(lines["DATA"]).lower()
     kind = "binary_compressed" if kind == "binaryscompressed" else kind
@@ -123,7 +123,7 @@ def pcd_header(data: bytes) -> PcdHeader:
 
 def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
     """Return the words after the first one of each line up to DATA, and where the data begins."""
-    at, found = 0, {}
+    at, words_of_key = 0, {}
     while at < min(len(data), MOST_HEADER_BYTES):
         end = data.find(b"\n", at, MOST_HEADER_BYTES)
         if end < 0:
@@ -132,9 +132,9 @@ def _lines(data: bytes) -> tuple[dict[str, list[str]], int]:
         at = end + 1
         if line and not line.startswith("#"):
             name, *words = line.split()
-            found[name.upper()] = words
+            words_of_key[name.upper()] = words
             if name.upper() == "DATA":
-                return found, at
+                return words_of_key, at
     raise ReadError("cloud.header", "The file ends before a line DATA, the last of a PCD header.")
 
 

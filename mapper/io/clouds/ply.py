@@ -138,7 +138,7 @@ class PlyFile:
 def read_ply(data: bytes, limits: Limits) -> PointCloud:
     """Return the vertices of a PLY file. Raises :class:`ReadError` for a header that lies, and :class:`LimitError`."""
     file = ply_file(data)
-    vertices = file.element("vertex") or next((one for one in file.elements if _has_axes(one)), None)
+    vertices = file.element("vertex") or next((element for element in file.elements if _has_axes(element)), None)
     if vertices is None:
         raise ReadError("cloud.header", "The PLY file has no element vertex: it holds no points.")
     axes = {one.name.lower(): one.name for one in reversed(vertices.properties) if one.length_kind is None}
@@ -230,20 +230,20 @@ def _binary_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
 
 def _first_lengths(file: PlyFile, element: Element, at: int) -> dict[int, int] | None:
     """Return the lengths of the lists of the first row; None where the file ends within it, or there is none."""
-    found: dict[int, int] = {}
+    lengths: dict[int, int] = {}
     for k, one in enumerate(element.properties if element.count else ()):
         size = np.dtype(one.kind).itemsize
         if one.length_kind is not None:
             kind = np.dtype(file.order + one.length_kind)
             if at + kind.itemsize > len(file.data):
                 return None
-            found[k] = int(np.frombuffer(file.data, kind, 1, at)[0])
+            lengths[k] = int(np.frombuffer(file.data, kind, 1, at)[0])
             at += kind.itemsize
-            size *= max(found[k], 0)
-        if found.get(k, 0) < 0 or at + size > len(file.data):
+            size *= max(lengths[k], 0)
+        if lengths.get(k, 0) < 0 or at + size > len(file.data):
             return None
         at += size
-    return dict.fromkeys(range(len(element.properties)), 0) | found
+    return dict.fromkeys(range(len(element.properties)), 0) | lengths
 
 
 def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
@@ -355,10 +355,10 @@ def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
     """
     lines = io.BytesIO(data)
     lines.seek(at + (len(BOM) if data.startswith(BOM, at) else 0))
-    found: list[bytes] = []
-    while len(found) < n and (more := list(islice(lines, n - len(found)))):
-        found += [line for line in more if not line.isspace()]
-    return b"".join(found), lines.tell()
+    header: list[bytes] = []
+    while len(header) < n and (more := list(islice(lines, n - len(header)))):
+        header += [line for line in more if not line.isspace()]
+    return b"".join(header), lines.tell()
 
 
 NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices

@@ -64,11 +64,11 @@ def deskewed(cloud: PointCloud, poses: Mounts) -> PointCloud:
         return cloud
     first, last = float(cloud.times[known].min()), float(cloud.times[known].max())
     knots = np.unique(np.append(np.linspace(first, last, KNOTS), 0.0))
-    found = poses(cloud.frame_id, cloud.stamp_ns + np.round(knots * 1e9).astype(np.int64))
-    if found is None or not np.isfinite(found).all():
+    sensor_poses = poses(cloud.frame_id, cloud.stamp_ns + np.round(knots * 1e9).astype(np.int64))
+    if sensor_poses is None or not np.isfinite(sensor_poses).all():
         return cloud
     stamp = int(np.searchsorted(knots, 0.0))
-    relative = np.linalg.inv(found[stamp]) @ found
+    relative = np.linalg.inv(sensor_poses[stamp]) @ sensor_poses
     knot = _nearest(knots, np.where(known, cloud.times, 0.0))
     points = cloud.points.astype(np.float64)
     turned = np.einsum("nij,nj->ni", relative[knot, :3, :3], points) + relative[knot, :3, 3]

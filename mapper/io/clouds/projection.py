@@ -56,12 +56,12 @@ def units_of(records: Mapping[int, bytes]) -> Units | None:
 
     Text (WKT) counts before keys of GeoTIFF, as LAS 1.4 has it.
     """
-    found = None
+    units = None
     if WKT in records:
-        found = _of_wkt(records[WKT][:MOST_WKT].split(b"\0")[0].decode("utf-8", "replace"))
-    if found is None and GEO_KEYS in records:
-        found = _of_keys(records[GEO_KEYS], records.get(GEO_DOUBLES, b""), records.get(GEO_TEXT, b""))
-    return found
+        units = _of_wkt(records[WKT][:MOST_WKT].split(b"\0")[0].decode("utf-8", "replace"))
+    if units is None and GEO_KEYS in records:
+        units = _of_keys(records[GEO_KEYS], records.get(GEO_DOUBLES, b""), records.get(GEO_TEXT, b""))
+    return units
 
 
 def _of_keys(data: bytes, doubles: bytes, text: bytes) -> Units | None:
@@ -141,8 +141,8 @@ def _of_wkt(text: str) -> Units | None:
     else:
         vertical = _unit(upright, _LENGTHS) or _of_epsg(VERTICAL, _number(upright))
     if projected is not None:
-        found = _unit(projected, _LENGTHS) or _of_epsg(HORIZONTAL, _number(projected))
-        return None if found is None else Units("projected", found, vertical)
+        units = _unit(projected, _LENGTHS) or _of_epsg(HORIZONTAL, _number(projected))
+        return None if units is None else Units("projected", units, vertical)
     if any(node.name == "GEOCCS" or (node.name == "CS" and "Cartesian" in node.values) for node in nodes):
         return Units("geocentric", LINEAR[9001], vertical)
     if geographic is None:
@@ -161,7 +161,7 @@ def _number(node: _Node) -> int:
 def _unit_upwards(node: _Node | None) -> tuple[str, float] | None:
     """Return the unit of the axis of a system that points upward, of a system of three axes; None where it has none."""
     axes = [] if node is None else [one for one in node.inner if one.name == "AXIS"]
-    upward = next((one for one in axes if "up" in (value.lower() for value in one.values)), None)
+    upward = next((axis for axis in axes if "up" in (value.lower() for value in axis.values)), None)
     return None if upward is None else _unit(upward, _LENGTHS)
 
 

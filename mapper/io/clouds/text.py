@@ -71,21 +71,21 @@ def columns_of(names: Sequence[str]) -> Columns | None:
     """Return which columns are x, y and z, by their names; None where no three of them are."""
     split = [_split(name) for name in names]
     plain = [name for name, _ in split]
-    found = None
+    columns = None
     for first, second in _PLANES:
         height = next((name for name in _HEIGHTS if name in plain), None)
         if first in plain and second in plain and height is not None:
-            found = (first, second, height)
+            columns = (first, second, height)
             break
-    if found is None:
-        found = next((triple for triple in _TRIPLES if set(triple) <= set(plain)), None)
-    if found is None:
+    if columns is None:
+        columns = next((triple for triple in _TRIPLES if set(triple) <= set(plain)), None)
+    if columns is None:
         return None
-    axes = (plain.index(found[0]), plain.index(found[1]), plain.index(found[2]))
+    axes = (plain.index(columns[0]), plain.index(columns[1]), plain.index(columns[2]))
     metres = tuple(_UNITS[split[k][1] or "m"] for k in axes)
-    in_degrees = found[:2] in DEGREES
+    in_degrees = columns[:2] in DEGREES
     said = ", ".join(names[k] for k in axes)
-    notes = [] if found == AXES or in_degrees else [f"The columns {said} are x, y, z here."]
+    notes = [] if columns == AXES or in_degrees else [f"The columns {said} are x, y, z here."]
     if set(metres) != {1.0}:
         notes = [f"The columns {said} are x, y, z here, converted to metres."]
     return Columns(axes, (metres[0], metres[1], metres[2]), in_degrees, tuple(notes))

@@ -148,14 +148,16 @@ def columns_of_words(lines: Sequence[bytes], layout: Layout) -> tuple[int, ...]:
 
     At most :data:`SAMPLE_LINES` are looked at.
     """
-    found: set[int] = set()
+    chosen: set[int] = set()
     if layout.separator == " ":
         return ()
     for line in lines[:SAMPLE_LINES]:
         fields = (_unquoted(line) if layout.quoted else line).split(layout.separator.encode())
         if len(layout.numbers(line) or ()) != len(fields):
-            found.update(k for k, field in enumerate(fields) if field.strip() and len(layout.numbers(field) or ()) != 1)
-    return tuple(sorted(found))
+            chosen.update(
+                k for k, field in enumerate(fields) if field.strip() and len(layout.numbers(field) or ()) != 1
+            )
+    return tuple(sorted(chosen))
 
 
 def _thousands() -> ReadError:

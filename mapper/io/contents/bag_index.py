@@ -76,7 +76,7 @@ def indexed_message(file: Source, topic: str, at_ns: int, limits: Limits) -> Ind
 
 def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
     """Return type and definition of the messages of each topic, as the index at the end of a bag states them."""
-    found: dict[str, tuple[str, bytes]] = {}
+    definitions: dict[str, tuple[str, bytes]] = {}
     try:
         with opened(file) as stream:
             for fields, content in _index_records(stream):
@@ -84,10 +84,10 @@ def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
                     text = fields_of(content).get(b"message_definition", b"")
                     topic, kind = topic_and_type(fields, content)
                     if text:
-                        found.setdefault(printable(topic), (kind, text))
+                        definitions.setdefault(printable(topic), (kind, text))
     except (CutError, DamagedError, StopIteration, KeyError, ReadError):
         pass
-    return found
+    return definitions
 
 
 def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:

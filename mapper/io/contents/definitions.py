@@ -54,7 +54,7 @@ def definitions_of(kind: str, text: str) -> Definitions:
     if len(text) > MAX_BYTES:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} characters.")
     kind = plain_type(kind)
-    found: Definitions = {}
+    definitions: Definitions = {}
     count = 0
     for number, section in enumerate(re.split(r"^=+\s*$", text, flags=re.MULTILINE)):
         lines = section.strip().splitlines()
@@ -68,13 +68,13 @@ def definitions_of(kind: str, text: str) -> Definitions:
         count += len(own)
         if count > MAX_FIELDS:
             raise ReadError("message.definition", f"The definition of {kind!r:.100} has over {MAX_FIELDS} fields.")
-        found[name] = tuple(own)
-    for name, fields in found.items():
+        definitions[name] = tuple(own)
+    for name, fields in definitions.items():
         for field in fields:
-            if field.type not in found and field.type not in PRIMITIVES and field.type not in (STRING, *TIMES):
+            if field.type not in definitions and field.type not in PRIMITIVES and field.type not in (STRING, *TIMES):
                 said = f"{name}.{field.name} is of type {field.type}"
                 raise ReadError("message.definition", f"The recording does not define every type: {said:.200}.")
-    return found
+    return definitions
 
 
 def _field(line: str, package: str) -> Field | None:

@@ -128,7 +128,7 @@ def fields_of(
     names_of_all = {topic for topic, _ in all_topics}
     stated = stated_in(path, names_of_all, limits)
     firsts = first_messages(path, names_of_all, limits, progress)
-    found = []
+    fields = []
     for topic, kind in all_topics:
         frames: tuple[str, ...] = ()
         try:
@@ -142,10 +142,10 @@ def fields_of(
             tree = decoder_of(topic, said)(first.data)
             names = tuple(numbers_in(tree))[:MAX_COLUMNS]
             why = "" if names else "Its messages have no numbers."
-            found.append(TopicFields(topic, kind, names, why, frames_in(tree)))
+            fields.append(TopicFields(topic, kind, names, why, frames_in(tree)))
         except MapperError as error:
-            found.append(TopicFields(topic, kind, (), error.message, frames))
-    return found
+            fields.append(TopicFields(topic, kind, (), error.message, frames))
+    return fields
 
 
 class _Rows(MessageSink):

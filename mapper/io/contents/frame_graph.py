@@ -21,13 +21,13 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
     that move are the static ones of the same namespace, or of the nearest around it or around the topic ``sensor``.
     """
     statics = list(dict.fromkeys(edge.topic for edge in edges if is_static(edge.topic)))
-    found = {}
+    trees = {}
     for topic in dict.fromkeys(edge.topic for edge in edges if not is_static(edge.topic)):
         around = [f"{space}/{TF_STATIC}" for one in (topic, sensor) for space in namespaces(one)]
         wanted = [topic + STATIC, *around, *(statics if len(statics) == 1 else [])]
         static = next((one for one in wanted if one in statics), None)
-        found[topic] = [edge for edge in edges if edge.topic in (topic, static)]
-    return found or {topic: [edge for edge in edges if edge.topic == topic] for topic in statics}
+        trees[topic] = [edge for edge in edges if edge.topic in (topic, static)]
+    return trees or {topic: [edge for edge in edges if edge.topic == topic] for topic in statics}
 
 
 def tree_for(trees: Mapping[str, Sequence[FrameEdge]], sensor: str, frame: str) -> str:
@@ -47,11 +47,11 @@ def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
 
     tf2 keeps the newest instead, so that such a frame jumps: :func:`faults` names it.
     """
-    found: dict[str, FrameEdge] = {}
+    parent_edges: dict[str, FrameEdge] = {}
     for edge in edges:
-        if edge.child not in found or len(edge.stamps_ns) > len(found[edge.child].stamps_ns):
-            found[edge.child] = edge
-    return {child: edge.parent for child, edge in found.items()}
+        if edge.child not in parent_edges or len(edge.stamps_ns) > len(parent_edges[edge.child].stamps_ns):
+            parent_edges[edge.child] = edge
+    return {child: edge.parent for child, edge in parent_edges.items()}
 
 
 def chain_of(parents: dict[str, str], frame: str) -> list[str]:
@@ -100,7 +100,7 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
 def frames_in_loops(parents: dict[str, str]) -> list[str]:
     """Return the frames that are above themselves, in order: in a time linear in the number of frames."""
     walk_of: dict[str, int] = {}
-    found = []
+    frames = []
     for walk, start in enumerate(parents):
         path = []
         frame: str | None = start
@@ -109,5 +109,5 @@ def frames_in_loops(parents: dict[str, str]) -> list[str]:
             path.append(frame)
             frame = parents.get(frame)
         if frame is not None and walk_of[frame] == walk:
-            found += path[path.index(frame) :]
-    return sorted(found)
+            frames += path[path.index(frame) :]
+    return sorted(frames)

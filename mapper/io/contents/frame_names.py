@@ -52,13 +52,13 @@ def frames_of_type(kind: str, data: bytes, *, cdr: bool) -> tuple[str, ...]:
 
 
 def _named(names: Iterator[str]) -> tuple[str, ...]:
-    found: dict[str, None] = {}  # a set in order
+    named: dict[str, None] = {}  # a set in order
     for name in names:
-        if len(found) == MAX_FRAMES:
+        if len(named) == MAX_FRAMES:
             break
         if frame := printable(name[:MAX_NAME]).lstrip("/"):
-            found[frame] = None
-    return tuple(found)
+            named[frame] = None
+    return tuple(named)
 
 
 def _values(value: object) -> Iterator[str]:

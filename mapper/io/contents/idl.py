@@ -42,14 +42,14 @@ def definitions_in_idl(kind: str, text: str) -> Definitions:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has more than {MAX_BYTES} characters.")
     parser = _Parser([word for word in _WORD.findall(text) if word])
     parser.definitions("", 0, "")
-    found: Definitions = {}
+    definitions: Definitions = {}
     for name, members in parser.structures.items():
         scope = name.rpartition("::")[0]
         fields = tuple(Field(one, *parser.resolved(scope, of)) for one, of in members)
-        found[plain_type(name)] = () if [field.name for field in fields] == [_NO_MEMBER] else fields
-    if plain_type(kind) not in found:
+        definitions[plain_type(name)] = () if [field.name for field in fields] == [_NO_MEMBER] else fields
+    if plain_type(kind) not in definitions:
         raise ReadError("message.definition", f"The recording does not define the type {kind!r:.100}.")
-    return found
+    return definitions
 
 
 def _refused(word: str) -> ReadError:
@@ -162,7 +162,7 @@ class _Parser:
 
     def _declarators(self, of: _Type) -> list[tuple[str, _Type]]:
         """Return the names that are declared of a type, up to the semicolon, with its type, which may be an array."""
-        found: list[tuple[str, _Type]] = []
+        declarators: list[tuple[str, _Type]] = []
         while True:
             name, declared = self._name(""), of
             if self._peek() == "[":
@@ -172,10 +172,10 @@ class _Parser:
                 if of[1] is not None or not size.isascii() or not size.isdecimal() or self._peek() == "[":
                     raise _refused(f"{name}[{size}]")
                 declared = of[0], int(size)
-            found.append((name, declared))
+            declarators.append((name, declared))
             word = self._next()
             if word == ";":
-                return found
+                return declarators
             if word != ",":
                 raise _refused(word)
 
@@ -210,9 +210,9 @@ class _Parser:
         return self._tokens[self._at - 1]
 
     def _expect(self, word: str) -> None:
-        found = self._next()
-        if found != word:
-            raise _refused(found)
+        token = self._next()
+        if token != word:
+            raise _refused(token)
 
 
 def _within(scope: str, name: str) -> str:
@@ -223,8 +223,8 @@ def _scoped(scope: str, name: str) -> list[str]:
     """Return the full names that a name may stand for in a scope, the nearest first."""
     if name.startswith("::"):
         return [name[2:]]
-    found = [name]
+    names = [name]
     parts = scope.split("::") if scope else []
     for n in range(1, len(parts) + 1):
-        found.insert(0, "::".join([*parts[:n], name]))
-    return found
+        names.insert(0, "::".join([*parts[:n], name]))
+    return names

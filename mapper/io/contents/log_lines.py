@@ -64,7 +64,7 @@ def _log_of_foxglove(fields: MessageFields) -> list[_Stated]:
 
 def _diagnostics(fields: MessageFields) -> list[_Stated]:
     stamp, _ = fields.header()
-    found = []
+    stated = []
     for _ in range(fields.count(1)):
         level = int(fields.unpack("B", 1)[0])
         name, text = fields.string(), fields.string()
@@ -72,8 +72,8 @@ def _diagnostics(fields: MessageFields) -> list[_Stated]:
         for _ in range(fields.count(8)):
             fields.string()
             fields.string()
-        found.append((stamp, _DIAGNOSTIC.get(level, ERROR), name, text or _STATES.get(level, "")))
-    return found
+        stated.append((stamp, _DIAGNOSTIC.get(level, ERROR), name, text or _STATES.get(level, "")))
+    return stated
 
 
 _STATES = {0: "OK", 1: "Warning", 2: "Error", 3: "Stale"}

@@ -61,8 +61,8 @@ def table_of(kind: str, definition: bytes) -> Table:
         raise ReadError("message.definition", f"The definition of {kind!r:.100} has over {MAX_FIELDS} fields.")
     tables: dict[str, dict[int, Field]] = {name: {} for name in stated}
     for name, (fields, is_proto3) in stated.items():
-        for one in fields:
-            tables[name][one.get("number", 0)] = _field(name, one, tables, is_proto3=is_proto3)
+        for field in fields:
+            tables[name][field.get("number", 0)] = _field(name, field, tables, is_proto3=is_proto3)
     if f".{kind}" not in tables:
         raise ReadError("message.definition", f"The recording does not define the type {kind!r:.100}.")
     return tables[f".{kind}"]
@@ -71,10 +71,10 @@ def table_of(kind: str, definition: bytes) -> Table:
 def _collect(
     scope: str, messages: Iterable[_Stated], is_proto3: bool, stated: dict[str, tuple[list[_Stated], bool]]
 ) -> None:
-    for one in messages:
-        name = f"{scope}.{one.get('name', '')}"
-        stated[name] = one.get("field", []), is_proto3
-        _collect(name, one.get("nested_type", ()), is_proto3, stated)
+    for message in messages:
+        name = f"{scope}.{message.get('name', '')}"
+        stated[name] = message.get("field", []), is_proto3
+        _collect(name, message.get("nested_type", ()), is_proto3, stated)
 
 
 def _field(message: str, stated: _Stated, tables: Mapping[str, Table], *, is_proto3: bool) -> Field:
@@ -107,7 +107,7 @@ class _Decoder:
 
     def message(self, data: bytes, table: Table, depth: int) -> Tree:
         check_size(self._values, depth)
-        found: dict[str, object] = {}
+        fields: dict[str, object] = {}
         lists: dict[str, list[object]] = {}
         counts: dict[str, int] = {}
         for number, wire, value in wire_fields(data):
@@ -118,7 +118,7 @@ class _Decoder:
                 continue
             if not field.repeated:
                 if shown := self._shown(field, wire, value, depth, SHOWN)[0]:
-                    found[field.name] = shown[-1]
+                    fields[field.name] = shown[-1]
                 continue
             kept = lists.setdefault(field.name, [])
             room = max(0, SHOWN - len(kept)) if self._kept < MAX_SHOWN else 0
@@ -130,8 +130,8 @@ class _Decoder:
         for field in table.values():
             if field.repeated:
                 tree[field.name] = cut_list(lists.get(field.name, []), counts.get(field.name, 0))
-            elif field.name in found:
-                tree[field.name] = found[field.name]
+            elif field.name in fields:
+                tree[field.name] = fields[field.name]
             elif field.implied:
                 tree[field.name] = _zero(field.kind)
         return tree

@@ -101,9 +101,9 @@ def raw_message(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIM
     Raises :class:`ReadError` where there is none, or where it cannot be read with what the recording says of its type,
     and :class:`LimitError`.
     """
-    found = message_at(path, topic, at_ns, limits, as_recorded=True)
+    message = message_at(path, topic, at_ns, limits, as_recorded=True)
     decode = decoder_of(topic, stated_in(path, (topic,), limits).get(topic))
-    return RawMessage(found.type, found.stamp_ns, len(found.data), decode(found.data))
+    return RawMessage(message.type, message.stamp_ns, len(message.data), decode(message.data))
 
 
 def decoder_of(topic: str, stated: Stated | None) -> Decoder:

@@ -173,9 +173,9 @@ def _readings(ranges: np.ndarray[Any, np.dtype[np.float32]], range_min: float, r
 
 
 def _poses(kind: str, data: bytes, cdr: bool) -> Facts:
-    found: list[StampedPose] = (POSES | TRANSFORMS)[kind](data, cdr=cdr)
+    stamped: list[StampedPose] = (POSES | TRANSFORMS)[kind](data, cdr=cdr)
     return {
-        "poses": len(found),
+        "poses": len(stamped),
         "frames": [
             {
                 "frame": printable(one.frame[:200]),
@@ -183,7 +183,7 @@ def _poses(kind: str, data: bytes, cdr: bool) -> Facts:
                 "quaternion_length": _number(float(np.linalg.norm(one.pose[3:])), 4),
                 "stamped": one.stamp_ns != 0,
             }
-            for one in found[:MOST_FRAMES]
+            for one in stamped[:MOST_FRAMES]
         ],
     }
 
@@ -233,7 +233,7 @@ def _files(path: Path, limits: Limits) -> list[Facts]:
     except MapperError:
         files, kind = [path], None
     form = kind.form if isinstance(kind, Container) else None
-    found = []
+    entries = []
     for file in list(files)[:MOST_FRAMES]:
         facts: Facts = {"ending": "".join(re.findall(r"\.[a-z0-9]{1,8}", file.name.lower())[-2:]), "format": form}
         try:
@@ -249,15 +249,15 @@ def _files(path: Path, limits: Limits) -> list[Facts]:
                 facts["packed"] = unpacked.packing
         except (ReadError, OSError):
             facts["unreadable"] = True
-            found.append(facts)
+            entries.append(facts)
             continue
         head = head[:HEAD_BYTES]
         if b"\0" in head or form is not None:
             facts["begins"] = head[:MAGIC_BYTES].hex(" ")
         else:
             facts["lines"] = _shapes(head)
-        found.append(facts)
-    return found
+        entries.append(facts)
+    return entries
 
 
 def _shapes(head: bytes) -> list[str]:
@@ -315,5 +315,5 @@ def _scrubber(path: Path) -> Callable[[str], str]:
     with contextlib.suppress(OSError, KeyError):  # of a user whom the system does not know
         names |= {getpass.getuser(), socket.gethostname()}
     known = sorted((name for name in names if len(name) >= SHORTEST_NAME), key=len, reverse=True)
-    found = re.compile("|".join(rf"(?<![\w/]){re.escape(name)}(?!\w)" for name in known)) if known else None
-    return lambda text: _blurred(found.sub("NAME", text) if found else text)
+    pattern = re.compile("|".join(rf"(?<![\w/]){re.escape(name)}(?!\w)" for name in known)) if known else None
+    return lambda text: _blurred(pattern.sub("NAME", text) if pattern else text)

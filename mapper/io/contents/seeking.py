@@ -200,14 +200,14 @@ def stated_in(path: Path, topics: Collection[str], limits: Limits = DEFAULT_LIMI
     files, kind = parts_of(path, limits)
     if not isinstance(kind, Container):
         return {}
-    found: dict[str, Stated] = {}
+    by_topic: dict[str, Stated] = {}
     for file in files:
-        missing = set(topics) - set(found)
+        missing = set(topics) - set(by_topic)
         if not missing:
             break
         stated = _stated_in_file(file, kind, limits)
-        found |= {topic: stated[topic] for topic in missing & set(stated)}
-    return found
+        by_topic |= {topic: stated[topic] for topic in missing & set(stated)}
+    return by_topic
 
 
 def _stated_in_file(file: Source, kind: Container, limits: Limits) -> dict[str, Stated]:
@@ -217,13 +217,13 @@ def _stated_in_file(file: Source, kind: Container, limits: Limits) -> dict[str, 
                 summary = SeekingReader(stream, record_size_limit=limits.max_chunk_bytes).get_summary()
         except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file
             return {}
-        found: dict[str, Stated] = {}
+        by_topic: dict[str, Stated] = {}
         for channel in () if summary is None else summary.channels.values():
             schema = summary.schemas.get(channel.schema_id) if summary else None
             of = ("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data[: MAX_BYTES + 1])
             name, encoding, definition = of
-            found.setdefault(printable(channel.topic), Stated(name, channel.message_encoding, encoding, definition))
-        return found
+            by_topic.setdefault(printable(channel.topic), Stated(name, channel.message_encoding, encoding, definition))
+        return by_topic
     if kind is ros1_bag.ROS1_BAG:
         stated = definitions_in_bag(file)
         return {topic: Stated(name, "ros1", "ros1msg", text) for topic, (name, text) in stated.items()}

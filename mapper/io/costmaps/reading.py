@@ -192,13 +192,13 @@ class _Costmaps(MessageSink):
         try:
             if data[:4] == ZSTD_MAGIC:
                 data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
-            found = costmap_message(data, stamp_ns, cdr=cdr, limits=self.limits)
+            costmap = costmap_message(data, stamp_ns, cdr=cdr, limits=self.limits)
         except (BadMessageError, ReadError) as error:
             stream.bad += 1
             self.reason = self.reason or str(error)
             return
         self._n += 1
-        self._bytes += stream.add(found)
+        self._bytes += stream.add(costmap)
         if self._n > MAX_COSTMAPS or self._bytes > MAX_KEPT_BYTES:
             raise LimitError(
                 "costmaps.too_many",

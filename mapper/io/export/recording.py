@@ -95,7 +95,7 @@ def exported_sensors(
         names = [f"/sonar_{i}" for i in range(log.n_beams)]
         return [_sensor(log, trajectory, config, log.frame_id, "/scan", "/points", names)]
     sensors, topics, frames = by_sensor(log), set(taken), set[str]()
-    found: dict[int, ExportedSensor] = {}
+    exported: dict[int, ExportedSensor] = {}
     for number, (sensor, scans) in enumerate(sensors):
         plain = _NO_PART_OF_A_NAME.sub("_", sensor.topic).strip("/") or f"scan_{number}"
         topic = _unused(f"/{plain}", number, topics) if len(sensors) > 1 else "/scan"
@@ -104,8 +104,8 @@ def exported_sensors(
         for index in np.unique(log.part_of_scan[scans]).tolist():  # of a lidar that was switched
             part = log.parts[index]
             sonars = [f"{topic}_{i}" for i in range(part.n_beams)] if part.n_beams > 1 else [topic]
-            found[index] = _sensor(part, trajectory, config, frame, topic, points, sonars)
-    return [found[index] for index in range(len(log.parts)) if index in found]
+            exported[index] = _sensor(part, trajectory, config, frame, topic, points, sonars)
+    return [exported[index] for index in range(len(log.parts)) if index in exported]
 
 
 def _unused(name: str, number: int, used: set[str]) -> str:

@@ -252,7 +252,7 @@ def _hits_of(
     most = len(chosen)
     for j in chosen:
         most += max(int(lines[FAR, j]) - int(lines[NEAR, j]), 0)
-    found = np.empty(most, dtype=np.int64)
+    hit_cells = np.empty(most, dtype=np.int64)
     count = 0
     for j in chosen:
         row, col = int(lines[ROW, j]), int(lines[COL, j])
@@ -265,13 +265,13 @@ def _hits_of(
             n = (2 * i * minor + major) // max(2 * major, 1)
             r, c = row + s_row * (i if steep else n), col + s_col * (n if steep else i)
             if i != lines[AT, j] and row_low <= r < row_high and 0 <= c < cols:
-                found[count] = r * cols + c
+                hit_cells[count] = r * cols + c
                 count += 1
         r, c = int(lines[HIT_ROW, j]), int(lines[HIT_COL, j])
         if row_low <= r < row_high and 0 <= c < cols:
-            found[count] = r * cols + c
+            hit_cells[count] = r * cols + c
             count += 1
-    return found[:count]
+    return hit_cells[:count]
 
 
 @jit

@@ -177,7 +177,7 @@ def _descend(
     side = 1 << top
     size = 2 * window.cells + 1
     blocks = (size + side - 1) // side
-    score, best_turn, best_y, best_x, found = least, window.turns + 1, 0, 0, False
+    score, best_turn, best_y, best_x, is_any = least, window.turns + 1, 0, 0, False
     # A stack of blocks: bound, level, row and column of the block's first pose from the window's first one.
     stack = np.empty((4 * top + 4, 4), dtype=np.int64)
     four = np.empty((2, 2), dtype=np.int32)
@@ -198,8 +198,8 @@ def _descend(
             if level == 0:
                 # Of equal scores the first in the order of the window.
                 before = turn < best_turn or (turn == best_turn and (y < best_y or (y == best_y and x < best_x)))
-                if bound > score or not found or before:
-                    score, best_turn, best_y, best_x, found = bound, turn, y, x, True
+                if bound > score or not is_any or before:
+                    score, best_turn, best_y, best_x, is_any = bound, turn, y, x, True
                 continue
             half = 1 << (level - 1)
             _add_block(levels[level - 1], cells[a], n, y, x, half, four)
@@ -216,7 +216,7 @@ def _descend(
                     place -= 1
                 stack[place, 0], stack[place, 1], stack[place, 2], stack[place, 3] = part, level - 1, row_q, col_q
                 height += 1
-    if found:
+    if is_any:
         best[k, 0], best[k, 1], best[k, 2], best[k, 3] = score, best_turn, best_y, best_x
     else:
         best[k, 0], best[k, 1], best[k, 2], best[k, 3] = -1, 0, 0, 0

@@ -51,13 +51,13 @@ def polygons(case: int) -> list[list[int]]:
             comes = edge_between(face[k], face[(k + 1) % 4])
             leaves = edge_between(face[end % 4], face[(end + 1) % 4])
             following[comes] = leaves
-    found = []
+    loops = []
     while following:
         outline = [min(following)]
         while (edge := following.pop(outline[-1])) != outline[0]:
             outline.append(edge)
-        found.append(outline)
-    return found
+        loops.append(outline)
+    return loops
 
 
 def triangles(case: int) -> list[tuple[int, int, int]]:

@@ -111,9 +111,9 @@ def _neighbours(volume: TsdfVolume, slots: Int32Array, low: int) -> Int32Array:
 
 def _among(slots: Int32Array, count: int) -> Int32Array:
     """Return the slots that occur in an array, ascending; −1 is none."""
-    found = np.zeros(count + 1, dtype=np.bool_)
-    found[slots.reshape(-1)] = True
-    return np.flatnonzero(found[:-1]).astype(np.int32)
+    is_among = np.zeros(count + 1, dtype=np.bool_)
+    is_among[slots.reshape(-1)] = True
+    return np.flatnonzero(is_among[:-1]).astype(np.int32)
 
 
 def _starts(counts: Int32Array) -> Int64Array:

@@ -32,9 +32,9 @@ def voxel_classes(points: NDArray[np.float32], classes: NDArray[Any], resolution
     both, counts = np.unique(codes * most + kinds, return_counts=True)
     voxels = both // most
     order = np.lexsort((both % most, -counts, voxels))  # the commonest of each voxel first
-    voxels, found = voxels[order], (both % most)[order]
+    voxels, class_of_voxel = voxels[order], (both % most)[order]
     voxels, first = np.unique(voxels, return_index=True)
-    colours = (1 + found[first]).astype(np.uint8)
+    colours = (1 + class_of_voxel[first]).astype(np.uint8)
     chunk_of = voxels // CHUNK**3
     ends = np.flatnonzero(np.diff(chunk_of)) + 1
     painted: dict[ChunkKey, tuple[Int64Array, UInt8Array]] = {}

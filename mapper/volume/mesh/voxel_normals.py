@@ -69,6 +69,6 @@ def directions() -> NDArray[np.float64]:
     """
     i, j, up = np.meshgrid(np.arange(STEPS + 1), np.arange(STEPS + 1), np.arange(2), indexing="ij")
     z = np.maximum(STEPS - i - j, 0)
-    found = np.sqrt(np.stack([i, j, z], axis=-1) / STEPS)
-    found[..., 2] *= np.where(up == 1, 1.0, -1.0)
-    return np.asarray(found.reshape(-1, 3))
+    normals = np.sqrt(np.stack([i, j, z], axis=-1) / STEPS)
+    normals[..., 2] *= np.where(up == 1, 1.0, -1.0)
+    return np.asarray(normals.reshape(-1, 3))

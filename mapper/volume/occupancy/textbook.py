@@ -278,7 +278,7 @@ def merged_faces(
     A rectangle is as :func:`mapper.volume.kernels.faces.merge_faces` has it. Source: M. Lysenko, Meshing in a Minecraft
     Game, 2012 (greedy meshing).
     """
-    found = []
+    merged = []
     for number in range(6):
         axis, step = number // 2, 1 if number % 2 else -1
         u, v = (axis + 1) % 3, (axis + 2) % 3
@@ -300,5 +300,5 @@ def merged_faces(
                         del faces[row, k]
                 place = [0, 0, 0]
                 place[axis], place[u], place[v] = level, a, b
-                found.append((number, place[0], place[1], place[2], wide, high, colour))
-    return found
+                merged.append((number, place[0], place[1], place[2], wide, high, colour))
+    return merged

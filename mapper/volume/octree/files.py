@@ -49,9 +49,9 @@ class OctreeFile:
     @property
     def offset(self) -> Float64Array:
         """Offset (3,), metres, between the tree and the coordinates that it was made of: a comment of our own files."""
-        found = _OFFSET.search(self.header)
+        match = _OFFSET.search(self.header)
         try:
-            return np.zeros(3) if found is None else np.array([float(word) for word in found[1].split()])
+            return np.zeros(3) if match is None else np.array([float(word) for word in match[1].split()])
         except ValueError:
             return np.zeros(3)
 
@@ -140,7 +140,7 @@ def _as_octree(header: bytes) -> bytes:
 
 def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
     """Return the resolution, the number of nodes, where the data begin, and the kind of the tree."""
-    found: dict[str, str] = {}
+    header: dict[str, str] = {}
     at = 0
     while True:
         end = content.find(b"\n", at, _MOST_HEADER)
@@ -149,18 +149,18 @@ def _read_header(content: bytes, name: str) -> tuple[float, int, int, str]:
         words = content[at:end].decode("ascii", "replace").split()
         at = end + 1
         while words[:1] and words[0] in ("id", "size", "res"):
-            found[words[0]], words = "".join(words[1:2]), words[2:]
+            header[words[0]], words = "".join(words[1:2]), words[2:]
         if words[:1] == ["data"]:
             break
     try:
-        resolution, size = float(found["res"]), int(found["size"])
+        resolution, size = float(header["res"]), int(header["size"])
     except (KeyError, ValueError):
         raise ReadError(
             "octree.header", f"The header of {name} must have lines 'res' and 'size' with numbers."
         ) from None
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise ReadError("octree.resolution", f"The resolution in {name} must be a positive number, not {resolution}.")
-    kind = found.get("id", "")
+    kind = header.get("id", "")
     return resolution, size, at, _OLD_IDS.get(kind, kind)
 
 

@@ -64,10 +64,10 @@ def open_source(
     ``offset`` the scans are moved to a map's coordinates, which the first of them decides where it is not yet.
     Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
     """
-    found = _opened_source(Path(path), topic, tf, trajectory, time_offset, sensor, poses, number, limits, progress)
+    source = _opened_source(Path(path), topic, tf, trajectory, time_offset, sensor, poses, number, limits, progress)
     if offset is not None:
-        found.scans = offset.placed(found.scans)
-    return found
+        source.scans = offset.placed(source.scans)
+    return source
 
 
 def _opened_source(

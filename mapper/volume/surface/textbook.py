@@ -140,11 +140,11 @@ def voxels_along(start: Float64Array, line: Float64Array) -> list[Key]:
             steps[axis] = 1 if along > 0.0 else -1
             first[axis] = (key[axis] + 0.5 * steps[axis] - float(start[axis])) / along
             apart[axis] = abs(1.0 / along)
-    found = []
+    voxels = []
     while True:
-        found.append((key[0], key[1], key[2]))
+        voxels.append((key[0], key[1], key[2]))
         axis = min(range(3), key=lambda k: first[k])
         if first[axis] > 1.0:
-            return found
+            return voxels
         key[axis] += steps[axis]
         first[axis] += apart[axis]

@@ -227,14 +227,14 @@ class TsdfVolume:
         """Return the codes of the blocks that the bands of beams pass, ascending."""
         resolution = self.config.resolution
         of_a_beam = 3 * (math.ceil(2.0 * float(fusion.truncation) / resolution / BLOCK) + 3)
-        found = np.empty(0, dtype=np.int64)
+        codes = np.empty(0, dtype=np.int64)
         at_once = max(1, min(len(ends), _FOUND // of_a_beam))
         out = np.empty(at_once * of_a_beam, dtype=np.int64)
         for a in range(0, len(ends), at_once):
             n = beam_blocks(start, ends[a : a + at_once], resolution, fusion, out)
-            found = np.union1d(found, out[:n])
-            self._check_count(len(found))
-        return found
+            codes = np.union1d(codes, out[:n])
+            self._check_count(len(codes))
+        return codes
 
     def _reserve(self, count: int) -> None:
         """Have room for ``count`` blocks, those that are not in the map all 0. Raises :class:`LimitError`."""

@@ -112,10 +112,10 @@ def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> lis
 def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
     """Return which points (n,) of a cloud are those of ``truth``, by equal coordinates."""
     places = {place.tobytes() for place in truth.points.astype(np.float32)}
-    found = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
-    if not found.any():
+    is_inside = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
+    if not is_inside.any():
         raise ConfigError("terrain.truth", "None of its points is a point of the cloud.")
-    return found
+    return is_inside
 
 
 def _write(prefix: Path, is_ground: BoolArray, found: Terrain) -> list[Path]:

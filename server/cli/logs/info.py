@@ -168,7 +168,9 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     if path.is_file():
         with refusing(path):
             kind = format_of(path)
-    if kind is None or (kind == TEXT and (not {one.lower() for one in path.suffixes} & TEXT_ENDINGS or is_log(path))):
+    if kind is None or (
+        kind == TEXT and (not {suffix.lower() for suffix in path.suffixes} & TEXT_ENDINGS or is_log(path))
+    ):
         return False
     print_cloud(path, kind, as_json=as_json)
     return True
@@ -243,20 +245,20 @@ def doctor(
     scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), of_mount)
     with refusing(log), progress_bar("Examining") as bar:
         diagnosis = diagnose(scans, trajectory, bar, time_offset=config.time_offset)
-    found, events = diagnosis.findings, diagnosis.events
+    findings, events = diagnosis.findings, diagnosis.events
     if as_json:
         print_json(
             {
                 "log": scans.name,
-                "findings": [finding.public() for finding in found],
+                "findings": [finding.public() for finding in findings],
                 "events": [event.public() for event in events],
             }
         )
         return
-    counts = [(len(found), "finding"), (len(events), "event")]
+    counts = [(len(findings), "finding"), (len(events), "event")]
     said = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n or name == "finding"]
     typer.echo(f"{scans.name}: {', '.join(said)}")
-    for finding in found:
+    for finding in findings:
         possible = "possible, " if finding.possible else ""
         of = f" of {finding.sensor}" if finding.sensor else ""
         typer.echo(f"  {finding.check}{of} ({possible}{100 * finding.sure:.0f} % sure): {finding.sentence}")

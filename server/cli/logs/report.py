@@ -119,8 +119,8 @@ def _picture(path: Path, log: ScanLog, events: tuple[Event, ...]) -> Picture | N
         topics = [topic for topic in inspect(path).topics if topic.type in CAMERAS]
         if not topics:
             return None
-        found = message_at(path, topics[0].name, stamp_ns)
-        data, media_type = picture_of(found.type, found.data, cdr=found.cdr)
+        message = message_at(path, topics[0].name, stamp_ns)
+        data, media_type = picture_of(message.type, message.data, cdr=message.cdr)
     except MapperError:
         return None  # a picture that cannot be read is no reason for no report
     return Picture(data, media_type, topics[0].name, (stamp_ns - int(log.stamps_ns.min())) * 1e-9)

@@ -228,11 +228,11 @@ def _export(
 
 def cause_and_drift(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[str | None, str | None]:
     """Return the line on the first cause of a bad map, and where none is known the line that the poses drift."""
-    found = first_cause(log, trajectory, config)
-    if found is None:
+    cause = first_cause(log, trajectory, config)
+    if cause is None:
         return None, None
-    if found.check != DRIFT:
-        return cause_line(found), None
+    if cause.check != DRIFT:
+        return cause_line(cause), None
     return None, _drift_line(log, trajectory)
 
 

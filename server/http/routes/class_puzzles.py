@@ -94,8 +94,8 @@ async def begin(
     game: Game = puzzles.game(session.id)
 
     def changed() -> None:
-        found = game.progress
-        room.solver_moved(puzzle, ClassSolver(number, found.is_named, found.best, game.is_solved, game.points))
+        progress = game.progress
+        room.solver_moved(puzzle, ClassSolver(number, progress.is_named, progress.best, game.is_solved, game.points))
 
     if number:  # the lecturer may try it too
         # What was found, asked for and given up stays with the number: who begins again goes on with it.

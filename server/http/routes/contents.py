@@ -264,10 +264,10 @@ async def picture(
     owner = owner_of(sessions, library, session_id)
     address = client_address(request)
     making = library.picture(owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=address)
-    found = await while_connected(request, making)
-    seconds = held.seconds(found.stamp_ns - ahead_ns)
+    made = await while_connected(request, making)
+    seconds = held.seconds(made.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
-    return Response(found.data, media_type=found.media_type, headers=headers)
+    return Response(made.data, media_type=made.media_type, headers=headers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,7 +342,7 @@ async def lines(
 
 def _lines(held: HeldContents) -> LinesAnswer:
     ahead_ns = held.recorded_ahead_ns
-    found = [
+    matching = [
         LineAnswer(
             held.seconds(line.stamp_ns - (ahead_ns if line.is_recorded else 0)),
             line.level,
@@ -352,7 +352,7 @@ def _lines(held: HeldContents) -> LinesAnswer:
         )
         for line in held.contents.lines
     ]
-    return LinesAnswer(sorted(found, key=lambda line: line.seconds), held.contents.lines_left_out)
+    return LinesAnswer(sorted(matching, key=lambda line: line.seconds), held.contents.lines_left_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -390,9 +390,9 @@ async def message(
     making = library.message(
         owner, held.recording.log_id, visitor, topic, held.recorded_ns(at), address=client_address(request)
     )
-    found = await while_connected(request, making)
-    seconds = held.seconds(found.stamp_ns - ahead_ns)
-    return MessageAnswer(topic, found.type, seconds, str(found.stamp_ns), found.bytes, found.tree)
+    raw = await while_connected(request, making)
+    seconds = held.seconds(raw.stamp_ns - ahead_ns)
+    return MessageAnswer(topic, raw.type, seconds, str(raw.stamp_ns), raw.bytes, raw.tree)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,10 +86,10 @@ async def upload(
 
 
 def _part(key: str, content_range: str) -> Part:
-    found = _CONTENT_RANGE.fullmatch(content_range)
-    if found is None:
+    match = _CONTENT_RANGE.fullmatch(content_range)
+    if match is None:
         raise ReadError("upload.range", "A part of an upload needs the header Content-Range: bytes FIRST-LAST/TOTAL.")
-    first, last, total = map(int, found.groups())
+    first, last, total = map(int, match.groups())
     if not first <= last < total:
         raise ReadError("upload.range", f"There is no part from byte {first} to byte {last} of {total}.")
     return Part(key, first, total)
@@ -137,8 +137,8 @@ async def list_logs(
     ``total`` is the number of logs that were found; ``tags`` are this visitor's, with the number of logs of each.
     """
     wanted = Wanted(q, tuple(tag or ()), order, offset, limit)
-    found = listed(await library.list(visitor), wanted)
-    return LogList([record.public() for record in found.records], found.total, dict(found.tags))
+    listing = listed(await library.list(visitor), wanted)
+    return LogList([record.public() for record in listing.records], listing.total, dict(listing.tags))
 
 
 @router.get("/{log_id}")

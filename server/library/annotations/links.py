@@ -82,8 +82,8 @@ class Links:
 
     def of(self, owner: str, log_id: str) -> Sequence[Link]:
         """Return the links of ``owner`` to a log, the newest first."""
-        found = [link for link in self._links.values() if link.owner == owner and link.log_id == log_id]
-        return sorted(found, key=lambda link: link.created_s, reverse=True)
+        of_log = [link for link in self._links.values() if link.owner == owner and link.log_id == log_id]
+        return sorted(of_log, key=lambda link: link.created_s, reverse=True)
 
     async def revoke(self, owner: str, token: str) -> None:
         """Revoke a link of ``owner``. Raises :class:`LinkGoneError`, and ``StorageError``."""

@@ -81,8 +81,8 @@ def notes_from_geojson(data: bytes, frame: MapFrame) -> list[tuple[str, Pin]]:
     :class:`Pin` does.
     """
     try:
-        found = msgspec.json.decode(data, type=_Features).features
-        return [(one.properties.text, _pin(one, frame)) for one in found]
+        features = msgspec.json.decode(data, type=_Features).features
+        return [(one.properties.text, _pin(one, frame)) for one in features]
     except (msgspec.DecodeError, ValueError, IndexError) as error:
         raise ReadError("notes.file", f"These are not notes as GeoJSON: {error}.") from None
 

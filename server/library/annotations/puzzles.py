@@ -99,8 +99,8 @@ class MadePuzzles:
 
 
 def _load(connection: Connection) -> Sequence[MadePuzzle]:
-    found = connection.execute(select(puzzles))
-    return [MadePuzzle(row.token, row.owner, row.log_id, row.created_s, row.title, row.spec) for row in found]
+    rows = connection.execute(select(puzzles))
+    return [MadePuzzle(row.token, row.owner, row.log_id, row.created_s, row.title, row.spec) for row in rows]
 
 
 def _delete(connection: Connection, token: str) -> None:

@@ -39,10 +39,10 @@ class Tags:
 
     async def follow(self, _: object = None) -> None:
         """Load the stored tags. Raises ``StorageError``."""
-        found: dict[tuple[str, str], list[str]] = {}
+        tags_of: dict[tuple[str, str], list[str]] = {}
         for owner, log_id, tag in await self._database.run(_load):
-            found.setdefault((owner, log_id), []).append(tag)
-        self._tags = {key: tuple(sorted(tags)) for key, tags in found.items()}
+            tags_of.setdefault((owner, log_id), []).append(tag)
+        self._tags = {key: tuple(sorted(tags)) for key, tags in tags_of.items()}
 
     def of(self, owner: str, log_id: str) -> tuple[str, ...]:
         """Return the tags that ``owner`` has given to a log."""

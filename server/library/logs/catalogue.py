@@ -65,13 +65,13 @@ class Catalogue:
 
         Unless ``stores_match`` (the blobs are those of these records), no record and no blob is removed.
         """
-        found = await self._store.load()
+        records = await self._store.load()
         there: set[str] = set()
         try:
             there = await self._blobs.names()
         except StorageError:  # an unreachable bucket must not cause the deletion of records
             stores_match = False
-        for record in found:
+        for record in records:
             if record.source == "sample":  # it has a row only if there is a link to it
                 continue
             if record.source == "folder":
@@ -83,7 +83,7 @@ class Catalogue:
             else:
                 self._records[record.id] = record
         if stores_match:
-            await self._remove_unreferenced_blobs(is_new=not found)
+            await self._remove_unreferenced_blobs(is_new=not records)
         await asyncio.to_thread(self._remove_unreferenced_packs)
 
     async def _remove_unreferenced_blobs(self, *, is_new: bool) -> None:
@@ -211,25 +211,25 @@ class Catalogue:
 
     async def is_due(self, log_id: str) -> bool:
         """Return whether a log is to be read, as the database says."""
-        found = await self._store.get([log_id])
-        if not found:
+        records = await self._store.get([log_id])
+        if not records:
             return log_id in self.folder_logs
-        self._records[log_id] = found[0]
-        return found[0].state in ("queued", "reading")
+        self._records[log_id] = records[0]
+        return records[0].state in ("queued", "reading")
 
     async def follow(self, log_ids: Collection[str] | None) -> list[Record]:
         """Take over what another service has changed of some logs, None: of any; return their records.
 
         Raises ``StorageError``.
         """
-        found = await (self._store.load() if log_ids is None else self._store.get(log_ids))
-        found = [one for one in found if one.source == "upload" or one.id in self.folder_logs]
-        there = {one.id for one in found}
+        records = await (self._store.load() if log_ids is None else self._store.get(log_ids))
+        records = [one for one in records if one.source == "upload" or one.id in self.folder_logs]
+        there = {one.id for one in records}
         for log_id in [one.id for one in self.uploaded()] if log_ids is None else log_ids:
             if log_id not in there and log_id in self._records:
                 await self._forget(log_id)
-        self._records |= {one.id: one for one in found}
-        return found
+        self._records |= {one.id: one for one in records}
+        return records
 
     async def delete(self, log_id: str) -> None:
         """Remove a log's record, pack and, unless it is another's too, blob. Raises ``StorageError``."""

@@ -45,7 +45,7 @@ class LogFolder:
         does not begin as a log does are left out. A folder that is not there, or may not be read, is empty: the service
         runs on without it.
         """
-        found = []
+        in_folder = []
         is_log_now = {}
         try:
             root = self._folder.resolve(strict=True)
@@ -62,11 +62,11 @@ class LogFolder:
             key = (target, tuple((info.st_size, info.st_mtime_ns, info.st_ctime_ns) for info in files))
             is_log_now[key] = self._is_log[key] if key in self._is_log else _is_log(target)
             if is_log_now[key]:
-                found.append(_described(path.name, target, files))
-            if len(found) == MAX_LOGS:
+                in_folder.append(_described(path.name, target, files))
+            if len(in_folder) == MAX_LOGS:
                 break
         self._is_log = is_log_now
-        return found
+        return in_folder
 
 
 def _is_log(target: Path) -> bool:

@@ -47,13 +47,13 @@ _KEYS: dict[Order, Callable[[Record], Any]] = {
 def listed(records: Sequence[Record], wanted: Wanted) -> Listing:
     """Return the page of ``records``, which are in the order "newest". Tags are counted over all records."""
     words = wanted.words.casefold().split()
-    found = [record for record in records if set(wanted.tags) <= set(record.tags) and _has(record, words)]
+    matching = [record for record in records if set(wanted.tags) <= set(record.tags) and _has(record, words)]
     key = _KEYS.get(wanted.order)
     if key is not None:
-        found.sort(key=key)
+        matching.sort(key=key)
     end = None if wanted.limit is None else wanted.offset + wanted.limit
     tags = Counter(tag for record in records for tag in record.tags)
-    return Listing(found[wanted.offset : end], len(found), dict(sorted(tags.items())))
+    return Listing(matching[wanted.offset : end], len(matching), dict(sorted(tags.items())))
 
 
 def _has(record: Record, words: Sequence[str]) -> bool:

@@ -98,19 +98,19 @@ def read_map(source: Path, title: str, scratch: Path) -> ReferenceMap:
 
 def _masks_in(yamls: list[str]) -> dict[str, str]:
     """Return the yaml of each kind of mask, of the first by that name; one yaml alone is a map whatever its name."""
-    found: dict[str, str] = {}
+    masks: dict[str, str] = {}
     for name in yamls if len(yamls) > 1 else ():
         for kind, ending in _MASKS.items():
             if Path(name).stem.endswith(ending):
-                found.setdefault(kind, name)
-    return found
+                masks.setdefault(kind, name)
+    return masks
 
 
 def _origin_of(path: Path) -> str | None:
     """Return a sentence on the edits that made a map, None for a file without edits."""
     try:
-        found = json.loads(path.read_bytes())
-        n, name = len(found["edits"]), str(found["source"]["map"])
+        origin = json.loads(path.read_bytes())
+        n, name = len(origin["edits"]), str(origin["source"]["map"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
     return f"Made by {n} edit{'' if n == 1 else 's'} of {name[:100]!r}." if n else None
@@ -124,20 +124,20 @@ def _files_in(source: Path) -> list[Member]:
                 "map.files", "These are not map files: choose a yaml together with its image, or a map of CMU’s course."
             )
     # Long names have records of their own.
-    found, _ = members(source, replace(DEFAULT_LIMITS, max_archive_files=4 * MOST_FILES))
-    if len(found) > MOST_FILES:
+    files, _ = members(source, replace(DEFAULT_LIMITS, max_archive_files=4 * MOST_FILES))
+    if len(files) > MOST_FILES:
         raise LimitError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
-    return found
+    return files
 
 
 def _unpacked(source: Path, folder: Path) -> list[str]:
     """Write the files of a tar archive into ``folder`` by their last names, and return these."""
-    found = _files_in(source)
-    if sum(one.size for one in found) > MOST_BYTES:
+    files = _files_in(source)
+    if sum(one.size for one in files) > MOST_BYTES:
         raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
-    for one in found:
+    for one in files:
         if len(one.name.encode()) > MOST_NAME_BYTES:
             raise ReadError("map.files", f"The file name {one.name!r:.60} is too long.")
         with one.open() as content:
             (folder / one.name).write_bytes(content.read())
-    return [one.name for one in found]
+    return [one.name for one in files]

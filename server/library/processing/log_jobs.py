@@ -140,9 +140,11 @@ class Run(Generic[Q, P]):
         """
 
         async def look() -> None:
-            found, last = await asyncio.to_thread(newest, self.out), self.running.newest
-            if found is not None and (last is None or (found.fraction, found.stage) != (last.fraction, last.stage)):
-                self.running.tell(found, found.fraction)
+            progress, last = await asyncio.to_thread(newest, self.out), self.running.newest
+            if progress is not None and (
+                last is None or (progress.fraction, progress.stage) != (last.fraction, last.stage)
+            ):
+                self.running.tell(progress, progress.fraction)
 
         return await outcome_of(self.worker, job, self.code, look)
 

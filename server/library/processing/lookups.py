@@ -60,9 +60,9 @@ class Lookups(Generic[T]):
         if running.task.done():
             del self._running[key]
             running.timer.cancel()
-            found = None if running.task.cancelled() else running.task.result()
-            if found is not None:
-                self._keep(key, found)
+            result = None if running.task.cancelled() else running.task.result()
+            if result is not None:
+                self._keep(key, result)
             return await self.look_up(key, record, visitor, address, job, stored)
         running.timer.cancel()
         running.timer = self._timer(running.task)

@@ -63,8 +63,8 @@ def _picture(job: PictureJob) -> MomentPicture:
     from mapper.io.contents.pictures import picture_of  # noqa: PLC0415
     from mapper.io.contents.seeking import message_at  # noqa: PLC0415
 
-    found = message_at(Path(job.source), job.topic, job.at_ns)
-    return MomentPicture(*picture_of(found.type, found.data, cdr=found.cdr), found.stamp_ns)
+    message = message_at(Path(job.source), job.topic, job.at_ns)
+    return MomentPicture(*picture_of(message.type, message.data, cdr=message.cdr), message.stamp_ns)
 
 
 @dataclass(frozen=True, slots=True)

@@ -89,11 +89,11 @@ def _read_volume(job: Job) -> LogSummary:
     from server.library.packs.volume_files import read_volume, store_volume, summarise_volume  # noqa: PLC0415
 
     source = Path(job.source)
-    found = read_volume(source, job.topic, note_progress)
-    summary = summarise_volume(found, source.name)
+    volume = read_volume(source, job.topic, note_progress)
+    summary = summarise_volume(volume, source.name)
     note_progress(1.0)
     store_volume(
-        found, None if job.pack is None else Path(job.pack), None if job.picture is None else Path(job.picture)
+        volume, None if job.pack is None else Path(job.pack), None if job.picture is None else Path(job.picture)
     )
     return summary
 

@@ -98,13 +98,13 @@ def _score(job: ScoreJob) -> RelationMeans:
 
     known = read_relations(Path(job.relations))
     records = None if job.source is None else logs.odometry_records(job.source, topic=job.topic)
-    found = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
-    clear = found.only_unambiguous() if found.policy == "records" and found.unambiguous.any() else None
+    errors = evaluate_relations(known, TimedPoses(job.stamps_ns, job.poses), records)
+    clear = errors.only_unambiguous() if errors.policy == "records" and errors.unambiguous.any() else None
     return RelationMeans(
         relations=len(known),
-        policy=found.policy,
-        left_out=found.left_out,
-        all=_means(found.translation, found.rotation),
+        policy=errors.policy,
+        left_out=errors.left_out,
+        all=_means(errors.translation, errors.rotation),
         unambiguous=None if clear is None else _means(*clear),
     )
 
@@ -156,7 +156,7 @@ class RelationScores:
             async with self._worker.turn(visitor, address):
                 await asyncio.to_thread(relations.write_bytes, text)
                 is_sample = record.source == "sample"
-                found = await (self._worker.of(job(None)) if is_sample else self._worker.of_recording(record, job))
+                means = await (self._worker.of(job(None)) if is_sample else self._worker.of_recording(record, job))
         except MapperError as error:
             raise without_paths(error, relations, name) from None
         finally:
@@ -164,11 +164,11 @@ class RelationScores:
         benchmark = benchmark_named(name)
         published = () if benchmark is None else PUBLISHED[benchmark]
         return PoseScore(
-            relations=found.relations,
-            policy=found.policy,
-            left_out=found.left_out,
-            all=found.all,
-            unambiguous=found.unambiguous,
+            relations=means.relations,
+            policy=means.policy,
+            left_out=means.left_out,
+            all=means.all,
+            unambiguous=means.unambiguous,
             trajectory=trajectory,
             benchmark=benchmark,
             published=published,

@@ -216,8 +216,8 @@ def _storage_error(error: SQLAlchemyError) -> StorageError:
 def _check(connection: Connection) -> None:
     """Raise :class:`StorageError` if the database is damaged, before it is changed."""
     if connection.dialect.name == "sqlite":
-        found = connection.execute(text("PRAGMA quick_check(1)")).scalar()
-        if found != "ok":
+        problem = connection.execute(text("PRAGMA quick_check(1)")).scalar()
+        if problem != "ok":
             raise StorageError(
                 "library.damaged", "The database of the records is damaged; put its backup in its place."
             )

@@ -36,7 +36,7 @@ class KnownPaths:
 def _identity(path: Path) -> tuple[int, int] | None:
     """Return device and number of a folder or file; None if there is none."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return None
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino

@@ -83,8 +83,8 @@ class LogComparison(Part, Comparable):
         """Return the description of A and the comparison, between ticks. Raises :class:`MapperError` without one."""
         async with self._host.settled():
             other = self._compared_with()
-            found = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
-            return other.description(), found
+            result = await self._host.on_thread(partial(other.compared, self._recording.replay.grid))
+            return other.description(), result
 
     def grids(self) -> tuple[OccupancyGrid, OccupancyGrid]:
         """Return the maps A and B, to be read while the session is locked. Raises as :meth:`compared`."""

@@ -128,8 +128,8 @@ async def compared(sessions: Sessions, session_id: str) -> ComparisonAnswer:
 async def _comparison(comparison: Comparable) -> ComparisonAnswer:
     from server.parts.comparison.part import numbers  # noqa: PLC0415 - imported with the comparison
 
-    other, found = await comparison.compared()
-    return convert({"a": to_builtins(other), "refused": None} | to_builtins(numbers(found)), ComparisonAnswer)
+    other, result = await comparison.compared()
+    return convert({"a": to_builtins(other), "refused": None} | to_builtins(numbers(result)), ComparisonAnswer)
 
 
 def _second(described: Compared | None) -> SecondMap | None:

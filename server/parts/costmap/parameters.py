@@ -211,9 +211,9 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
     """
     if len(corners) > MOST_CORNERS:
         raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
-    found = Footprint(tuple((x, y) for x, y in corners))
-    found.padded(CostmapConfig().footprint_padding)
-    return found
+    footprint = Footprint(tuple((x, y) for x, y in corners))
+    footprint.padded(CostmapConfig().footprint_padding)
+    return footprint
 
 
 def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> CostmapParameters:

@@ -124,15 +124,15 @@ class CostmapPart(Part, Costed):
         loaded = costmap.parameters
         values = {name: value for name, value in loaded.values.items() if value != INITIAL[name]}
         (message,) = self.messages()
-        found: list[Struct] = [CostmapCommand(values=values, footprint=message.footprint, keepout=message.keepout)]
+        commands: list[Struct] = [CostmapCommand(values=values, footprint=message.footprint, keepout=message.keepout)]
         if loaded.has_more:
             flags = {name: loaded.values[name] for name in IN_NAV2}
             every = loaded.with_values(dict.fromkeys(IN_NAV2, True))
             text = nav2_yaml(every.nav2, costmap.geometry.resolution) + nav2_path_yaml(every.path)
-            found += [Nav2Command(text), CostmapCommand(values=flags)]
+            commands += [Nav2Command(text), CostmapCommand(values=flags)]
         if self._uploaded is not None:
-            found.append(UseTerrain(self._uploaded.log_id))
-        return found
+            commands.append(UseTerrain(self._uploaded.log_id))
+        return commands
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""
@@ -208,20 +208,20 @@ class CostmapPart(Part, Costed):
     def _map(self, parameters: CostmapParameters) -> OccupancyGrid:
         """Return the map of the static layer: the source's own, or another one where that is chosen and there."""
         other = self._maps.get(parameters.values["map"])
-        found = None if other is None else other.read()
-        return self._grid() if found is None else found
+        grid = None if other is None else other.read()
+        return self._grid() if grid is None else grid
 
     def _plan(self, name: str) -> StaticMap | None:
         """Return the plan that takes the place of the source's map, None where the map of this name is no plan."""
         plan = self._plans.get(name)
         if plan is None:
             return None
-        found = plan.read()
-        if (n := _cells_of(found.grid)) > MOST_CELLS:
+        static = plan.read()
+        if (n := _cells_of(static.grid)) > MOST_CELLS:
             message = f"The {name} map has {n} cells, and a costmap at most {MOST_CELLS}."
             raise ConfigError("costmap.too_large", message)
         self._version = plan.version()
-        return found
+        return static
 
     def _end(self, result: TickResult) -> None:
         if self.costmap is not None:
@@ -248,8 +248,8 @@ class CostmapPart(Part, Costed):
             return
         root = parse_ros_parameters(command.text.encode())
         read, read_path = costmap_of(root), path_of(root)
-        found = from_nav2(costmap.parameters, read, read_path)
-        costmap.change(found, self._map(found), self._plan)
+        exchange = from_nav2(costmap.parameters, read, read_path)
+        costmap.change(exchange, self._map(exchange), self._plan)
         unused = *read.unused, *read_path.unused
         said = [*read.notes, *read_path.notes]
         if not read.general.track_unknown_space:

@@ -63,10 +63,10 @@ async def _footprint(session: SessionHost) -> FootprintAnswer:
     await session.carried_out()
     async with session.locked():
         costed = session.model.find(Costed)
-        found = None if costed is None else costed.present_footprint()
-    if found is None:
+        present = None if costed is None else costed.present_footprint()
+    if present is None:
         raise MapperError("costmap.off", "This session has no costmap with a footprint: begin one first.")
-    return found
+    return present
 
 
 @router.get("/{session_id}/costmap/{name}", **file_answer("application/octet-stream"))
@@ -88,9 +88,9 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
     async def make() -> Content:
         async with session.settled():
             costed = session.model.find(Costed)
-            found = None if costed is None else costed.present_costs()
+            costs = None if costed is None else costed.present_costs()
             mask = None if costed is None else costed.present_masks().get(kind)
-        if found is None:
+        if costs is None:
             raise MapperError("costmap.off", "This session has no costmap: begin it first.")
         if kind in _UNPAINTED and mask is None:
             raise MapperError("costmap.no_zones", _UNPAINTED[kind])
@@ -99,10 +99,10 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
             from mapper.costmap.files import costmap_mcap, costmap_pgm, mask_pgm  # noqa: PLC0415 - few take costs
 
             if ending == "yaml":
-                return maps.yaml_text(found.geometry, f"{stem}.pgm", "raw", frame=found.frame).encode()
+                return maps.yaml_text(costs.geometry, f"{stem}.pgm", "raw", frame=costs.frame).encode()
             if ending == "mcap":
-                return costmap_mcap(found)
-            return costmap_pgm(found.costs) if mask is None else mask_pgm(mask)
+                return costmap_mcap(costs)
+            return costmap_pgm(costs.costs) if mask is None else mask_pgm(mask)
 
         data = await downloads.run(work)
         return Content(f"{stem}.{ending}", iter([data]), len(data))

@@ -143,10 +143,10 @@ class SpeedZones:
 
 def painted_filters(keepout: Int8Array | None, speed: Int8Array | None, kind: str) -> tuple[NamedFilter, ...]:
     """Return the filters whose masks are painted, with the names of the masks' files as they are downloaded."""
-    found = []
+    filters = []
     if keepout is not None:
-        found.append(NamedFilter("keepout_filter", "keepout", "keepout.yaml"))
+        filters.append(NamedFilter("keepout_filter", "keepout", "keepout.yaml"))
     if speed is not None:
         number, multiplier = SPEED_TYPES[kind]
-        found.append(NamedFilter("speed_filter", "speed", "speed.yaml", number, 0.0, multiplier))
-    return tuple(found)
+        filters.append(NamedFilter("speed_filter", "speed", "speed.yaml", number, 0.0, multiplier))
+    return tuple(filters)

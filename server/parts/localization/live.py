@@ -146,8 +146,8 @@ class LabLocalization:
         if scan is self._seen:
             return False
         self._seen, self._true = scan, pose
-        found = self._filter.update(self._odometer.move(pose), scan)
-        if found.is_updated:
+        estimate = self._filter.update(self._odometer.move(pose), scan)
+        if estimate.is_updated:
             self._draw(*self._filter.weighed)
         return True
 

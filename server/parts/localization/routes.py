@@ -101,9 +101,9 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> Amcl
     def read() -> AmclParameters:
         from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
 
-        found = parse_amcl_yaml(bytes(text))
-        values = changed_values(found.config.as_dict())
-        return AmclParameters(values, found.layout, {**found.others}, [*found.notes])
+        amcl = parse_amcl_yaml(bytes(text))
+        values = changed_values(amcl.config.as_dict())
+        return AmclParameters(values, amcl.layout, {**amcl.others}, [*amcl.notes])
 
     return await in_turn(request, work, visitor, read)
 

@@ -79,9 +79,9 @@ class NoteList:
 async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> NoteList:
     """Return the notes on the session's log, oldest first; ``mine`` are those that this visitor may change."""
     of_log = session_of_log(sessions, session_id)
-    found = await library.notes.of(of_log.log_id)
+    pinned = await library.notes.of(of_log.log_id)
     is_guest = of_log.session.link is not None
-    return NoteList([note.public("" if is_guest else visitor) for note in found])
+    return NoteList([note.public("" if is_guest else visitor) for note in pinned])
 
 
 @router.get("/{session_id}/notes.geojson", **file_answer("application/geo+json"))
@@ -89,8 +89,8 @@ async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id:
 async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> Response:
     """Return the notes on the session's log as GeoJSON; coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
-    found = await library.notes.of(of_log.log_id)
-    text = await asyncio.to_thread(notes_as_geojson, found, _frame_of(of_log), of_log.session.model.title)
+    pinned = await library.notes.of(of_log.log_id)
+    text = await asyncio.to_thread(notes_as_geojson, pinned, _frame_of(of_log), of_log.session.model.title)
     return _as_file(of_log, text, "geojson", "application/geo+json")
 
 
@@ -99,8 +99,8 @@ async def notes_geojson(sessions: Sessions, library: Logs, session_id: str) -> R
 async def notes_csv(sessions: Sessions, library: Logs, session_id: str) -> Response:
     """Return the notes on the session's log as a table; coordinates are metres in the frame of the poses."""
     of_log = session_of_log(sessions, session_id)
-    found = await library.notes.of(of_log.log_id)
-    text = await asyncio.to_thread(notes_as_csv, found, _frame_of(of_log))
+    pinned = await library.notes.of(of_log.log_id)
+    text = await asyncio.to_thread(notes_as_csv, pinned, _frame_of(of_log))
     return _as_file(of_log, text, "csv", "text/csv")
 
 

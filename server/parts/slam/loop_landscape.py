@@ -36,16 +36,16 @@ def landscape_of(solved: SolvedGraph, log: ScanLog, edge: int) -> ScoreLandscape
     scans = scans_of(log, graph.nodes[[i, j]].tolist())
     target = Target(scans, np.zeros(1, dtype=np.int64), np.stack([poses[i], poses[i]]))
     centre = compose(poses[i], graph.relative[edge])
-    found = score_landscape(scans, 1, target, centre, CONFIG)
+    landscape = score_landscape(scans, 1, target, centre, CONFIG)
     present = np.array([*poses[j, :2], centre[2] + wrap_angle(poses[j, 2] - centre[2])])
     return ScoreLandscape(
         edge=edge,
         cell_m=CELL_M,
         turn_deg=math.degrees(STEP_RAD),
-        size=len(found.offsets),
-        scores=np.rint(100.0 * found.greatest).astype(np.int64).ravel().tolist(),
-        turn_of=found.turn_of.ravel().tolist(),
-        by_turn=np.rint(100.0 * found.by_turn).astype(np.int64).tolist(),
+        size=len(landscape.offsets),
+        scores=np.rint(100.0 * landscape.greatest).astype(np.int64).ravel().tolist(),
+        turn_of=landscape.turn_of.ravel().tolist(),
+        by_turn=np.rint(100.0 * landscape.by_turn).astype(np.int64).tolist(),
         centre=rounded(centre),
         present=rounded(present),
     )

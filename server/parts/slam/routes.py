@@ -202,9 +202,9 @@ async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGr
 
     ``graph`` is null where the trajectory has none.
     """
-    _, found, source = _graph(library, sessions, session_id)
+    _, graphed, source = _graph(library, sessions, session_id)
     try:
-        return PresentGraph(await found.public(source))
+        return PresentGraph(await graphed.public(source))
     except ConfigError as error:
         if error.code != "graph.none":
             raise
@@ -215,32 +215,32 @@ async def graph(library: Logs, sessions: Sessions, session_id: str) -> PresentGr
 @guests_may(GuestRight.LINKED_SESSION)
 async def change(library: Logs, sessions: Sessions, session_id: str, wanted: ChangeOfGraph) -> PresentGraph:
     """Change the pose graph, solve it, and map the log along its poses; answer as GET does."""
-    _, found, source = _graph(library, sessions, session_id)
-    return PresentGraph(await found.change(GraphChange(**wanted.model_dump()), source))
+    _, graphed, source = _graph(library, sessions, session_id)
+    return PresentGraph(await graphed.change(GraphChange(**wanted.model_dump()), source))
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) -> EdgeAnswer:
     """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
-    _, found, source = _graph(library, sessions, session_id)
-    return await found.edge(edge, source)
+    _, graphed, source = _graph(library, sessions, session_id)
+    return await graphed.edge(edge, source)
 
 
 @router.get("/sessions/{session_id}/graph/scans/{scan}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def constraints(library: Logs, sessions: Sessions, session_id: str, scan: int) -> ScanConstraints:
     """Return which edges of the pose graph determine the pose of a scan, the greatest residual first."""
-    _, found, source = _graph(library, sessions, session_id)
-    return await found.constraints(scan, source)
+    _, graphed, source = _graph(library, sessions, session_id)
+    return await graphed.constraints(scan, source)
 
 
 @router.get("/sessions/{session_id}/graph/edges/{edge}/landscape")
 @guests_may(GuestRight.LINKED_SESSION)
 async def landscape(library: Logs, sessions: Sessions, session_id: str, edge: int) -> ScoreLandscape:
     """Return how well the later scan of an edge fits the earlier one at the poses around the edge's measurement."""
-    _, found, source = _graph(library, sessions, session_id)
-    return await found.landscape(edge, source)
+    _, graphed, source = _graph(library, sessions, session_id)
+    return await graphed.landscape(edge, source)
 
 
 @router.get("/sessions/{session_id}/graph/candidates")
@@ -253,26 +253,26 @@ async def near(
     y: Annotated[FiniteFloat, Query(description="Place in the map, metres.")],
 ) -> TriedNear:
     """Return which loops SLAM tried near a place, and what refused them."""
-    _, found, source = _graph(library, sessions, session_id)
-    return await found.near(x, y, source)
+    _, graphed, source = _graph(library, sessions, session_id)
+    return await graphed.near(x, y, source)
 
 
 @router.get("/sessions/{session_id}/graph/candidates/{candidate}")
 @guests_may(GuestRight.LINKED_SESSION)
 async def candidate(library: Logs, sessions: Sessions, session_id: str, candidate: int) -> TriedLoopScans:
     """Return a loop that SLAM tried, with both of its scans, in map metres."""
-    _, found, source = _graph(library, sessions, session_id)
-    return await found.candidate(candidate, source)
+    _, graphed, source = _graph(library, sessions, session_id)
+    return await graphed.candidate(candidate, source)
 
 
 @router.post("/sessions/{session_id}/graph/keep")
 async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
     """Keep the changed graph and its poses in the place of those that SLAM made."""
-    session, found, source = _graph(library, sessions, session_id)
+    session, graphed, source = _graph(library, sessions, session_id)
     recording = session.model.find(Recording)
     if recording is None or session.owner != visitor or session.link is not None:
         raise MapperError("session.not_yours", "A graph can only be kept by the visitor whose session it is.")
-    name, text, file = await found.files(source)
+    name, text, file = await graphed.files(source)
     record = library.get(visitor, recording.log_id)
     log = await library.load(visitor, record.id, recording.view().topic)
     added = await library.trajectories.put_changed(visitor, record, log, name, text, file)

@@ -98,8 +98,8 @@ class SolvedGraph:
 
         Raises as :func:`mapper.slam.optimise`.
         """
-        found = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
-        return replace(self, graph=found, options=options, is_changed=True)
+        result = optimise(graph, robust=options.robust, robust_scale=options.robust_scale)
+        return replace(self, graph=result, options=options, is_changed=True)
 
     @property
     def poses(self) -> Float64Array:

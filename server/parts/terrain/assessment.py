@@ -197,8 +197,8 @@ def assessed(
     config, values = parameters.patches, parameters.values
     is_ground, is_unsure = np.ones(len(points), np.bool_), np.zeros(len(points), np.bool_)
     if values["filter"]:
-        found = find_ground(points, parameters.ground, progress=progress)
-        is_ground, is_unsure = found.is_ground, found.is_unsure
+        surface = find_ground(points, parameters.ground, progress=progress)
+        is_ground, is_unsure = surface.is_ground, surface.is_unsure
     right = {} if truth is None else agreement(is_ground, truth)
     x0, y0, x1, y1 = bounds
     rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # of a wall one, too

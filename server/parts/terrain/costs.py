@@ -75,13 +75,13 @@ class TerrainOfCloud:
         :class:`mapper.core.errors.MapperError` for a cloud of which no patches can be made.
         """
         places, bounds, _ = cloud.read()
-        found = assessed(places, bounds, TerrainParameters.for_cloud(places), progress=progress)
-        if found is None:
+        terrain = assessed(places, bounds, TerrainParameters.for_cloud(places), progress=progress)
+        if terrain is None:
             raise ConfigError("terrain.few_points", "The cloud has fewer than three points: they make no terrain.")
-        geometry = found.terrain.geometry
+        geometry = terrain.terrain.geometry
         x, y, yaw = geometry.origin
         there = replace(geometry, origin=(x + float(offset[0]), y + float(offset[1]), yaw))
-        return cls(log_id, title, there, found.terrain)
+        return cls(log_id, title, there, terrain.terrain)
 
     def costs(self) -> UInt8Array:
         """Return the costs (rows, cols), as :meth:`mapper.terrain.Terrain.costs` does."""

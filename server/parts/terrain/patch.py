@@ -90,14 +90,14 @@ def _children(points: Float64Array) -> list[list[float]]:
 
 def _edges(planes: Float64Array, row: int, col: int, size: float, base: float) -> list[float]:
     """Return x, y and height above ``base`` of the planes that neighbours have, in the middle of the common edges."""
-    found = []
+    edges = []
     for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         r, c = row + down, col + right
         if 0 <= r < planes.shape[0] and 0 <= c < planes.shape[1] and not math.isnan(planes[r, c, 0]):
             a, b, slope_y = (float(v) for v in planes[r, c, :3])
             x, y = 0.5 * size * right, 0.5 * size * down
-            found += [x, y, a - b * x - slope_y * y - base]
-    return found
+            edges += [x, y, a - b * x - slope_y * y - base]
+    return edges
 
 
 def patch_mark(assessment: Assessed, x: float, y: float) -> Segments | None:

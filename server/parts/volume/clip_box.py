@@ -77,12 +77,12 @@ def chunks_between(volume: OccupancyVolume, old: Look, new: Look) -> list[ChunkK
     voxel = volume.config.resolution
     spans = [(AXES[name], *sorted((getattr(old, name), getattr(new, name)))) for name in CUTS]
     spans = [(axis, low - voxel, high + voxel) for axis, low, high in spans if low < high]
-    found = []
+    chunks = []
     for key in chunks_of(volume):
         corner = [(CHUNK * number - CENTRE) * voxel for number in key]
         if any(low <= corner[axis] + CHUNK * voxel and corner[axis] <= high for axis, low, high in spans):
-            found.append(key)
-    return found
+            chunks.append(key)
+    return chunks
 
 
 def _edges(low: Float64Array, high: Float64Array) -> Segments:
@@ -90,14 +90,14 @@ def _edges(low: Float64Array, high: Float64Array) -> Segments:
 
 
 def _handles(low: Float64Array, high: Float64Array) -> list[Drawing]:
-    found: list[Drawing] = []
+    handles: list[Drawing] = []
     for name, wxyz in _OUTWARDS.items():
         axis, place = AXES[name], (low + high) / 2
         place[axis] = (low if name.endswith("low") else high)[axis]
         x, y, z = place.tolist()
         axes = (axis == 0, axis == 1, axis == 2)
-        found.append(
+        handles.append(
             Gizmo(name=name.replace("_", "-"), label="Clip box", position=(x, y, z), wxyz=wxyz, axes=axes, turns=False,
                   scale=HANDLE_PIXELS, unit="screen")
         )  # fmt: skip
-    return found
+    return handles

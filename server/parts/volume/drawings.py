@@ -230,14 +230,14 @@ class VolumeDrawings:
         by_side = look.colour == "side"
         palette = PALETTES.get(look.colour, HEIGHT_RAMP)
         chunks = NO_CHUNKS if look.show in WITHOUT_VOXELS else self._chunks
-        found: list[Drawing] = [
+        drawings: list[Drawing] = [
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
-        found += [replace(points, clip=(look.low, look.high)) for points in self._points]
+        drawings += [replace(points, clip=(look.low, look.high)) for points in self._points]
         if self._newest is not None:
-            found.append(self._newest)
-        return [*found, *self.clip_box.drawings(look), *self.chosen.drawings, *self._changes]
+            drawings.append(self._newest)
+        return [*drawings, *self.clip_box.drawings(look), *self.chosen.drawings, *self._changes]
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

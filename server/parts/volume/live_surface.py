@@ -105,5 +105,5 @@ class LabSurface:
 
     def message(self) -> SurfaceMessage:
         """Return the message ``surface``."""
-        found = self.surface.message()
-        return found if self._problem is None else msgspec.structs.replace(found, problem=self._problem)
+        stated = self.surface.message()
+        return stated if self._problem is None else msgspec.structs.replace(stated, problem=self._problem)

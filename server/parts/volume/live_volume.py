@@ -128,17 +128,17 @@ class LabVolume:
         cols, rows = int(np.ceil(x1 / size)) + 1 - col0, int(np.ceil(y1 / size)) + 1 - row0
         grid = OccupancyGrid(GridGeometry(size, rows, cols, (col0 * size, row0 * size, 0.0)))
         try:
-            found = project(self.volume, *self.parameters.band)
+            projected = project(self.volume, *self.parameters.band)
         except ConfigError:
             return grid  # nothing is known at these heights yet
-        down = round(found.geometry.origin[1] / size) - row0
-        right = round(found.geometry.origin[0] / size) - col0
+        down = round(projected.geometry.origin[1] / size) - row0
+        right = round(projected.geometry.origin[0] / size) - col0
         r0, c0 = max(down, 0), max(right, 0)
-        r1, c1 = min(down + found.geometry.rows, rows), min(right + found.geometry.cols, cols)
+        r1, c1 = min(down + projected.geometry.rows, rows), min(right + projected.geometry.cols, cols)
         if r0 < r1 and c0 < c1:
             part = slice(r0 - down, r1 - down), slice(c0 - right, c1 - right)
-            grid.log_odds[r0:r1, c0:c1] = found.log_odds[part]
-            grid.observed[r0:r1, c0:c1] = found.observed[part]
+            grid.log_odds[r0:r1, c0:c1] = projected.log_odds[part]
+            grid.observed[r0:r1, c0:c1] = projected.observed[part]
         return grid
 
     def memory(self) -> dict[str, int]:
@@ -200,14 +200,14 @@ def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarr
 
 def points_of(scans: Sequence[Scan3D]) -> Float64Array:
     """Return at most :data:`MOST_POINTS` of the points (n, 3) that scans measured, the newest among them, metres."""
-    left, found = MOST_POINTS, []
+    left, parts = MOST_POINTS, []
     for scan in reversed(scans):
         points = scan.ends()[0][np.isfinite(scan.ranges)]
-        found.append(points[:left])
-        left -= len(found[-1])
+        parts.append(points[:left])
+        left -= len(parts[-1])
         if left <= 0:
             break
-    return np.concatenate(found) if found else np.empty((0, 3))
+    return np.concatenate(parts) if parts else np.empty((0, 3))
 
 
 def true_ground(world: World, points: Float64Array) -> BoolArray:

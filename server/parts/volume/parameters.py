@@ -89,17 +89,17 @@ class VolumeParameters:
     def with_values(self, values: Mapping[str, Any]) -> VolumeParameters:
         """Return the parameters with other values; the rest stays. Raises :class:`ConfigError`."""
         check_names(values, TABLE, "parameter of the 3D map")
-        found = replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
-        if found.values["band_high"] <= found.values["band_low"]:
+        parameters = replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
+        if parameters.values["band_high"] <= parameters.values["band_low"]:
             raise ConfigError(
                 "parameter.band_high",
-                f"The band must end above its beginning, {found.values['band_low']:g} m, "
-                f"not at {found.values['band_high']:g} m.",
+                f"The band must end above its beginning, {parameters.values['band_low']:g} m, "
+                f"not at {parameters.values['band_high']:g} m.",
             )
-        found.sensor  # noqa: B018 - refuses what the sensor's table refuses
-        if found.is_surface:
-            found.surface  # noqa: B018 - refuses a truncation of less than two voxels
-        return found
+        parameters.sensor  # noqa: B018 - refuses what the sensor's table refuses
+        if parameters.is_surface:
+            parameters.surface  # noqa: B018 - refuses a truncation of less than two voxels
+        return parameters
 
     @property
     def sensor(self) -> Sensor3D:

@@ -381,20 +381,20 @@ class VolumeView(Part, Volumetric, DepthSensing):
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
             self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
         size, look = made.parameters.config.resolution, made.parameters.look
-        found = [one for one in flat if not isinstance(one, GridColumns)]
-        found.append(
+        drawings = [one for one in flat if not isinstance(one, GridColumns)]
+        drawings.append(
             Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
             if surface is None
             else surface.drawing(look)
         )
         if (look.low, look.high, look.cut_handles) != (_AT_FIRST.low, _AT_FIRST.high, _AT_FIRST.cut_handles):
-            found += self._clip_box(made).drawings(look)
+            drawings += self._clip_box(made).drawings(look)
         if made.scans:
             scan = made.scans[-1]
             points = scan.ends()[0][np.isfinite(scan.ranges)]
             some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
-            found.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
-        return [*found, *self._chosen.drawings]
+            drawings.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
+        return [*drawings, *self._chosen.drawings]
 
 
 def part_of(offers: Offers) -> VolumeView | None:

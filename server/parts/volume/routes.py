@@ -99,10 +99,10 @@ async def depth_picture(sessions: Sessions, session_id: str) -> Response:
     """Return the newest image of the simulated depth camera: the nearer the lighter, black where nothing returned."""
     session = sessions.get(session_id)
     seen = session.model.find(DepthSensing)
-    found = None if seen is None else seen.newest_depths()
-    if found is None:
+    depths = None if seen is None else seen.newest_depths()
+    if depths is None:
         raise MapperError("session.no_depth", "The robot of this session has no depth camera, or no image of it yet.")
-    data = await asyncio.to_thread(depth_png, *found)
+    data = await asyncio.to_thread(depth_png, *depths)
     return Response(data, media_type="image/png", headers={"Cache-Control": "private, no-store"})
 
 

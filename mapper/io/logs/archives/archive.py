@@ -104,7 +104,7 @@ def members(
     ``unpacked`` opens what a packed archive expands to; its errors are raised as they are.
     Raises :class:`ReadError` for a file that cannot be read and :class:`LimitError` for too many files.
     """
-    found: list[Member] = []
+    listed: list[Member] = []
     with archive.open("rb") if unpacked is None else unpacked(archive) as file:
         end = file.seek(0, io.SEEK_END)
         at = count = 0
@@ -114,7 +114,7 @@ def members(
                 file.seek(at)
                 header = file.read(BLOCK)
                 if not header.strip(b"\0"):
-                    return _with_journals(found), []
+                    return _with_journals(listed), []
                 kind, size, stated = _header(header)
                 count += 1
                 if count > limits.max_archive_files:
@@ -131,12 +131,12 @@ def members(
                 if kind in REGULAR and last and not last.startswith("."):
                     there = max(0, min(size, end - start))
                     head = None if unpacked is None else file.read(min(there, HEAD_BYTES))
-                    found.append(Member(printable(last[:200]), folder, archive, start, there, unpacked, head))
+                    listed.append(Member(printable(last[:200]), folder, archive, start, there, unpacked, head))
         except _NoHeaderError:
-            return _with_journals(found), [f"The archive is damaged at byte {at}: only what precedes is read."]
+            return _with_journals(listed), [f"The archive is damaged at byte {at}: only what precedes is read."]
         except OSError as error:
             raise ReadError("log.unreadable", f"The archive cannot be read: {error.strerror}.") from error
-    return _with_journals(found), ["The archive ends early: only what precedes is read."]
+    return _with_journals(listed), ["The archive ends early: only what precedes is read."]
 
 
 def _with_journals(found: list[Member]) -> list[Member]:

@@ -29,7 +29,7 @@ class DamagedError(Exception):
 
 def fields_of(header: bytes) -> Fields:
     """Return the fields of a record's header. Raises :class:`DamagedError`."""
-    found = {}
+    fields = {}
     at = 0
     while at < len(header):
         if at + 4 > len(header):
@@ -39,9 +39,9 @@ def fields_of(header: bytes) -> Fields:
         name, equals, value = header[at : at + size].partition(b"=")
         if at + size > len(header) or not equals:
             raise DamagedError
-        found[name] = value
+        fields[name] = value
         at += size
-    return found
+    return fields
 
 
 def records(data: bytes, at: int = 0) -> Iterator[tuple[Fields, bytes]]:

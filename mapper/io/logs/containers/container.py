@@ -136,10 +136,10 @@ def are_parts_by_name(names: Sequence[str]) -> bool:
     of one that was not closed in ``.active``.
     """
     closed = [name.removesuffix(".active") for name in names]
-    found = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in closed]
-    parts = {(_BEGUN.sub("", one[1]), one[3]) for one in found if one}
-    numbers = {int(one[2]) for one in found if one}
-    return None not in found and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
+    matches = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in closed]
+    parts = {(_BEGUN.sub("", one[1]), one[3]) for one in matches if one}
+    numbers = {int(one[2]) for one in matches if one}
+    return None not in matches and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
 
 
 def _numbered(name: str) -> list[int | str]:
@@ -149,7 +149,7 @@ def _numbered(name: str) -> list[int | str]:
 
 def _missing(files: Sequence[Source]) -> str:
     """Return a sentence on the first number that lacks between two files', or nothing."""
-    numbers = [int(found[1]) for file in files if (found := re.search(r"_([0-9]{1,9})\.", file.name))]
+    numbers = [int(match[1]) for file in files if (match := re.search(r"_([0-9]{1,9})\.", file.name))]
     pairs = pairwise(numbers)
     gap = next((pair for pair in pairs if pair[1] > pair[0] + 1), None) if len(numbers) == len(files) else None
     return f" Between number {gap[0]} and number {gap[1]} files are missing." if gap else ""

@@ -170,10 +170,10 @@ class _Grouping:
         _, group_of_scan = np.unique(keys, axis=0, return_inverse=True)
         group_of_scan = group_of_scan.reshape(-1)
         counts = np.bincount(group_of_scan)
-        found = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
-        if len(found) > 1:
-            self.notes.append(self._note_on_groups(found))
-        return found, self.notes
+        made = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
+        if len(made) > 1:
+            self.notes.append(self._note_on_groups(made))
+        return made, self.notes
 
     def _padded(self) -> NDArray[np.float32]:
         """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""
@@ -210,9 +210,9 @@ class _Grouping:
         """Return whether range_max is the largest reading of each message, and so no limit of the sensor."""
         if len(np.unique(largest)) < 3 or ranges.shape[1] < 2:
             return False
-        found = np.where(np.isfinite(ranges), ranges, -np.inf).max(axis=1)
-        some = np.isfinite(found)
-        if not some.any() or np.mean(found[some] == largest[some]) < LIMIT_FOLLOWS:
+        farthest = np.where(np.isfinite(ranges), ranges, -np.inf).max(axis=1)
+        some = np.isfinite(farthest)
+        if not some.any() or np.mean(farthest[some] == largest[some]) < LIMIT_FOLLOWS:
             return False
         self.notes.append(
             f"range_max {self.sensor.where} is the largest reading of each message, {largest.min():.2f} to "
@@ -309,19 +309,19 @@ class _Grouping:
 def _same_angles(beamings: list[Beaming]) -> list[int]:
     """Return for each beaming the number of its angles, which are compared modulo one turn."""
     known = np.empty((0, 2))
-    found = []
+    equal = []
     for number, one in enumerate(beamings):
         off = np.abs(wrap_angle(known[:, 0] - one.angle_min))
         off = np.maximum(off, np.abs(known[:, 1] - one.angle_increment) * (0.05 * one.beams if one.beams > 1 else 0.0))
         same = np.flatnonzero(off < SAME_ANGLE)
         if len(same):
-            found.append(int(same[0]))
+            equal.append(int(same[0]))
         elif len(known) < MOST_COMPARED:
-            found.append(len(known))
+            equal.append(len(known))
             known = np.vstack([known, [one.angle_min, one.angle_increment]])
         else:
-            found.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
-    return found
+            equal.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
+    return equal
 
 
 def _noise_below(ranges: NDArray[np.float32], limits: NDArray[np.float32]) -> float:

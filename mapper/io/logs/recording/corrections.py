@@ -101,8 +101,8 @@ def shared_out(
         of_step = (total[last] - total[first])[step]
         of_time = (times - times[first][step]) / (times[last] - times[first])[step]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = np.where(of_step > 0.0, (total - total[first][step]) / of_step, of_time)
-        return np.where(held[step], 0.0, found)
+            corrected = np.where(of_step > 0.0, (total - total[first][step]) / of_step, of_time)
+        return np.where(held[step], 0.0, corrected)
 
     rotations = interpolated(values[step], values[step + 1], shares(turned + HEADING_PER_M * driven)).rotations
     moved = 0.5 * (rotated(rotations[:-1], moved) + rotated(rotations[1:], moved))
@@ -110,12 +110,12 @@ def shared_out(
     places = (values[:-1] @ poses[first]).positions[step] + way - way[first][step]
     missing = (values[1:] @ poses[last]).positions - places[last]
     places += shares(driven)[:, np.newaxis] * missing[step]
-    found = Poses3(places - rotated(rotations, poses.positions), rotations)
+    corrected = Poses3(places - rotated(rotations, poses.positions), rotations)
     return Corrections(
         np.append(times, stamps_ns[-1]),
         Poses3(
-            np.append(found.positions, values.positions[-1:], axis=0),
-            np.append(found.rotations, values.rotations[-1:], axis=0),
+            np.append(corrected.positions, values.positions[-1:], axis=0),
+            np.append(corrected.rotations, values.rotations[-1:], axis=0),
         ),
     )
 
@@ -151,17 +151,17 @@ def motion_along(tree: FrameTree, path: Path) -> Motion:
     last, line = moving[-1]
     odometry = max((one for _, one in moving[:-1]), key=len)
     below, edge, above = path[: last + 1], path[last : last + 2], path[last + 1 :]
-    found = None if line.has_runs or odometry.has_runs else _corrections(tree, below, edge, line, odometry)
-    if found is None:
+    corrections = None if line.has_runs or odometry.has_runs else _corrections(tree, below, edge, line, odometry)
+    if corrections is None:
         return by_tf2
 
     def at(when: Moments) -> Poses3:
-        return tree.lookup(above, when) @ found.at(when.stamps_ns) @ tree.lookup(below, when)
+        return tree.lookup(above, when) @ corrections.at(when.stamps_ns) @ tree.lookup(below, when)
 
     def covers(stamps_ns: Int64Array) -> NDArray[np.bool_]:
-        return tree.covers(below, stamps_ns) & tree.covers(edge, stamps_ns + found.ahead_ns)
+        return tree.covers(below, stamps_ns) & tree.covers(edge, stamps_ns + corrections.ahead_ns)
 
-    return Motion(at, covers, found.ahead_ns, found.leaps)
+    return Motion(at, covers, corrections.ahead_ns, corrections.leaps)
 
 
 def _corrections(tree: FrameTree, below: Path, edge: Path, line: Timeline, odometry: Timeline) -> Corrections | None:

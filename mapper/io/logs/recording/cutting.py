@@ -173,9 +173,9 @@ class Cutter:
         if self._statics != self._tf.statics:  # one may have been replaced
             self._statics = self._tf.statics
             self._placements = {known: one for known, one in self._placements.items() if one is NOT_PLACED}
-        found = self._placements.get(key)
-        if found is not None:
-            return found
+        placement = self._placements.get(key)
+        if placement is not None:
+            return placement
         tf = self._tf.tree_of(self._named(topic), cloud.frame)
         base = tf.base_of(cloud.frame, self._children)
         poses = None
@@ -186,10 +186,10 @@ class Cutter:
                 self.unplaced.add(cloud.frame)
             self._placements[key] = NOT_PLACED
             return NOT_PLACED
-        found = Placement(poses.matrices[0], poses.positions[0])
+        placement = Placement(poses.matrices[0], poses.positions[0])
         if tf.is_fixed(cloud.frame, base):
-            self._placements[key] = found
-        return found
+            self._placements[key] = placement
+        return placement
 
     def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:
         camera = self._cameras.get(topic_folder(topic))

@@ -91,7 +91,7 @@ def trajectories_at(
     after its last (:func:`_continued`). Poses that are far from the origin of their frame, as projected coordinates
     are, lose an offset: one for all in the same frame.
     """
-    found: dict[str, Trajectory] = {}
+    by_name: dict[str, Trajectory] = {}
     known: dict[str, NDArray[np.bool_]] = {}
     notes: list[str] = []
     offsets: dict[str, Offset] = {}
@@ -100,18 +100,18 @@ def trajectories_at(
         is_any = True
         trajectory, covered, more = _at(when, source, limits, offsets)
         is_known = trajectory is not None and any(
-            _are_alike(trajectory, one, covered & known[name]) for name, one in found.items()
+            _are_alike(trajectory, one, covered & known[name]) for name, one in by_name.items()
         )
         if source.repeats and is_known:
             continue
         notes += more
         if trajectory is not None:
-            found[source.name], known[source.name] = trajectory, covered
-    if found:
-        found = _moving_first(found, notes)
-        kept = _known_to_any(found, known)
-        notes += _notes_on_left_out(when, found, known, kept)
-        trajectories, more = _continued(when, found, known, kept)
+            by_name[source.name], known[source.name] = trajectory, covered
+    if by_name:
+        by_name = _moving_first(by_name, notes)
+        kept = _known_to_any(by_name, known)
+        notes += _notes_on_left_out(when, by_name, known, kept)
+        trajectories, more = _continued(when, by_name, known, kept)
         return PosesAtScans(trajectories, kept, [*notes, *more])
     note = _without_poses(is_any=is_any, refused=refused, unused=unused)
     still = Trajectory(
@@ -289,8 +289,8 @@ def odometry_among(
 
     The times ``when`` of the scans place them among the messages, in the order of the stamps.
     """
-    found = [source for source in sources if source.is_odometry and source.name in trajectories]
-    for source in sorted(found, key=lambda source: source.name.startswith("tf/")):
+    odometries = [source for source in sources if source.is_odometry and source.name in trajectories]
+    for source in sorted(odometries, key=lambda source: source.name.startswith("tf/")):
         trajectory = trajectories[source.name]
         stated = source.stated()
         if stated is None:

@@ -91,14 +91,14 @@ class RecordedLog:
         if not selection.topics:
             return self._sensors if self._sensors[0].kind == SONAR else self._sensors[:1]
         known = {sensor.topic: sensor for sensor in (*self._sensors, *self._in_other_tf)}
-        found = []
+        chosen = []
         for topic in selection.topics:
             name = next((name for name in known if name.lstrip("/") == topic.lstrip("/")), None)
             if name is None:
                 raise self._without_topic(topic)
-            if known[name] not in found:
-                found.append(known[name])
-        return found
+            if known[name] not in chosen:
+                chosen.append(known[name])
+        return chosen
 
     def _looked_up_otherwise(self, sensor: SensorScans) -> list[SensorScans]:
         """Return a sensor once for each other topic of transforms that may be its own, named in its topic's name.
@@ -107,11 +107,11 @@ class RecordedLog:
         """
         if self._taken.tf.is_chosen:
             return []
-        found = []
+        sensors = []
         for topic in self._taken.tf.choice(sensor.topic, sensor.frame).others:
-            found.append(copy(sensor))
-            found[-1].topic = in_tf(sensor.topic, topic)
-        return found
+            sensors.append(copy(sensor))
+            sensors[-1].topic = in_tf(sensor.topic, topic)
+        return sensors
 
     def _without_topic(self, topic: str) -> ReadError:
         streams = (stream.topic for stream in self._taken.streams if stream.kind in PREFERENCE and stream.count)

@@ -97,17 +97,17 @@ class _Recorded:
         Where the clock of the recording began again, a stamp that is one of several runs has no pose. Raises
         :class:`ReadError` where the recording lacks the trajectory.
         """
-        found = np.full((len(stamps_ns), 4, 4), np.nan)
+        matrices = np.full((len(stamps_ns), 4, 4), np.nan)
         times_known = np.zeros(len(stamps_ns), dtype=np.int64)
         for offset in self.taken.run_offsets:
             poses = self._poses_at(topic, frame, Moments(stamps_ns + offset))
             if poses is None:
                 return None
             known = np.isfinite(poses[:, 0, 0])
-            found[known] = poses[known]
+            matrices[known] = poses[known]
             times_known += known
-        found[times_known > 1] = np.nan
-        return found
+        matrices[times_known > 1] = np.nan
+        return matrices
 
     def _poses_at(self, topic: str, frame: str, when: Moments) -> NDArray[np.float64] | None:
         tree = self.taken.tf.tree_of(topic, frame)

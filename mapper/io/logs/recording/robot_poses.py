@@ -75,7 +75,7 @@ class RobotPoses:
         The last ones are those of other topics of tf.
         """
         worlds = self.tree.worlds(self.base, self.taken.children)
-        found = self._by_tf("tf", self.tree, self.base, worlds)
+        pose_sources = self._by_tf("tf", self.tree, self.base, worlds)
         several = {child: counts for path in worlds for child, counts in self.tree.several_parents(path)}
         for child, counts in several.items():
             listed = " and ".join(f"{parent!r:.100} ({n} transforms)" for parent, n in list(counts.items())[:4])
@@ -84,26 +84,28 @@ class RobotPoses:
                 "follows from each is a trajectory of its own."
             )
         others = {path[-1] for path in worlds}
-        found += [source for topic in self._own_topics() if (source := self._by_topic(topic, others)) is not None]
+        pose_sources += [
+            source for topic in self._own_topics() if (source := self._by_topic(topic, others)) is not None
+        ]
         for topic, tree in self.others.items():
             base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
             if base is not None:
-                found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
-        found = [self._levelled(source) for source in found]
-        found = [self._counted_on(source) if source.is_odometry else source for source in found]
-        odometry = [source for source in found if source.is_odometry]
-        return [source if source.is_odometry else self._carried(source, odometry) for source in found]
+                pose_sources += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
+        pose_sources = [self._levelled(source) for source in pose_sources]
+        pose_sources = [self._counted_on(source) if source.is_odometry else source for source in pose_sources]
+        odometry = [source for source in pose_sources if source.is_odometry]
+        return [source if source.is_odometry else self._carried(source, odometry) for source in pose_sources]
 
     def _levelled(self, source: PoseSource) -> PoseSource:
         """Return a source in a level frame, with a note where it is another one."""
-        found = levelled(source)
-        if found is None:
+        level = levelled(source)
+        if level is None:
             return source
         self.notes.append(
-            f"In the frame of {source.name} the robot is tilted by {np.degrees(found[1]):.0f}°, as where a camera that "
+            f"In the frame of {source.name} the robot is tilted by {np.degrees(level[1]):.0f}°, as where a camera that "
             "tracks began tilted: the frame is turned until the robot stands upright in it."
         )
-        return found[0]
+        return level[0]
 
     def _counted_on(self, source: PoseSource) -> PoseSource:
         """Return odometry that goes on where it begins again at 0, with a note."""
@@ -182,11 +184,11 @@ class RobotPoses:
         return replace(source, at=at, stated=stated, sentence=sentence)
 
     def _by_tf(self, topic: str, tree: FrameTree, base: str, worlds: list[Path]) -> list[PoseSource]:
-        found: dict[str, PoseSource] = {}
+        by_name: dict[str, PoseSource] = {}
         for path in worlds:
             world = path[-1]
             name = f"{topic}/{world}"
-            if name in found:
+            if name in by_name:
                 name = f"{name} via {path[-2]}"
             motion = motion_along(tree, path)
             if motion.ahead_ns:
@@ -197,7 +199,7 @@ class RobotPoses:
                 )
             if motion.leaps:
                 self.notes.append(self._said_of(name, motion.leaps))
-            found[name] = PoseSource(
+            by_name[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=base[:MAX_FRAME_NAME],
@@ -209,7 +211,7 @@ class RobotPoses:
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
                 is_scans_clock_own=self.sensor.clock.is_own,
             )
-        return list(found.values())
+        return list(by_name.values())
 
     def _said_of(self, name: str, leaps: Sequence[Leap]) -> str:
         """Return a note on leaps of a robot by poses of some name."""
@@ -298,14 +300,14 @@ class RobotPoses:
 
     def unused(self) -> list[str]:
         """Return the topics that say where something is, and are no source, each with its type and the reason."""
-        found = []
+        notes = []
         for stream in self.taken.streams:
             why = None if stream.topic in self.taken.poses else NO_SOURCES.get(stream.kind)
             if stream.kind in KINDS and _is_wanted(stream.topic):
                 why = "at which the robot shall be"
             if why is not None and stream.count:
-                found.append(f"{stream.topic}: {stream.kind}, {why}")
-        return found
+                notes.append(f"{stream.topic}: {stream.kind}, {why}")
+        return notes
 
     def _is_no_motion(self, topic: str, known: PoseTopic) -> bool:
         """Return whether poses are those of goals, or too far apart in time to be of a motion, which is noted."""

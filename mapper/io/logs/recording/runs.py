@@ -94,9 +94,9 @@ def are_parts_of_one(tracks: Sequence[Track], offsets: Sequence[Int64Array]) -> 
 
 def steps_back(stamps_ns: Int64Array) -> list[int]:
     """Return the indices at which stamps (n,) step back and stay behind."""
-    found: list[int] = []
+    steps: list[int] = []
     start = 0
-    while len(stamps_ns) - start > 1 and len(found) < MAX_RUNS:
+    while len(stamps_ns) - start > 1 and len(steps) < MAX_RUNS:
         part = stamps_ns[start:]
         latest = np.maximum.accumulate(part)[:-1]
         after = part[1:]
@@ -107,8 +107,8 @@ def steps_back(stamps_ns: Int64Array) -> list[int]:
         if not len(back):
             break
         start += int(back[0]) + 1
-        found.append(start)
-    return found
+        steps.append(start)
+    return steps
 
 
 def offsets_of_runs(tracks: Sequence[Track]) -> list[Int64Array] | None:

@@ -123,9 +123,9 @@ class SensorScans:
         """Give scans without a stamp a time by the clock of the others: see :func:`with_set_stamps`."""
         stamps = np.array(self.stamps)
         recorded = self.clock.recorded(stamps)
-        found = None if recorded is None else with_set_stamps(stamps, recorded)
-        if found is not None:
-            self.set_to(found)
+        corrected = None if recorded is None else with_set_stamps(stamps, recorded)
+        if corrected is not None:
+            self.set_to(corrected)
 
     def set_to(self, stamps_ns: NDArray[np.int64]) -> None:
         """Take other stamps (n,), in the order of the recording."""

@@ -34,9 +34,9 @@ def settings_of(track: Track) -> list[tuple[int, int]]:
         return []
     by = stated - usual
     steps = np.flatnonzero((np.abs(by) > LEAST_NS) & (np.abs(came - usual) < ALIKE * np.abs(by)))
-    found = [(int(k) + 1, int(by[k])) for k in steps]
-    found = [(at, step) for at, step in found if _is_step(stamps - recorded, at, step)]
-    return found if len(found) <= MOST else []
+    settings = [(int(k) + 1, int(by[k])) for k in steps]
+    settings = [(at, step) for at, step in settings if _is_step(stamps - recorded, at, step)]
+    return settings if len(settings) <= MOST else []
 
 
 def as_never_set(stamps_ns: Int64Array, recorded_ns: Int64Array, settings: Sequence[tuple[int, int]]) -> Int64Array:

@@ -41,17 +41,19 @@ class Transcoding(MessageSink):
 
     def foxglove_channel(self, key: int, topic: str, kind: str, encoding: str) -> bool:
         """Announce a stream of messages in any encoding, if they are of a schema of Foxglove's that is read."""
-        found = None if self.as_recorded else transcoder(topic, kind, encoding)
-        if found is None:
+        transcode = None if self.as_recorded else transcoder(topic, kind, encoding)
+        if transcode is None:
             return False
-        if self._transcoders.get(key) != found and len(self.notes) < MOST_NOTES:
-            self.notes.append(f"{kind} messages in {encoding} on {printable(topic)!s:.100} are read as {found.kind}.")
-        self._transcoders[key] = found
+        if self._transcoders.get(key) != transcode and len(self.notes) < MOST_NOTES:
+            self.notes.append(
+                f"{kind} messages in {encoding} on {printable(topic)!s:.100} are read as {transcode.kind}."
+            )
+        self._transcoders[key] = transcode
         namespace, _, name = topic.rpartition("/")
-        if found.kind == foxglove.TF and name not in (TF, TF_STATIC):
+        if transcode.kind == foxglove.TF and name not in (TF, TF_STATIC):
             topic = f"{namespace}/{TF}"
         self._note_tf(topic)
-        self._sink.channel(key, topic, found.kind, cdr=True)
+        self._sink.channel(key, topic, transcode.kind, cdr=True)
         return True
 
     def published_by(self, key: int, node: str) -> None:
@@ -92,14 +94,14 @@ class Transcoding(MessageSink):
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message."""
-        found = self._transcoders.get(key)
-        if found is None or not data:
+        transcode = self._transcoders.get(key)
+        if transcode is None or not data:
             self._sink.take(key, stamp_ns, data, size=size)
             return
         try:
-            for is_beside, message in found.messages(data):
+            for is_beside, message in transcode.messages(data):
                 if is_beside:
-                    self._announce_beside(key, found.topic)
+                    self._announce_beside(key, transcode.topic)
                 self._sink.take(-1 - key if is_beside else key, stamp_ns, message, size=size)
         except BadMessageError:
             self._sink.take(key, stamp_ns, data, size=size)  # which refuses it, and counts it

@@ -36,15 +36,15 @@ def compressed_depth_image(data: bytes, *, cdr: bool) -> DepthImage:
     form = fields.string()
     values = fields.bytes()
     fields.end()
-    found = _FORMAT.fullmatch(form)
-    if found is None or found["encoding"] not in DEPTHS:
+    match = _FORMAT.fullmatch(form)
+    if match is None or match["encoding"] not in DEPTHS:
         raise NotDepthError(form)
-    is_float = DEPTHS[found["encoding"]][0] == "f4"
-    if not found["how"].startswith("compressedDepth"):
-        if is_float or "png" not in found["how"]:
+    is_float = DEPTHS[match["encoding"]][0] == "f4"
+    if not match["how"].startswith("compressedDepth"):
+        if is_float or "png" not in match["how"]:
             raise NotDepthError(form)
-        return DepthImage(stamp, frame, _png(values), DEPTHS[found["encoding"]][1])
-    coder = found["coder"] or "png"
+        return DepthImage(stamp, frame, _png(values), DEPTHS[match["encoding"]][1])
+    coder = match["coder"] or "png"
     if coder not in ("png", "rvl"):
         raise BadMessageError(f"depth images compressed by {coder!r:.20} are not read")
     try:
@@ -54,7 +54,7 @@ def compressed_depth_image(data: bytes, *, cdr: bool) -> DepthImage:
     packed = values[struct.calcsize(HEADER) :]
     raw = _png(packed) if coder == "png" else _rvl(packed)
     if not is_float:
-        return DepthImage(stamp, frame, raw, DEPTHS[found["encoding"]][1])
+        return DepthImage(stamp, frame, raw, DEPTHS[match["encoding"]][1])
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         metres = np.float32(a) / (raw.astype(np.float32) - np.float32(b))
     metres[raw == 0] = np.nan

@@ -93,10 +93,10 @@ def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
     ``schema`` is a name as ``foxglove.LaserScan`` or, of ROS, ``foxglove_msgs/msg/LaserScan``.
     """
     package, _, name = plain_type(schema.replace(".", "/")).partition("/")
-    found = _SCHEMAS.get(name) if package in PACKAGES else None
-    if found is None or encoding not in ENCODINGS:
+    known = _SCHEMAS.get(name) if package in PACKAGES else None
+    if known is None or encoding not in ENCODINGS:
         return None
-    kind, table, write = found
+    kind, table, write = known
     return Transcoder(topic, kind, encoding, table, write)
 
 

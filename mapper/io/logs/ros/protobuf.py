@@ -54,17 +54,17 @@ def decoded(data: bytes, table: Table, depth: int = 0) -> dict[str, Any]:
     """
     if depth > MAX_DEPTH:
         raise BadMessageError
-    found: dict[str, Any] = {}
+    message: dict[str, Any] = {}
     for number, wire, value in wire_fields(data):
         field = table.get(number)
         if field is None:
             continue
         values = _values(field, wire, value, depth)
         if field.repeated:
-            found.setdefault(field.name, []).extend(values)
+            message.setdefault(field.name, []).extend(values)
         else:
-            found[field.name] = values[-1] if len(values) else 0.0
-    return found
+            message[field.name] = values[-1] if len(values) else 0.0
+    return message
 
 
 def _values(field: Field, wire: int, value: int | bytes, depth: int) -> list[Any]:
@@ -93,12 +93,12 @@ def numbers(kind: str, wire: int, value: int | bytes, most: int | None = None) -
         return [VARYING[kind](value)], 1
     if wire != LENGTH:
         raise BadMessageError
-    found: list[Any] = []
+    values: list[Any] = []
     at = 0
-    while at < len(value) and (most is None or len(found) < most):
+    while at < len(value) and (most is None or len(values) < most):
         bits, at = _varint(value, at)
-        found.append(VARYING[kind](bits))
-    return found, len(found) + len(value[at:].translate(None, _CONTINUED))
+        values.append(VARYING[kind](bits))
+    return values, len(values) + len(value[at:].translate(None, _CONTINUED))
 
 
 def bytes_of(value: int | bytes) -> bytes:

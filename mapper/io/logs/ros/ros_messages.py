@@ -172,9 +172,9 @@ def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
 def pose(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a geometry_msgs/Pose, which states neither a time nor a frame."""
     fields = MessageFields(data, cdr=cdr)
-    found = fields.pose()
+    stamped = fields.pose()
     fields.end()
-    return [StampedPose(0, "", "", found)]
+    return [StampedPose(0, "", "", stamped)]
 
 
 def pose_2d(data: bytes, *, cdr: bool) -> list[StampedPose]:
@@ -189,12 +189,12 @@ def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
     fields = MessageFields(data, cdr=cdr)
     _, frame = fields.header()
-    found = []
+    stamped = []
     for _ in range(fields.count(68)):
         stamp, _ = fields.header()
-        found.append(StampedPose(stamp, frame, "", fields.pose()))
+        stamped.append(StampedPose(stamp, frame, "", fields.pose()))
     fields.end()
-    return found
+    return stamped
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,16 +226,16 @@ def imu(data: bytes, *, cdr: bool) -> ImuReading:
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
     fields = MessageFields(data, cdr=cdr)
-    found = []
+    stamped = []
     n = fields.count(72)
     if n > MOST_TRANSFORMS:
         raise BadMessageError
     for _ in range(n):
         stamp, frame = fields.header()
         child = fields.frame()
-        found.append(StampedPose(stamp, frame, child, fields.pose()))
+        stamped.append(StampedPose(stamp, frame, child, fields.pose()))
     fields.end()
-    return found
+    return stamped
 
 
 PATH = "nav_msgs/Path"

@@ -353,11 +353,11 @@ class CarmenReader:
 
     def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
         """Return the sensors, and the other messages that were taken."""
-        found = []
+        topics = []
         for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
             step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
             view = math.degrees(abs(self._beams(word, stack.usual_kind).angle_increment)) * (stack.n_beams - 1)
-            found.append(
+            topics.append(
                 Topic(
                     word,
                     "laser scan",
@@ -370,7 +370,7 @@ class CarmenReader:
                 )
             )
         poses = {"ODOM": ("odometry", len(self.odometry)), "TRUEPOS": ("true pose", len(self.truth))}
-        return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
+        return (*topics, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
 
     def _parameter(self, word: str, which: str) -> float | None:
         return self.parameters.get(f"{_side_of(word)}_{which}")
@@ -423,10 +423,12 @@ class CarmenReader:
         if sensor.word in RAW:
             return self._trajectories_of_raw(sensor)
         scan = compose(sensor.laser_poses, inverse(np.array(mount)))
-        found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line", offset=self._offset_of(LASERS))}
+        trajectories = {
+            "scan": Trajectory(scan, f"the pose in each {sensor.word} line", offset=self._offset_of(LASERS))
+        }
         if not _same_pose(scan, sensor.robot_poses):
             text = f"the odometry pose in each {sensor.word} line"
-            found["odom"] = Trajectory(sensor.robot_poses, text, "odom", offset=self._offset_of(ROBOTS))
+            trajectories["odom"] = Trajectory(sensor.robot_poses, text, "odom", offset=self._offset_of(ROBOTS))
         if len(self.odometry):
             poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
             restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
@@ -435,11 +437,11 @@ class CarmenReader:
                 poses = without_restarts(poses, restart)
                 text += ", chained where the log starts them again from a corrected pose"
             at_scans = poses_at_scans(poses, stamps, before, sensor.stamps)
-            found["wheel"] = Trajectory(at_scans, text, "odom", offset=self._offset_of(ROBOTS))
-            if _is_near(scan, found["wheel"].poses):
+            trajectories["wheel"] = Trajectory(at_scans, text, "odom", offset=self._offset_of(ROBOTS))
+            if _is_near(scan, trajectories["wheel"].poses):
                 # Nothing has corrected the scans' poses: they are the odometry.
-                found["scan"] = replace(found["scan"], frame_id="odom")
-        return found | self._true_trajectory(sensor)
+                trajectories["scan"] = replace(trajectories["scan"], frame_id="odom")
+        return trajectories | self._true_trajectory(sensor)
 
     def _offset_of(self, whose: str) -> Offset:
         return self._offset if self._is_far.get(whose) else NO_OFFSET
@@ -453,14 +455,14 @@ class CarmenReader:
 
     def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
         """Return the poses at scans whose lines state none: those of other lines, or zeros."""
-        found = {}
+        trajectories = {}
         if len(self.odometry):
             poses = poses_at_scans(self.odometry.poses, self.odometry.stamps, sensor.odometry_before, sensor.stamps)
             text = "the ODOM messages at the time of each scan"
-            found["wheel"] = Trajectory(poses, text, "odom", offset=self._offset_of(ROBOTS))
-        found |= self._true_trajectory(sensor)
-        if found:
-            return found
+            trajectories["wheel"] = Trajectory(poses, text, "odom", offset=self._offset_of(ROBOTS))
+        trajectories |= self._true_trajectory(sensor)
+        if trajectories:
+            return trajectories
         text = f"the {sensor.word} lines state no poses, and the log has no ODOM or TRUEPOS lines"
         note = (
             f"{text[0].upper()}{text[1:]}, so the map shows all scans as from one place: add poses, as a TUM file, or "

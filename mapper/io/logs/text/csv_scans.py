@@ -101,11 +101,11 @@ def _separator(line: str) -> str | None:
 
 
 def _fields(line: str, separator: str) -> list[str]:
-    found = line.split(separator)
+    words = line.split(separator)
     if '"' in line:
         with contextlib.suppress(csv.Error):
-            found = next(csv.reader([line], delimiter=separator), [""])
-    return [field.strip() for field in found]
+            words = next(csv.reader([line], delimiter=separator), [""])
+    return [field.strip() for field in words]
 
 
 class _Reader:
@@ -161,14 +161,14 @@ class _Reader:
             self._decimal = next((sign for token in tokens for sign in token if sign in ",."), "")
         if self._decimal != ",":
             return tokens
-        found = [token.replace(",", ".") for token in tokens]
-        for token, number in zip(tokens, found, strict=True):
+        numbers = [token.replace(",", ".") for token in tokens]
+        for token, number in zip(tokens, numbers, strict=True):
             if "." in token or (token and not fields.is_number(number)):
                 raise ReadError(
                     "log.not_a_number",
                     f"Line {line}: {token!r:.40} in this {word} line is not a number; this file has decimal commas.",
                 )
-        return found
+        return numbers
 
     def _take_columns(self, tokens: list[str]) -> None:
         """Take the units that the names of the columns state."""

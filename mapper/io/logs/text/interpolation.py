@@ -44,12 +44,12 @@ def restarts(
     A mapper that writes a corrected log (gmapping does) sends, after each scan, an odometry message with the corrected
     pose, and counts on from there. Its stamp is whatever was in memory, so it is not the scan's.
     """
-    found = np.zeros(len(poses), dtype=np.bool_)
+    is_restart = np.zeros(len(poses), dtype=np.bool_)
     follows = (before > 0) & (before < len(poses))
     index = before[follows]
     same_pose = np.all(np.abs(poses[index] - scan_poses[follows]) < 1e-5, axis=-1)
-    found[index[same_pose & (np.abs(stamps[index] - scan_stamps[follows]) > 1.0)]] = True
-    return found
+    is_restart[index[same_pose & (np.abs(stamps[index] - scan_stamps[follows]) > 1.0)]] = True
+    return is_restart
 
 
 def without_restarts(poses: Float64Array, restart: NDArray[np.bool_]) -> Float64Array:

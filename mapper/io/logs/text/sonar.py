@@ -80,11 +80,11 @@ class _Rows:
 
 
 def _rows(path: Source, columns: int | None, limits: Limits, progress: Progress | None) -> tuple[_Rows, list[str]]:
-    found, notes = _Rows(path.name, columns, limits), list[str]()
-    take_lines(TextLines(path, limits, progress), found.take, lambda: found.n, notes)
-    if not found.n:
+    rows, notes = _Rows(path.name, columns, limits), list[str]()
+    take_lines(TextLines(path, limits, progress), rows.take, lambda: rows.n, notes)
+    if not rows.n:
         raise ReadError("log.no_scans", f"{path.name} holds no readings.")
-    return found, notes
+    return rows, notes
 
 
 def read_sonar(

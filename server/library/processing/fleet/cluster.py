@@ -151,16 +151,16 @@ class Cluster:
         client = self._client
         if client.status != "running":
             raise ConnectionError(f"the connection is {client.status}")
-        found: dict[str, int] = await asyncio.wait_for(client.nthreads(), ANSWER_S)
-        new = [address for address in found if address not in self._threads and address not in self._others]
+        workers: dict[str, int] = await asyncio.wait_for(client.nthreads(), ANSWER_S)
+        new = [address for address in workers if address not in self._threads and address not in self._others]
         answers = await asyncio.gather(*(self._reason_against(client, address) for address in new))
-        self._others = {address: why for address, why in self._others.items() if address in found}
+        self._others = {address: why for address, why in self._others.items() if address in workers}
         self._others |= {address: why for address, why in zip(new, answers, strict=True) if why}
-        self._threads = {address: threads for address, threads in found.items() if address not in self._others}
+        self._threads = {address: threads for address, threads in workers.items() if address not in self._others}
         error = ""
         if self._others:
-            error = f"{len(self._others)} of {len(found)} workers get no logs: {next(iter(self._others.values()))}."
-        elif not found:
+            error = f"{len(self._others)} of {len(workers)} workers get no logs: {next(iter(self._others.values()))}."
+        elif not workers:
             error = "The Dask cluster has no workers."
         self.state = ClusterState(len(self._threads), sum(self._threads.values()), error)
 
@@ -169,11 +169,11 @@ class Cluster:
         from server.library.processing.fleet import cluster_tasks as tasks  # noqa: PLC0415 - it needs Dask
 
         try:
-            found = await _answer(client.run(tasks.version, workers=[address]), address)
+            version = await _answer(client.run(tasks.version, workers=[address]), address)
         except Exception as error:  # noqa: BLE001 - whatever is wrong with it
             return f"Gridbloom cannot be imported there ({_kind_of(error)})"
         own = package_version()
-        return "" if found == own else f"Gridbloom is version {found!s:.40} there, here {own}"
+        return "" if version == own else f"Gridbloom is version {version!s:.40} there, here {own}"
 
     async def _disconnect(self) -> None:
         client, self._client = self._client, None
@@ -323,8 +323,8 @@ def _piece(path: Path, at: int) -> bytes:
 
 def _files(source: Path) -> list[tuple[str, Path]]:
     if source.is_dir():
-        found = sorted(path for path in source.rglob("*") if path.is_file())
-        return [(str(path.relative_to(source.parent)), path) for path in found]
+        files = sorted(path for path in source.rglob("*") if path.is_file())
+        return [(str(path.relative_to(source.parent)), path) for path in files]
     named = [source, *(source.with_name(name) for name in SIBLINGS if name != source.name)]
     return [(path.name, path) for path in named if path.exists()]
 

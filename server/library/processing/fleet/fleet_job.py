@@ -164,7 +164,7 @@ def _done(job: FleetJob) -> MapFacts:
     began = time.process_time()
     log = job.options.read(Path(job.source), lambda done: process.note_progress(READ * done))
     process.note_progress(READ)
-    found = diagnosis.examine(log)
+    findings = diagnosis.examine(log)
     process.note_progress(EXAMINED)
     config = MappingConfig().with_values(RECORDED)
     grid = grid_for(log, config)
@@ -183,7 +183,7 @@ def _done(job: FleetJob) -> MapFacts:
         resolution=geometry.resolution,
         contrast=round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
         drift_m=None if figures.drift_m is None else round(figures.drift_m, 3),
-        findings=tuple(FleetFinding(one.check, one.sentence, one.possible) for one in found),
+        findings=tuple(FleetFinding(one.check, one.sentence, one.possible) for one in findings),
         picture=picture,
         cpu_s=round(time.process_time() - began, 3),
     )
