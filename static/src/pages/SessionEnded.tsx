@@ -1,24 +1,22 @@
 import { Button } from "../ui/Button";
 
-interface SessionEndedProps {
-  /** What has ended. */
-  readonly what?: string;
-  /** What of it is still there, as a sentence. */
-  readonly left: string;
-  /** The text of the button that begins another session on the same. */
-  readonly again: string;
+interface NotOpenedProps {
+  readonly title: string;
+  readonly reason: string;
+  /** The text of the button that opens it again. */
+  readonly again?: string;
   readonly onAgain: () => void;
   /** The text of the button that leads back. */
-  readonly back: string;
-  readonly onBack: (() => void) | undefined;
+  readonly back?: string;
+  readonly onBack?: (() => void) | undefined;
 }
 
-/** In place of a view whose session has ended on the server. */
-export function SessionEnded({ what = "session", left, again, onAgain, back, onBack }: SessionEndedProps) {
+/** In place of a view that could not be opened, or is open no longer. */
+export function NotOpened({ title, reason, again = "Try again", onAgain, back, onBack }: NotOpenedProps) {
   return (
     <div class="viewer-message" role="alert">
-      <h1>This {what} has ended</h1>
-      <p class="prose">Sessions end when they are idle, and when the server is started again. {left}</p>
+      <h1>{title}</h1>
+      <p class="prose">{reason}</p>
       <div class="actions">
         <Button kind="primary" icon="restart" onClick={onAgain}>
           {again}
@@ -26,5 +24,23 @@ export function SessionEnded({ what = "session", left, again, onAgain, back, onB
         {onBack && <Button onClick={onBack}>{back}</Button>}
       </div>
     </div>
+  );
+}
+
+interface SessionEndedProps extends Omit<NotOpenedProps, "title" | "reason"> {
+  /** What has ended. */
+  readonly what?: string;
+  /** What of it is still there, as a sentence. */
+  readonly left: string;
+}
+
+/** In place of a view whose session has ended on the server. */
+export function SessionEnded({ what = "session", left, ...buttons }: SessionEndedProps) {
+  return (
+    <NotOpened
+      {...buttons}
+      title={`This ${what} has ended`}
+      reason={`Sessions end when they are idle, and when the server is started again. ${left}`}
+    />
   );
 }

@@ -2,16 +2,10 @@ import "../style/index.css";
 import "./logs/library/library.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
-import { render } from "preact";
 import { followedCode } from "../store/classroom";
-import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { ShowsOther } from "../tools/classroom/pages";
-import { Button } from "../ui/Button";
-import { ConfirmDialog } from "../ui/Dialog";
 import { lazy } from "../ui/lazy";
-import { SiteHeader } from "../ui/SiteHeader";
 import { LAYOUT } from "../ui/stage/useLayout";
-import { Toasts } from "../ui/Toast";
 import { mayPass, whyAgain } from "../wire/ask";
 import type { NewVolume } from "../wire/http";
 import { ClassLog, followLogs } from "./logs/ClassLog";
@@ -23,6 +17,8 @@ import { Opening } from "./logs/Opening";
 import { Guest } from "./logs/share/Guest";
 import { linkOf } from "./logs/share/links";
 import { Viewer } from "./logs/Viewer";
+import { renderPage } from "./renderPage";
+import { NotOpened } from "./SessionEnded";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
 
@@ -180,19 +176,16 @@ function Page() {
   if (!log) return <Library onOpen={openChosen} />;
   if (failure.value !== null && opening.value === null) {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This log was not opened</h1>
-        <p class="prose">{failure.value}</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={again}>
-            Try again
-          </Button>
-          <Button onClick={close}>All logs</Button>
-        </div>
-      </div>
+      <NotOpened
+        title="This log was not opened"
+        reason={failure.value}
+        onAgain={again}
+        back="All logs"
+        onBack={close}
+      />
     );
   }
-  return <Opening onCancel={cancelOpening} />;
+  return <Opening now={opening.value} what="Opening the log" onCancel={cancelOpening} />;
 }
 
 /** The page of a lecturer, or of a visitor without a class; followers see the maps of logs only. */
@@ -209,17 +202,4 @@ function Own() {
 
 if (followedCode === null) resume();
 else followLogs();
-render(
-  <>
-    <SiteHeader current="logs" links={followedCode === null}>
-      <ClassButton />
-    </SiteHeader>
-    <main id="main" tabIndex={-1}>
-      {followedCode === null ? <Own /> : <ClassLog />}
-    </main>
-    <ConfirmDialog />
-    <ClassHost />
-    <Toasts />
-  </>,
-  document.getElementById("app") as HTMLElement,
-);
+renderPage(followedCode === null ? <Own /> : <ClassLog />, { current: "logs", links: followedCode === null });

@@ -2,17 +2,10 @@ import "../style/index.css";
 import "./logs/viewer.css";
 import "./puzzles/puzzles.css";
 import { signal } from "@preact/signals";
-import { render } from "preact";
 import { classroom, followedCode } from "../store/classroom";
-import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { followPages, showOther } from "../tools/classroom/pages";
-import { Button } from "../ui/Button";
-import { ConfirmDialog } from "../ui/Dialog";
-import { ProgressBar } from "../ui/ProgressBar";
-import { SiteHeader } from "../ui/SiteHeader";
-import { Toasts } from "../ui/Toast";
-import { progressText } from "../ui/Working";
 import { mayPass, whyAgain } from "../wire/ask";
+import { Opening } from "./logs/Opening";
 import { nextPuzzle } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
@@ -25,6 +18,8 @@ import {
   rememberSolved,
   solvedPoints,
 } from "./puzzles/puzzles";
+import { renderPage } from "./renderPage";
+import { NotOpened } from "./SessionEnded";
 
 /** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
@@ -101,40 +96,26 @@ function Page() {
   if (name === null) return <PuzzleList onOpen={open} />;
   if (failure.value !== null && preparing.value === null) {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This puzzle was not opened</h1>
-        <p class="prose">{failure.value}</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={() => void begin(name)}>
-            Try again
-          </Button>
-          {hasList && <Button onClick={close}>All puzzles</Button>}
-        </div>
-      </div>
+      <NotOpened
+        title="This puzzle was not opened"
+        reason={failure.value}
+        onAgain={() => void begin(name)}
+        back="All puzzles"
+        onBack={hasList ? close : undefined}
+      />
     );
   }
   if (session.value === null) {
-    const now = preparing.value;
     const awaited = offered.find((one) => one.name === name);
     return (
-      <div class="viewer-message" role="status">
+      <Opening now={preparing.value} what="Preparing the puzzle" onCancel={() => ending?.abort()}>
         {awaited && (
           <>
             <h1>{awaited.title}</h1>
             <p class="prose">{awaited.story}</p>
           </>
         )}
-        <p class="prose">
-          {now?.what ?? "Preparing the puzzle"} …{" "}
-          {now && (
-            <span class="number" aria-hidden="true">
-              {progressText(now)}
-            </span>
-          )}
-        </p>
-        <ProgressBar fraction={now?.fraction ?? null} isWide />
-        {now && <Button onClick={() => ending?.abort()}>Cancel</Button>}
-      </div>
+      </Opening>
     );
   }
   return (
@@ -159,17 +140,4 @@ if (room) {
   followPages(null);
 } else showOther();
 if (chosen.peek() !== null) void begin(chosen.peek() ?? "");
-render(
-  <>
-    <SiteHeader current="puzzles" links={hasList}>
-      {hasList && <ClassButton />}
-    </SiteHeader>
-    <main id="main" tabIndex={-1}>
-      <Page />
-    </main>
-    <ConfirmDialog />
-    <ClassHost />
-    <Toasts />
-  </>,
-  document.getElementById("app") as HTMLElement,
-);
+renderPage(<Page />, { current: "puzzles", links: hasList, hasClass: hasList });

@@ -18,7 +18,7 @@ interface HandleProps {
   readonly onStart: () => void;
   /** Pixels from where it was grabbed; `fine` while Shift is held. */
   readonly onDrag: (dx: number, dy: number, fine: boolean) => void;
-  readonly onEnd: () => void;
+  readonly onEnd?: () => void;
   readonly onKey: (key: string, shift: boolean) => boolean;
   readonly children: ComponentChildren;
 }
@@ -28,7 +28,7 @@ export function Handle(props: HandleProps) {
   const id = useId();
   const start = useRef<{ x: number; y: number } | null>(null);
   const end = (): void => {
-    if (start.current) props.onEnd();
+    if (start.current) props.onEnd?.();
     start.current = null;
   };
   return (

@@ -40,7 +40,6 @@ export function ValueHandle({ axis, value, range, perPixel, onValue, ...rest }: 
         const dragged = (fine ? FINE : 1) * (axis === "x" ? dx : dy);
         onValue(snap(before.current + dragged * perPixel, range));
       }}
-      onEnd={() => undefined}
       onKey={(key, shift) => {
         const next = keyed(key, shift, value, range);
         if (next !== null) onValue(next);

@@ -9,6 +9,7 @@ import { Slider } from "../../ui/Slider";
 import type { ClassQuestion } from "../../wire/protocol";
 import { GuessColumns, type GuessQuestion, useClassGuess } from "../common/classGuess";
 import { RobotShape } from "../common/DragHandle";
+import { PlayButton } from "../common/PlayButton";
 import { Plot } from "../common/Plot";
 import { Scene, Walls } from "../common/Scene";
 import { useSeen, useSteps } from "../common/useSteps";
@@ -121,15 +122,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
           </Button>
         ) : (
           <>
-            {!done && !reducedMotion.value && (
-              <Button
-                icon={playing.value ? "pause" : "play"}
-                label={playing.value ? "Pause" : "Continue"}
-                onClick={() => {
-                  playing.value = !playing.value;
-                }}
-              />
-            )}
+            {!done && <PlayButton playing={playing} play="Continue" />}
             <Button icon="stepBack" label="Back one scan" onClick={() => step(-1)} />
             <Button icon="stepForward" label="Forward one scan" onClick={() => step(1)} />
             {reducedMotion.value && !done && <Button onClick={() => step(end)}>To the end</Button>}

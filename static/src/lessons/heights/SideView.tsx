@@ -1,7 +1,6 @@
-import { useRef } from "preact/hooks";
-import { Handle } from "../../ui/Handle";
-import { keyed, snap, written } from "../../ui/numbers";
+import { written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { laserHeight } from "../stage/controls";
 import { LOW_TABLE_HEIGHT } from "../stage/floor";
 import "./heights.css";
@@ -14,7 +13,6 @@ const RANGE = { low: 0.05, high: 1, step: 0.05 };
 
 /** Robot, laser plane and low table from the side; the laser's height can be dragged. */
 export function SideView() {
-  const from = useRef(0);
   const now = laserHeight.value;
   const seen = now <= LOW_TABLE_HEIGHT;
   const y = (metres: number): number => FLOOR_Y - metres * METRE;
@@ -48,31 +46,22 @@ export function SideView() {
               <path class="side-view-mast" d={`M${robot} ${y(0.22)}V${y(now)}`} />
               <path class="side-view-beam" d={`M${robot + 10} ${y(now)}H${end}`} />
               <circle class="side-view-end" cx={end} cy={y(now)} r={5} />
-              <Handle
+              <ValueHandle
                 label="Laser height"
                 sentence="Moves the plane of the laser up or down."
                 axis="y"
                 tone="tone-beam"
-                now={now}
-                low={RANGE.low}
-                high={RANGE.high}
+                value={now}
+                range={RANGE}
                 text={`${written(now, 2)} m`}
                 grab={{ x: robot - 24, y: y(now) - 24, width: 48, height: 48 }}
-                onStart={() => {
-                  from.current = now;
-                }}
-                onDrag={(_, dy) => {
-                  laserHeight.value = snap(from.current - dy / METRE, RANGE);
-                }}
-                onEnd={() => undefined}
-                onKey={(key, shift) => {
-                  const next = keyed(key, shift, now, RANGE);
-                  if (next !== null) laserHeight.value = next;
-                  return next !== null;
+                perPixel={-1 / METRE}
+                onValue={(height) => {
+                  laserHeight.value = height;
                 }}
               >
                 <rect class="side-view-laser" x={robot - 10} y={y(now) - 7} width={20} height={14} rx={4} />
-              </Handle>
+              </ValueHandle>
               <text class="side-view-height" x={robot + 16} y={y(now) - 10}>
                 laser at {written(now, 2)} m
               </text>

@@ -5,6 +5,7 @@ import { linePath, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { keyed, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { RANGE_MAX, type Share, withShare } from "./sensor";
 
 const HEIGHT = 236;
@@ -116,60 +117,42 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
             <path class="forward-part rand" d={line(({ rand }) => rand)} />
             <path class="forward-total" d={total} />
             <path class="forward-max" d={`M${x(RANGE_MAX)} ${bottom}V${y(now.z_max * TOP)}`} />
-            <Handle
+            <ValueHandle
               label="Expected range"
               sentence="Where the map has something along this beam."
               axis="x"
               tone="tone-robot"
-              now={z}
-              {...EXPECTED}
+              value={z}
+              range={EXPECTED}
               text={`${written(z, 2)} metres`}
               grab={{ x: x(z) - 20, y: bottom - 14, width: 40, height: 40 }}
-              onStart={() => {
-                before.current = z;
-              }}
-              onDrag={(dx) => {
-                const at = before.current + dx * perPixel;
-                expected.value = Math.min(EXPECTED.high, Math.max(EXPECTED.low, at));
-              }}
-              onEnd={() => undefined}
-              onKey={(key, shift) => {
-                const next = keyed(key, shift, z, EXPECTED);
-                if (next !== null) expected.value = next;
-                return next !== null;
+              perPixel={perPixel}
+              onValue={(range) => {
+                expected.value = range;
               }}
             >
               <line class="forward-expected" x1={x(z)} x2={x(z)} y1={top} y2={bottom} />
               <rect class="handle-mark" x={x(z) - 5} y={bottom - 9} width={10} height={24} rx={5} />
-            </Handle>
-            <Handle
+            </ValueHandle>
+            <ValueHandle
               label="σ"
               sentence="Standard deviation of readings from surfaces that are in the map."
               axis="x"
               tone="tone-hit"
-              now={now.sigma_hit}
-              {...SIGMA}
+              value={now.sigma_hit}
+              range={SIGMA}
               text={`${written(now.sigma_hit, 2)} metres`}
               grab={{ x: x(z + now.sigma_hit) - 4, y: sigmaY - 20, width: 40, height: 40 }}
-              onStart={() => {
-                before.current = now.sigma_hit;
-              }}
-              onDrag={(dx) => {
-                const sigma = Math.min(SIGMA.high, Math.max(SIGMA.low, before.current + dx * perPixel));
+              perPixel={perPixel}
+              onValue={(sigma) => {
                 mix.value = { ...mix.peek(), sigma_hit: sigma };
-              }}
-              onEnd={() => undefined}
-              onKey={(key, shift) => {
-                const next = keyed(key, shift, now.sigma_hit, SIGMA);
-                if (next !== null) mix.value = { ...mix.peek(), sigma_hit: next };
-                return next !== null;
               }}
             >
               <circle class="handle-mark" cx={x(z + now.sigma_hit)} cy={sigmaY} r={6} />
               <text class="forward-name hit" x={x(z + now.sigma_hit) + 11} y={sigmaY - 5}>
                 σ {written(now.sigma_hit, 2)}
               </text>
-            </Handle>
+            </ValueHandle>
             {grips.map((grip) => {
               const p = now[grip.name] * grip.unit;
               const [px, py] = [x(grip.at), y(p)];
@@ -191,7 +174,6 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
                     const rise = Math.max(0, (bottom - before.current - dy) / (bottom - top));
                     mix.value = withShare(mix.peek(), grip.name, (rise * rise * TOP) / grip.unit);
                   }}
-                  onEnd={() => undefined}
                   onKey={(key, shift) => {
                     const next = keyed(key, shift, now[grip.name], SHARE);
                     if (next !== null) mix.value = withShare(mix.peek(), grip.name, next);

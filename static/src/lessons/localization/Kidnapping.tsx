@@ -3,9 +3,9 @@ import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { linePath } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { PlayButton } from "../common/PlayButton";
 import { Plot } from "../common/Plot";
 import { useSeen, useSteps } from "../common/useSteps";
 import { advance, carry, elsewhere, INITIAL, type Moment, type Settings } from "./kidnap";
@@ -41,17 +41,7 @@ export function Kidnapping() {
         <Key tone="near">belief at the robot</Key>
       </p>
       <div class="figure-controls no-print">
-        {!reducedMotion.value && (
-          <Button
-            kind="primary"
-            icon={playing.value ? "pause" : "play"}
-            onClick={() => {
-              playing.value = !playing.value;
-            }}
-          >
-            {playing.value ? "Pause" : "Drive on"}
-          </Button>
-        )}
+        <PlayButton playing={playing} play="Drive on" isPrimary />
         <Button icon="stepForward" label="One scan" onClick={scan} />
         <Button onClick={() => continueWalk((now) => carry(now, elsewhere(now)))}>Kidnap the robot</Button>
         <Button

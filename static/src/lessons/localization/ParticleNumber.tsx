@@ -125,7 +125,6 @@ function Grip({ label, sentence, range, now, at: [x, y], onMove, onStep }: GripP
         from.current = now;
       }}
       onDrag={(_, dy, fine) => onMove(dy * (fine ? 0.2 : 1), from.current)}
-      onEnd={() => undefined}
       onKey={(key, shift) => {
         const direction = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 }[key];
         if (direction) onStep(direction * (shift ? 0.2 : 1));

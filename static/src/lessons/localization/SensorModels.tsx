@@ -1,13 +1,12 @@
 import { type Signal, useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
 import type { BeamMixture } from "../../grid/rangeModels";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
-import { Handle } from "../../ui/Handle";
-import { keyed, signed, written } from "../../ui/numbers";
+import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { ForwardChart } from "./ForwardChart";
 import { backwards, CELL, evidence, FIRST, RANGE_MAX } from "./sensor";
 import "../../render/chart/chart.css";
@@ -96,11 +95,7 @@ function Verdict({ mix, z, prior }: { mix: BeamMixture; z: number; prior: number
 }
 
 function InverseChart({ mix, z, prior }: ChartProps) {
-  const start = useRef(0);
   const at = z.value;
-  const set = (value: number): void => {
-    z.value = Math.min(READING.high, Math.max(READING.low, value));
-  };
   const mapper = (s: number): number => (Math.abs(s - at) <= WINDOW / 2 ? HIT : s < at ? MISS : 0);
   return (
     <Plot height={HEIGHT}>
@@ -147,24 +142,18 @@ function InverseChart({ mix, z, prior }: ChartProps) {
             />
             <path class="inverse-mapper" d={steps(bayes.map((_, i) => mapper((i + 0.5) * CELL)))} />
             <path class="inverse-bayes" d={steps(bayes)} />
-            <Handle
+            <ValueHandle
               label="Reading z"
               sentence="The measured range; the curves follow."
               axis="x"
               tone="tone-beam"
-              now={at}
-              {...READING}
+              value={at}
+              range={READING}
               text={`${written(at, 2)} metres`}
               grab={{ x: x(at) - 20, y: bottom - 14, width: 40, height: 40 }}
-              onStart={() => {
-                start.current = at;
-              }}
-              onDrag={(dx) => set(start.current + (dx * RANGE_MAX) / (xs.to - xs.from))}
-              onEnd={() => undefined}
-              onKey={(key, shift) => {
-                const next = keyed(key, shift, at, READING);
-                if (next !== null) set(next);
-                return next !== null;
+              perPixel={RANGE_MAX / (xs.to - xs.from)}
+              onValue={(reading) => {
+                z.value = reading;
               }}
             >
               <line class="inverse-reading" x1={x(at)} x2={x(at)} y1={top} y2={bottom} />
@@ -172,7 +161,7 @@ function InverseChart({ mix, z, prior }: ChartProps) {
               <text class="forward-name short" x={x(at)} y={top - 6} text-anchor="middle">
                 z {written(at, 2)} m
               </text>
-            </Handle>
+            </ValueHandle>
           </>
         );
       }}

@@ -76,7 +76,6 @@ export function Wheel({ weights, counts, share, onShare }: WheelProps) {
             before.current = share;
           }}
           onDrag={(dx, _, fine) => set(before.current + (dx * (fine ? 0.2 : 1) * count) / (2 * Math.PI * TIP))}
-          onEnd={() => undefined}
           onKey={(key, shift) => {
             const step = shift ? 0.01 : 0.05;
             const direction = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[key];

@@ -30,6 +30,22 @@ const RANGES = {
 /** The circumscribed radius of a square footprint over its inscribed one. */
 const CORNER = Math.SQRT2;
 
+/** The slider of the robot's inscribed radius, by what the figure uses it for. */
+export function RobotRadius({ sentence }: { readonly sentence: string }) {
+  return (
+    <Slider
+      label="Inscribed radius"
+      sentence={sentence}
+      {...bound(robotRadius)}
+      initial={ROBOT_RADIUS}
+      low={0.05}
+      high={0.8}
+      step={0.05}
+      unit="m"
+    />
+  );
+}
+
 /** The curve of the cost over the distance, and the robot's radius. */
 export function InflationCurve() {
   return (
@@ -44,16 +60,7 @@ export function InflationCurve() {
         }}
       />
       <div class="figure-controls no-print">
-        <Slider
-          label="Inscribed radius"
-          sentence="Radius of the largest circle within the footprint, here a square one."
-          {...bound(robotRadius)}
-          initial={ROBOT_RADIUS}
-          low={0.05}
-          high={0.8}
-          step={0.05}
-          unit="m"
-        />
+        <RobotRadius sentence="Radius of the largest circle within the footprint, here a square one." />
         <Button
           icon="restart"
           onClick={() => {

@@ -1,24 +1,12 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { Button } from "../../ui/Button";
-import { bound } from "../../ui/bound";
-import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { PlayButton } from "../common/PlayButton";
 import { useInSight, useSeen, useSteps } from "../common/useSteps";
-import {
-  groundCosts,
-  method,
-  type Plan,
-  pathGoal,
-  pathStart,
-  plan,
-  planned,
-  progress,
-  ROBOT_RADIUS,
-  robotRadius,
-} from "./state";
+import { RobotRadius } from "./Layers";
+import { groundCosts, method, type Plan, pathGoal, pathStart, plan, planned, progress } from "./state";
 import "./navigation.css";
 
 const METHODS = [
@@ -61,18 +49,14 @@ export function PathControls() {
             method.value = value === "a_star" ? "a_star" : "dijkstra";
           }}
         />
-        {!reducedMotion.value && (
-          <Button
-            kind="primary"
-            icon={playing.value ? "pause" : "play"}
-            onClick={() => {
-              if (!playing.peek() && progress.peek() >= 1) progress.value = 0;
-              playing.value = !playing.peek();
-            }}
-          >
-            {playing.value ? "Pause" : "Search"}
-          </Button>
-        )}
+        <PlayButton
+          playing={playing}
+          play="Search"
+          isPrimary
+          onPress={() => {
+            if (!playing.peek() && progress.peek() >= 1) progress.value = 0;
+          }}
+        />
         <Slider
           label="Part of the search"
           sentence="How much of the search is shown; the path appears at its end."
@@ -87,16 +71,7 @@ export function PathControls() {
             progress.value = value / 100;
           }}
         />
-        <Slider
-          label="Inscribed radius"
-          sentence="Radius of the robot: cells nearer than this to an obstacle are blocked."
-          {...bound(robotRadius)}
-          initial={ROBOT_RADIUS}
-          low={0.05}
-          high={0.8}
-          step={0.05}
-          unit="m"
-        />
+        <RobotRadius sentence="Radius of the robot: cells nearer than this to an obstacle are blocked." />
       </div>
       <div class="table-room">
         <table class="plain-table">

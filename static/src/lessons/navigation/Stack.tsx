@@ -1,10 +1,10 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { DragHandle, RobotShape } from "../common/DragHandle";
+import { PlayButton } from "../common/PlayButton";
 import { Walls } from "../common/Scene";
 import { useSeen, useSteps } from "../common/useSteps";
 import { paintCloud } from "../localization/paint";
@@ -144,18 +144,13 @@ export function Stack() {
         ))}
       </ol>
       <div class="figure-controls no-print">
-        {!reducedMotion.value && (
-          <Button
-            kind="primary"
-            icon={playing.value ? "pause" : "play"}
-            onClick={() => {
-              if (!playing.peek() && step.peek() === LENGTH - 1) restart();
-              playing.value = !playing.peek();
-            }}
-          >
-            {playing.value ? "Pause" : "Play"}
-          </Button>
-        )}
+        <PlayButton
+          playing={playing}
+          isPrimary
+          onPress={() => {
+            if (!playing.peek() && step.peek() === LENGTH - 1) restart();
+          }}
+        />
         <Button
           icon="restart"
           onClick={() => {

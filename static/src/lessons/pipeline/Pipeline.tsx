@@ -6,9 +6,9 @@ import { indexOf } from "../../grid/occupancyGrid";
 import { bayesFilter } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
 import { bound } from "../../ui/bound";
-import { reducedMotion } from "../../ui/browser/media";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { PlayButton } from "../common/PlayButton";
 import { useInSight, useSeen, useSteps } from "../common/useSteps";
 import { pipelineBeam, pipelineStep } from "../stage/controls";
 import { readingOf } from "../stage/reading";
@@ -148,16 +148,14 @@ export function Pipeline() {
       </div>
       <div class="actions no-print">
         <Button icon="stepBack" label="Back one step of the pipeline" disabled={at === 0} onClick={() => go(at - 1)} />
-        {!reducedMotion.value && (
-          <Button
-            icon={playing.value ? "pause" : "play"}
-            label={playing.value ? "Pause the reading" : "Let the reading travel"}
-            onClick={() => {
-              if (at >= LAST) pipelineStep.value = 0;
-              playing.value = !playing.value;
-            }}
-          />
-        )}
+        <PlayButton
+          playing={playing}
+          play="Let the reading travel"
+          pause="Pause the reading"
+          onPress={() => {
+            if (at >= LAST) pipelineStep.value = 0;
+          }}
+        />
         <Button
           icon="stepForward"
           label="Forward one step of the pipeline"

@@ -4,11 +4,11 @@ import type { GridGeometry, LaserScan } from "../../grid/occupancyGrid";
 import { bearingOf } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
 import { selected } from "../../ui/bound";
-import { reducedMotion } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { signed, written } from "../../ui/numbers";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
+import { PlayButton } from "../common/PlayButton";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
@@ -107,16 +107,12 @@ export function Program() {
         <Choice label="Step size" bare options={STEP_SIZES} {...selected(by)} />
         <div class="actions">
           <Button icon="stepBack" label="Step back" onClick={() => go(-1)} />
-          {!reducedMotion.value && (
-            <Button
-              icon={playing.value ? "pause" : "play"}
-              label={playing.value ? "Pause" : "Play"}
-              onClick={() => {
-                if (now >= run.steps.length - 1) step.value = 0;
-                playing.value = !playing.value;
-              }}
-            />
-          )}
+          <PlayButton
+            playing={playing}
+            onPress={() => {
+              if (now >= run.steps.length - 1) step.value = 0;
+            }}
+          />
           <Button icon="stepForward" label="Step forward" onClick={() => go(1)} />
           <Button
             icon="restart"

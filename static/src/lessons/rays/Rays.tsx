@@ -5,12 +5,12 @@ import type { Cell } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { amanatidesWoo } from "../../grid/textbook";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/media";
 import { written } from "../../ui/numbers";
 import { keyedIndex } from "../../ui/seek";
 import { Toggle, ToggleOf } from "../../ui/Toggle";
 import type { Point } from "../../wire/protocol";
 import { DragHandle } from "../common/DragHandle";
+import { PlayButton } from "../common/PlayButton";
 import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
 import { rayFrom as from, rayTo as to } from "./ends";
@@ -100,16 +100,12 @@ export function Rays() {
       <Nablas line={line.value} at={at} onGo={go} />
       <div class="rays-controls no-print">
         <Button icon="stepBack" label="Back one cell" onClick={() => go(at - 1)} />
-        {!reducedMotion.value && (
-          <Button
-            icon={playing.value ? "pause" : "play"}
-            label={playing.value ? "Pause" : "Play"}
-            onClick={() => {
-              if (at >= last) step.value = 0;
-              playing.value = !playing.value;
-            }}
-          />
-        )}
+        <PlayButton
+          playing={playing}
+          onPress={() => {
+            if (at >= last) step.value = 0;
+          }}
+        />
         <Button icon="stepForward" label="Forward one cell" onClick={() => go(at + 1)} />
         <Toggle label="fix 1: step with the signs" checked={fixes.value.direction} onChange={fix("direction")} />
         <Toggle label="fix 2: swap steep axes" checked={fixes.value.steep} onChange={fix("steep")} />

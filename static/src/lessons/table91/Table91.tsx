@@ -2,9 +2,9 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { reducedMotion } from "../../ui/browser/media";
 import { signed } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { PlayButton } from "../common/PlayButton";
 import { useSeen, useSteps } from "../common/useSteps";
 import { visited } from "../stage/controls";
 import { LOOP_CELLS, LOOP_GEOMETRY, visitOf } from "../stage/loop";
@@ -138,16 +138,14 @@ export function Table91() {
       />
       <div class="actions no-print">
         <Button icon="stepBack" label="Back one cell of the loop" onClick={() => go(done - 1)} />
-        {!reducedMotion.value && (
-          <Button
-            icon={playing.value ? "pause" : "play"}
-            label={playing.value ? "Pause the loop" : "Run the loop"}
-            onClick={() => {
-              if (done >= LOOP_CELLS) visited.value = 1;
-              playing.value = !playing.value;
-            }}
-          />
-        )}
+        <PlayButton
+          playing={playing}
+          play="Run the loop"
+          pause="Pause the loop"
+          onPress={() => {
+            if (done >= LOOP_CELLS) visited.value = 1;
+          }}
+        />
         <Button icon="stepForward" label="Forward one cell of the loop" onClick={() => go(done + 1)} />
         <Button onClick={() => go(done - (done % LOOP_GEOMETRY.cols) + LOOP_GEOMETRY.cols)}>Next row</Button>
       </div>

@@ -1,5 +1,6 @@
 /** P of a patch entry by entry, and what follows from it. */
 
+import type { ComponentChildren } from "preact";
 import { written } from "../../ui/numbers";
 import {
   type Limits,
@@ -15,6 +16,34 @@ import {
 const DEGREE = 180 / Math.PI;
 const NAMES = ["1", "x", "y", "h"];
 
+interface NumberTableProps {
+  readonly label: string;
+  readonly corner: string;
+  readonly columns: readonly string[];
+  /** Its rows. */
+  readonly children: ComponentChildren;
+}
+
+function NumberTable({ label, corner, columns, children }: NumberTableProps) {
+  return (
+    <div class="table-room">
+      <table class="patch-matrix" aria-label={label}>
+        <thead>
+          <tr>
+            <th scope="col">{corner}</th>
+            {columns.map((name) => (
+              <th scope="col" key={name}>
+                {name}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>{children}</tbody>
+      </table>
+    </div>
+  );
+}
+
 interface MatrixProps {
   readonly moments: Moments;
   /** P before the point that moved last was moved. */
@@ -24,36 +53,22 @@ interface MatrixProps {
 /** P as a table; entries that the newest move has changed are marked. */
 export function Matrix({ moments, before }: MatrixProps) {
   return (
-    <div class="table-room">
-      <table class="patch-matrix" aria-label="P, the sum of v vᵀ">
-        <thead>
-          <tr>
-            <th scope="col">P</th>
-            {NAMES.map((name) => (
-              <th scope="col" key={name}>
-                {name}
-              </th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {NAMES.map((name, row) => (
-            <tr key={name}>
-              <th scope="row">{name}</th>
-              {NAMES.map((other, col) => {
-                const now = moments[4 * row + col] as number;
-                const isChanged = Math.abs(now - (before[4 * row + col] as number)) > 5e-3;
-                return (
-                  <td key={other} class={isChanged ? "changed" : ""}>
-                    {row + col === 0 ? written(now, 0) : written(now, 2)}
-                  </td>
-                );
-              })}
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
+    <NumberTable label="P, the sum of v vᵀ" corner="P" columns={NAMES}>
+      {NAMES.map((name, row) => (
+        <tr key={name}>
+          <th scope="row">{name}</th>
+          {NAMES.map((other, col) => {
+            const now = moments[4 * row + col] as number;
+            const isChanged = Math.abs(now - (before[4 * row + col] as number)) > 5e-3;
+            return (
+              <td key={other} class={isChanged ? "changed" : ""}>
+                {row + col === 0 ? written(now, 0) : written(now, 2)}
+              </td>
+            );
+          })}
+        </tr>
+      ))}
+    </NumberTable>
   );
 }
 
@@ -138,29 +153,15 @@ export function Children({ moments }: { readonly moments: readonly Moments[] }) 
   const rows = moments.map((child) => child.slice(0, 4));
   const sum = SUMS.map((_, k) => rows.reduce((total, row) => total + (row[k] as number), 0));
   return (
-    <div class="table-room">
-      <table class="patch-matrix" aria-label="The four children of this patch, and their sum">
-        <thead>
-          <tr>
-            <th scope="col">Child</th>
-            {SUMS.map((name) => (
-              <th scope="col" key={name}>
-                {name}
-              </th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {[...rows, sum].map((row, at) => (
-            <tr key={at}>
-              <th scope="row">{at < rows.length ? at + 1 : "Sum"}</th>
-              {row.map((value, k) => (
-                <td key={k}>{written(value, k === 0 ? 0 : 2)}</td>
-              ))}
-            </tr>
+    <NumberTable label="The four children of this patch, and their sum" corner="Child" columns={SUMS}>
+      {[...rows, sum].map((row, at) => (
+        <tr key={at}>
+          <th scope="row">{at < rows.length ? at + 1 : "Sum"}</th>
+          {row.map((value, k) => (
+            <td key={k}>{written(value, k === 0 ? 0 : 2)}</td>
           ))}
-        </tbody>
-      </table>
-    </div>
+        </tr>
+      ))}
+    </NumberTable>
   );
 }

@@ -1,16 +1,26 @@
+import type { ComponentChildren } from "preact";
 import { Button } from "../../ui/Button";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
-import { opening } from "./library/library";
+import type { MakingAnswer } from "../../wire/http";
 
-/** Shown in place of a log's view until it has loaded: what the server does for it, how far it is, and since when. */
-export function Opening({ onCancel }: { readonly onCancel?: () => void }) {
-  const now = opening.value;
+interface OpeningProps {
+  /** What the server does for it, how far it is, and since when; null before it has said so. */
+  readonly now: MakingAnswer | null;
+  /** What is said until then. */
+  readonly what: string;
+  readonly onCancel?: (() => void) | undefined;
+  /** What is being opened. */
+  readonly children?: ComponentChildren;
+}
+
+/** Shown in place of a view until it has loaded. */
+export function Opening({ now, what, onCancel, children }: OpeningProps) {
   return (
     <div class="viewer-message" role="status">
+      {children}
       <p class="prose">
-        {now?.what ?? "Opening the log"} …{" "}
-        {/* Hidden from screen readers, which would announce it four times a second. */}
+        {now?.what ?? what} … {/* Hidden from screen readers, which would announce it four times a second. */}
         {now && (
           <span class="number" aria-hidden="true">
             {progressText(now)}

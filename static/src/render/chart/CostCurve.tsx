@@ -100,7 +100,6 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
               const wanted = cost - (dy * (fine ? 0.2 : 1) * ys.high) / (BOTTOM - TOP);
               set("cost_scaling_factor", factorFor(wanted, at, inscribed));
             }}
-            onEnd={() => undefined}
             onKey={(pressed, shift) => key("cost_scaling_factor", pressed, shift)}
           >
             <circle class="handle-mark" cx={x(grip)} cy={y(gripCost)} r={7} />
@@ -122,7 +121,6 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
           onDrag={(dx, _, fine) => {
             set("inflation_radius", before.current.radius + dx * (fine ? 0.2 : 1) * before.current.at);
           }}
-          onEnd={() => undefined}
           onKey={(pressed, shift) => key("inflation_radius", pressed, shift)}
         >
           <line class="radius" x1={x(radius)} x2={x(radius)} y1={TOP + 32} y2={BOTTOM} />

@@ -162,7 +162,6 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
               onDrag={(moveX, moveY, fine) => {
                 change(grip.name, grip.of(from.current + (grip.axis === "x" ? moveX : moveY) * (fine ? 0.2 : 1)));
               }}
-              onEnd={() => undefined}
               onKey={(pressed, shift) => {
                 const next = keyed(pressed, shift, value, row(grip.name));
                 if (next !== null) change(grip.name, next);

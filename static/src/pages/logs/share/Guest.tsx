@@ -1,8 +1,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { Button } from "../../../ui/Button";
 import { mayPass, whyAgain } from "../../../wire/ask";
 import type { SessionAnswer, SharedAnswer } from "../../../wire/http";
+import { NotOpened } from "../../SessionEnded";
 import { CostmapViewer } from "../costmaps/CostmapViewer";
 import { opening } from "../library/library";
 import { Opening } from "../Opening";
@@ -54,19 +54,11 @@ export function Guest({ token }: { token: string }) {
   useEffect(() => void open(), [token]);
 
   if (failure.value !== null && opening.value === null) {
-    return (
-      <div class="viewer-message" role="alert">
-        <h1>This link was not opened</h1>
-        <p class="prose">{failure.value}</p>
-        <div class="actions">
-          <Button icon="restart" onClick={() => void open()}>
-            Try again
-          </Button>
-        </div>
-      </div>
-    );
+    return <NotOpened title="This link was not opened" reason={failure.value} onAgain={() => void open()} />;
   }
-  if (!opened.value) return <Opening onCancel={() => ending.current?.abort()} />;
+  if (!opened.value) {
+    return <Opening now={opening.value} what="Opening the log" onCancel={() => ending.current?.abort()} />;
+  }
   const { session, shared: view } = opened.value;
   const Kind = session.kind === "costmaps" ? CostmapViewer : Viewer;
   return (

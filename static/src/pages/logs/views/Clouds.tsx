@@ -8,6 +8,7 @@ import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { ask } from "../../../wire/ask";
 import { exposeClouds } from "../../debugHook";
+import { opening } from "../library/library";
 import { Opening } from "../Opening";
 import type { Solid } from "./solid";
 
@@ -60,7 +61,7 @@ export function Clouds({ log, main, solid }: CloudsProps) {
     <CloudStage session={session.value} main={main} solid={solid} />
   ) : (
     <div class="clouds-place">
-      <Opening />
+      <Opening now={opening.value} what="Opening the log" />
     </div>
   );
 }
