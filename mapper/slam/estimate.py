@@ -55,9 +55,9 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
     )
 
 
-def _attempts(way: float, config: SlamConfig) -> float:
+def _attempts(driven: float, config: SlamConfig) -> float:
     """Return how often a loop is looked for over a way, metres; see :meth:`LoopCloser.try_at`."""
     if not config.loop_closure:
         return 0.0
     begin = MOST_ATTEMPTS * config.loop_distance
-    return way / config.loop_distance if way <= begin else MOST_ATTEMPTS * (1.0 + math.log(way / begin))
+    return driven / config.loop_distance if driven <= begin else MOST_ATTEMPTS * (1.0 + math.log(driven / begin))

@@ -195,14 +195,14 @@ class FrontEnd:
             self._velocity = np.array(between_one(before.tolist(), self.last.tolist())) / passed
 
     def _align(self, i: int, expected: Float64Array, *, has_odometry: bool, is_steady: bool) -> Step:
-        way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
+        length, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
         predicted = np.array(compose_one(self.last.tolist(), expected.tolist()))
         if not has_odometry:
-            window, turn_window = 0.25 + 0.5 * way, 0.15 + 0.5 * turned
-            spread = np.array([0.05 + 0.5 * way] * 2 + [0.03 + 0.5 * turned])
+            window, turn_window = 0.25 + 0.5 * length, 0.15 + 0.5 * turned
+            spread = np.array([0.05 + 0.5 * length] * 2 + [0.03 + 0.5 * turned])
         else:
-            window, turn_window = 0.10 + 0.2 * way, 0.07 + 0.2 * way + 0.2 * turned
-            spread = np.array([0.03 + 0.15 * way] * 2 + [0.02 + 0.15 * way + 0.1 * turned])
+            window, turn_window = 0.10 + 0.2 * length, 0.07 + 0.2 * length + 0.2 * turned
+            spread = np.array([0.03 + 0.15 * length] * 2 + [0.02 + 0.15 * length + 0.1 * turned])
         spread = np.minimum(spread, MOST_SPREAD)
         # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
         # fits as well, the prediction counts. Without odometry it is too poor for that, but for a scan soon after some

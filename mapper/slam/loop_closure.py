@@ -39,26 +39,28 @@ class LoopCloser:
         self._places: OrderedDict[int, Place] = OrderedDict()
         self._way_of_last_attempt = -np.inf
 
-    def try_at(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> list[Loop]:
-        """Look for loops from node j; ``poses`` (j + 1, 3) are ``T_map_base``, ``way`` (j + 1,) the metres driven.
+    def try_at(self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]) -> list[Loop]:
+        """Look for loops from node j; ``poses`` (j + 1, 3) are ``T_map_base``, ``driven`` (j + 1,) the metres driven.
 
         ``loops`` are those accepted before.
         """
-        distance = max(self._config.loop_distance, float(way[j]) / MOST_ATTEMPTS)
-        if way[j] - self._way_of_last_attempt < distance:
+        distance = max(self._config.loop_distance, float(driven[j]) / MOST_ATTEMPTS)
+        if driven[j] - self._way_of_last_attempt < distance:
             return []
-        self._way_of_last_attempt = way[j]
+        self._way_of_last_attempt = driven[j]
         tried = []
-        for submap, anchor, drift in self._near(j, poses, way, loops):
+        for submap, anchor, drift in self._near(j, poses, driven, loops):
             loop = self._search(submap, anchor, j, poses, drift)
             if loop.accepted and drift > FAR:
-                loop = self._checked(loop, submap, poses, way, loops)
+                loop = self._checked(loop, submap, poses, driven, loops)
             tried.append(loop)
             if loop.accepted:
                 break
         return tried
 
-    def _near(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> list[tuple[int, int, float]]:
+    def _near(
+        self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]
+    ) -> list[tuple[int, int, float]]:
         """Return the submaps to search, each with its node that is nearest and the way to it in the graph."""
         submaps = np.array(self._front_end.submaps, dtype=np.int64).reshape(-1, 2)
         if not len(submaps):
@@ -67,11 +69,11 @@ class LoopCloser:
         nearest = np.empty(len(submaps), dtype=np.int64)
         begin, end = np.ascontiguousarray(submaps[:, 0]), np.ascontiguousarray(submaps[:, 1])
         least_of_ranges(away, begin, end, nearest)
-        is_old = way[j] - way[end - 1] > LEAST_WAY
+        is_old = driven[j] - driven[end - 1] > LEAST_WAY
         is_near = away[nearest] < self._config.loop_window + SIGHT
         if not (is_old & is_near).any():
             return []
-        drift = graph_ways(j, way, loops)
+        drift = graph_ways(j, driven, loops)
         window = np.minimum(WINDOW + DRIFT * drift[nearest], self._config.loop_window)
         near = np.flatnonzero(is_old & (away[nearest] < window + SIGHT))
         order = near[np.argsort(away[nearest[near]], kind="stable")][:CANDIDATES]
@@ -84,16 +86,16 @@ class LoopCloser:
         place = self._place(submap)
         return try_loop(self._store, self._config, self._rule, place, anchor, j, guess, window, turn_window)
 
-    def _checked(self, loop: Loop, submap: int, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> Loop:
+    def _checked(self, loop: Loop, submap: int, poses: Float64Array, driven: Float64Array, loops: list[Loop]) -> Loop:
         """Return an accepted loop, refused where the scans on the way, or it and its place, contradict one another.
 
         One scan may fit a place that looks like another; what was seen before it hardly does. Only scans that are
         placed surely beside the loop's first scan tell: others are off by their own drift.
         """
         most = self._config.loop_contradicted
-        is_earlier = graph_ways(loop.i, way, loops) <= SURE
-        is_earlier &= way < way[loop.j] - BEFORE - LEAST_WAY
-        share = share_contradicted(self._store, [loop], poses, way, is_earlier)
+        is_earlier = graph_ways(loop.i, driven, loops) <= SURE
+        is_earlier &= driven < driven[loop.j] - BEFORE - LEAST_WAY
+        share = share_contradicted(self._store, [loop], poses, driven, is_earlier)
         if share > most:
             reason = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
             return replace(loop, reason=reason)

@@ -65,14 +65,14 @@ def map_agreement(store: ScanStore, poses: Float64Array) -> MapAgreement:
     :func:`mapper.slam.kernels.agreement.count_agreement` counts: with those within :data:`APART` metres of the way
     before or after it, and with those farther away.
     """
-    way = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
-    step = max(EVERY, float(way[-1]) / MOST_SCANS)
+    driven = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
+    step = max(EVERY, float(driven[-1]) / MOST_SCANS)
     counts = np.empty(3, dtype=np.int64)
     far, near = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    for k in np.unique(np.searchsorted(way, np.arange(0.0, way[-1], step))).tolist():
+    for k in np.unique(np.searchsorted(driven, np.arange(0.0, driven[-1], step))).tolist():
         around = np.hypot(*(poses[:, :2] - poses[k, :2]).T) < AROUND
         around[k] = False
-        is_far = np.abs(way - way[k]) > APART
+        is_far = np.abs(driven - driven[k]) > APART
         if (around & is_far).any():
             others = spread(np.flatnonzero(around & is_far), OTHERS)
             count_agreement(store.arrays, k, poses[k], others, poses, GATE, 2, counts)

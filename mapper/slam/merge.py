@@ -202,17 +202,17 @@ class _Joint:
         poses = self._poses_at(placed)
         here, there = poses[: self.split], poses[self.split :]
         size = 2 * int(self._config.submap_scans)
-        tried, way = list[Loop](), np.inf
+        tried, driven = list[Loop](), np.inf
         for k, pose in enumerate(there):
             if k:
-                way += float(np.hypot(*(pose - there[k - 1])[:2]))
-            if way < self._config.loop_distance:
+                driven += float(np.hypot(*(pose - there[k - 1])[:2]))
+            if driven < self._config.loop_distance:
                 continue
             away = np.hypot(*(here[:, :2] - pose[:2]).T)
             nearest = int(np.argmin(away))
             if away[nearest] > SIGHT:
                 continue
-            way = 0.0
+            driven = 0.0
             chunk = nearest // size
             if chunk not in self._places:
                 members = np.arange(chunk * size, min((chunk + 1) * size, self.split))

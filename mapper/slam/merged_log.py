@@ -69,13 +69,13 @@ def _are_alike(first: ScanLog, second: ScanLog) -> bool:
 
 
 def _one_after_the_other(first: ScanLog, second: ScanLog) -> ScanLog:
-    way = first.trajectories[MERGED]
-    both = np.concatenate([way.poses, second.trajectories[MERGED].poses])
+    path = first.trajectories[MERGED]
+    both = np.concatenate([path.poses, second.trajectories[MERGED].poses])
     return replace(
         first,
         ranges=np.concatenate([first.ranges, second.ranges]),
         stamps_ns=np.concatenate([first.stamps_ns, second.stamps_ns]),
         order_ns=None,
-        trajectories={MERGED: replace(way, poses=both)},
+        trajectories={MERGED: replace(path, poses=both)},
         topic="/scan",
     )

@@ -82,8 +82,8 @@ def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
     for number, part in enumerate(sensors_of(log)):
         if part.can_deskew(name):
             times, sweep = seconds(part), (part.n_beams - 1) * part.time_increment
-            way = Motion.of(part, name)
-            moved = compose(inverse(way.at(times)), way.at(times + sweep))
+            motion = Motion.of(part, name)
+            moved = compose(inverse(motion.at(times)), motion.at(times + sweep))
             out[part_of_scan(log) == number] = moved / sweep
     return out
 
@@ -110,13 +110,13 @@ def _spaced(poses: Float64Array, distance: float, turn: float) -> NDArray[np.int
     steps = motions(poses)
     moved = np.hypot(steps[:, 0], steps[:, 1]).tolist()
     turned = np.abs(steps[:, 2]).tolist()
-    spaced, way, angle = [0], 0.0, 0.0
+    spaced, driven, angle = [0], 0.0, 0.0
     for k in range(len(moved)):
-        way += moved[k]
+        driven += moved[k]
         angle += turned[k]
-        if way >= distance or angle >= turn:
+        if driven >= distance or angle >= turn:
             spaced.append(k + 1)
-            way = angle = 0.0
+            driven = angle = 0.0
     if spaced[-1] != len(poses) - 1:
         spaced.append(len(poses) - 1)
     return np.array(spaced, dtype=np.int64)

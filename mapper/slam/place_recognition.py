@@ -101,28 +101,30 @@ class PlaceRecognizer:
         self._next = config.place_length  # metres of the way, where the next submap ends
         self._waiting: list[_Waiting] = []
 
-    def try_at(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop], tried: list[Loop]) -> list[int]:
+    def try_at(
+        self, j: int, poses: Float64Array, driven: Float64Array, loops: list[Loop], tried: list[Loop]
+    ) -> list[int]:
         """Look for places from node j, and add what was tried to ``tried``; return which of those form a group.
 
-        ``poses`` (j + 1, 3) are ``T_map_base``, ``way`` (j + 1,) the metres driven, ``loops`` those accepted before.
+        ``poses`` (j + 1, 3) are ``T_map_base``, ``driven`` (j + 1,) the metres driven, ``loops`` those accepted before.
         What waits for others stands in ``tried`` as refused. A group that is returned is then given to :meth:`accept`
         or :meth:`refuse`.
         """
-        if way[j] < self._next:
+        if driven[j] < self._next:
             return []
-        self._next = way[j] + SPACING
-        members = np.flatnonzero(way > way[j] - self._config.place_length)
+        self._next = driven[j] + SPACING
+        members = np.flatnonzero(driven > driven[j] - self._config.place_length)
         self._submaps.append(members)
         # A submap from which a loop closed is where it is known to be.
         if any(loop.j >= members[0] for loop in reversed(loops)):
             return []
-        drift = graph_ways(j, way, loops)
+        drift = graph_ways(j, driven, loops)
         before = len(self._waiting)
-        self._recognize(poses, way, drift, tried)
+        self._recognize(poses, driven, drift, tried)
         if len(self._waiting) == before:
             return []
-        self._waiting = [one for one in self._waiting if way[one.loop.j] > way[j] - MEMORY]
-        return self._group(poses, way, tried)
+        self._waiting = [one for one in self._waiting if driven[one.loop.j] > driven[j] - MEMORY]
+        return self._group(poses, driven, tried)
 
     def candidates(self, numbers: Sequence[int]) -> list[Loop]:
         """Return the loops of a group that was returned."""
@@ -152,7 +154,7 @@ class PlaceRecognizer:
             self._maps.popitem(last=False)
         return self._maps[submap]
 
-    def _recognize(self, poses: Float64Array, way: Float64Array, drift: Float64Array, tried: list[Loop]) -> None:
+    def _recognize(self, poses: Float64Array, driven: Float64Array, drift: Float64Array, tried: list[Loop]) -> None:
         """Pair the corners of the newest local map with those of earlier ones, and verify the best of the poses."""
         newest = len(self._submaps) - 1
         new = self._submaps[newest]
@@ -160,7 +162,9 @@ class PlaceRecognizer:
         last = np.array([members[-1] for members in self._submaps])
         window = self._config.place_drift * drift[origins]
         away = np.hypot(*(poses[origins] - poses[origins[-1]])[:, :2].T)
-        possible = np.flatnonzero((way[new[0]] - way[last] >= LEAST_WAY) & (away <= window + self._config.place_length))
+        possible = np.flatnonzero(
+            (driven[new[0]] - driven[last] >= LEAST_WAY) & (away <= window + self._config.place_length)
+        )
         # Of many those where the pose is least in doubt.
         possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_SUBMAPS])
         recognized: list[tuple[int, int, Float64Array]] = []
@@ -197,18 +201,18 @@ class PlaceRecognizer:
             else:
                 tried.append(refused(loop, loop.reason))
 
-    def _group(self, poses: Float64Array, way: Float64Array, tried: list[Loop]) -> list[int]:
+    def _group(self, poses: Float64Array, driven: Float64Array, tried: list[Loop]) -> list[int]:
         """Return the loops that wait and form a group, none where something refuses it, and say what."""
         waiting = [one.loop for one in self._waiting]
         if len(waiting) < self._config.place_group:
             return []
-        agree = self._agree(waiting, poses, way)
+        agree = self._agree(waiting, poses, driven)
         group = largest_consistent(agree)
         if len(group) < self._config.place_group:
             return []
         numbers = [self._waiting[int(k)].number for k in group]
         chosen = [waiting[int(k)] for k in group]
-        reason = self._reason_against(chosen, poses, way)
+        reason = self._reason_against(chosen, poses, driven)
         others = np.flatnonzero(~agree[group].any(axis=0))
         if not reason and len(others):
             agreeing = len(largest_consistent(agree[np.ix_(others, others)]))
@@ -220,7 +224,7 @@ class PlaceRecognizer:
             return []
         return numbers
 
-    def _agree(self, waiting: list[Loop], poses: Float64Array, way: Float64Array) -> BoolArray:
+    def _agree(self, waiting: list[Loop], poses: Float64Array, driven: Float64Array) -> BoolArray:
         """Return which two loops (n, n) agree: the poses around the circle of both return to where they began."""
         n = len(waiting)
         agree = np.zeros((n, n), dtype=np.bool_)
@@ -230,14 +234,14 @@ class PlaceRecognizer:
             there = compose(measured[k], compose(inverse(poses[second[k]]), poses[second]))
             other = compose(compose(inverse(poses[first[k]]), poses[first]), measured)
             off = compose(inverse(there), other)
-            between = np.hypot(*(poses[first] - poses[first[k]])[:, :2].T) + np.abs(way[second] - way[second[k]])
+            between = np.hypot(*(poses[first] - poses[first[k]])[:, :2].T) + np.abs(driven[second] - driven[second[k]])
             agree[k] = np.hypot(off[:, 0], off[:, 1]) < OFF + OFF_SHARE * between
             agree[k] &= np.abs(wrap_angle(off[:, 2])) < TURN_OFF + TURN_OFF_SHARE * between
         agree &= agree.T
         np.fill_diagonal(agree, val=False)
         return agree
 
-    def _reason_against(self, group: list[Loop], poses: Float64Array, way: Float64Array) -> str:
+    def _reason_against(self, group: list[Loop], poses: Float64Array, driven: Float64Array) -> str:
         """Return what refuses a group of loops that agree, "" for nothing."""
         ends = poses[[loop.j for loop in group], :2]
         span = float(np.hypot(*(ends[:, np.newaxis] - ends).reshape(-1, 2).T).max())
@@ -252,8 +256,8 @@ class PlaceRecognizer:
         uncertain = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(total)[0]), 1e-12))
         if uncertain > MOST_UNCERTAIN:
             return f"the scans leave one direction uncertain, by {uncertain:.1f} m"
-        first = float(way[[loop.j for loop in group]].min()) - BEFORE
-        contradicted = share_contradicted(self._store, group, poses, way, way < max(first, 0.0) - LEAST_WAY)
+        first = float(driven[[loop.j for loop in group]].min()) - BEFORE
+        contradicted = share_contradicted(self._store, group, poses, driven, driven < max(first, 0.0) - LEAST_WAY)
         if contradicted > self._config.loop_contradicted:
             return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
         return ""

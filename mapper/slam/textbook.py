@@ -62,15 +62,15 @@ def optimise_dense(graph: PoseGraph) -> Float64Array:
     return poses
 
 
-def ways(start: int, way: Float64Array, loops: NDArray[np.int64]) -> Float64Array:
+def ways(start: int, driven: Float64Array, loops: NDArray[np.int64]) -> Float64Array:
     """Return the length (n,) of the shortest way from node ``start`` to each of a chain's nodes, by Floyd's algorithm.
 
-    ``way`` (n,) is the distance driven until each node, ``loops`` (l, 2) join nodes without a length.
+    ``driven`` (n,) is the distance driven until each node, ``loops`` (l, 2) join nodes without a length.
     """
-    n = len(way)
+    n = len(driven)
     length = np.full((n, n), np.inf)
     np.fill_diagonal(length, 0.0)
-    steps = np.diff(way)
+    steps = np.diff(driven)
     for k in range(n - 1):
         length[k, k + 1] = length[k + 1, k] = steps[k]
     for i, j in loops.tolist():

@@ -18,33 +18,33 @@ AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the loops put a scan th
 BACK = 2  #: of these, that are compared with the scans on the way
 
 
-def graph_ways(node: int, way: Float64Array, loops: Sequence[Loop]) -> Float64Array:
-    """Return the way (n,) in the graph from a node to each, metres; ``way`` (n,) is the metres driven."""
+def graph_ways(node: int, driven: Float64Array, loops: Sequence[Loop]) -> Float64Array:
+    """Return the way (n,) in the graph from a node to each, metres; ``driven`` (n,) is the metres driven."""
     ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
-    out = np.empty(len(way))
-    ways_from(node, way, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), out)
+    out = np.empty(len(driven))
+    ways_from(node, driven, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), out)
     return out
 
 
 def share_contradicted(
-    store: ScanStore, loops: Sequence[Loop], poses: Float64Array, way: Float64Array, is_earlier: BoolArray
+    store: ScanStore, loops: Sequence[Loop], poses: Float64Array, driven: Float64Array, is_earlier: BoolArray
 ) -> float:
     """Return the share of points, where loops put the way to them, that lie in free space of the other scans.
 
-    ``poses`` (n, 3) and ``way`` (n,), metres driven, are those of all scans. Each scan from :data:`BEFORE` before the
-    first loop on is put where the loop nearest to it in the chain puts it. Scans of that way are compared with those
-    nearby that are ``is_earlier`` (n,), and those with them; 0 where there are none.
+    ``poses`` (n, 3) and ``driven`` (n,), metres driven, are those of all scans. Each scan from :data:`BEFORE` before
+    the first loop on is put where the loop nearest to it in the chain puts it. Scans of that way are compared with
+    those nearby that are ``is_earlier`` (n,), and those with them; 0 where there are none.
     """
     ends = np.array([loop.j for loop in loops])
-    later = np.flatnonzero(way >= max(float(way[ends].min()) - BEFORE, 0.0))
+    later = np.flatnonzero(driven >= max(float(driven[ends].min()) - BEFORE, 0.0))
     moved = [compose(compose(poses[loop.i], loop.relative), inverse(poses[loop.j])) for loop in loops]
-    nearest = np.argmin(np.abs(way[ends][np.newaxis] - way[later][:, np.newaxis]), axis=1)
+    nearest = np.argmin(np.abs(driven[ends][np.newaxis] - driven[later][:, np.newaxis]), axis=1)
     placed = poses.copy()
     placed[later] = compose(np.array(moved)[nearest], poses[later])
     earlier = np.flatnonzero(is_earlier[: later[0]])
     scans = store.arrays
     counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    wanted = np.searchsorted(way, np.arange(way[later[0]], way[-1], EVERY))
+    wanted = np.searchsorted(driven, np.arange(driven[later[0]], driven[-1], EVERY))
     for k in np.unique(wanted).tolist():
         near = earlier[np.hypot(*(placed[earlier, :2] - placed[k, :2]).T) < AROUND]
         if not len(near):

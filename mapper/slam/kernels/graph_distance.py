@@ -7,16 +7,16 @@ from mapper.core.jit import jit
 
 
 @jit
-def ways_from(start: int, way: Float64Array, first: Int64Array, second: Int64Array, out: Float64Array) -> None:
+def ways_from(start: int, driven: Float64Array, first: Int64Array, second: Int64Array, out: Float64Array) -> None:
     """Write the length (n,) of the shortest way from node ``start`` to each node, metres.
 
-    ``way`` (n,) is the distance driven until each node, so that neighbours in the chain are as far apart as it says;
+    ``driven`` (n,) is the distance driven until each node, so that neighbours in the chain are as far apart as it says;
     the loops from ``first`` (l,) to ``second`` (l,) have no length. Bellman and Ford's algorithm, in sweeps along the
     chain.
     """
-    n = len(way)
+    n = len(driven)
     for k in range(n):
-        out[k] = abs(way[start] - way[k])
+        out[k] = abs(driven[start] - driven[k])
     changed = True
     while changed:
         changed = False
@@ -30,9 +30,9 @@ def ways_from(start: int, way: Float64Array, first: Int64Array, second: Int64Arr
                 changed = True
         if changed:
             for k in range(1, n):
-                out[k] = min(out[k], out[k - 1] + way[k] - way[k - 1])
+                out[k] = min(out[k], out[k - 1] + driven[k] - driven[k - 1])
             for k in range(n - 2, -1, -1):
-                out[k] = min(out[k], out[k + 1] + way[k + 1] - way[k])
+                out[k] = min(out[k], out[k + 1] + driven[k + 1] - driven[k])
 
 
 @jit
