@@ -156,7 +156,7 @@ def objects(
     The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` is 1. ``heights`` and
     ``around`` have ``margin`` more cells at each border, into which discs reach.
     """
-    found = np.zeros(heights.shape, dtype=np.bool_)
+    found: BoolArray = np.zeros(heights.shape, dtype=np.bool_)
     more = np.zeros_like(heights) if around is None else around
     runs = np.empty((2, *heights.shape), dtype=np.float32)
     before, eroded, after = heights.copy(), np.empty_like(heights), np.empty_like(heights)
