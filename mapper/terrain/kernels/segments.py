@@ -126,7 +126,7 @@ def judge(
             given[row, col] = contested[row, col] = False
             if taken[row, col]:
                 segment = _root_of(parents, row * cols + col)
-                into, drops = sides[segment, 0], sides[segment, 1]
+                into, drops = np.int64(sides[segment, 0]), np.int64(sides[segment, 1])
                 down, right = np.int64(sides[segment, 2]), np.int64(sides[segment, 3])
                 is_front = down * down + right * right >= front * front
                 given[row, col] = into > 0 and (is_front or into >= least_into * (into + drops))
