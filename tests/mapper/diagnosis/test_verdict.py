@@ -12,7 +12,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
-from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sweep
+from mapper.diagnosis import Limits, between, examine, judge, mounting, named_findings, sweep, timing
 from mapper.diagnosis.consistency import Contradiction
 from mapper.diagnosis.verdict import FINDINGS
 from mapper.io.logs import open_log
@@ -139,6 +139,7 @@ def test_every_finding_that_the_checks_can_make_has_its_name_in_the_list() -> No
         between.CHECK,
         mounting.CHANGING,
         sweep.CHECK,
+        timing.CLOCK,
     }
     assert made == set(FINDINGS)
 
