@@ -58,7 +58,7 @@ LINES = {
     "a number of beams of many digits": (GOOD.replace("FLASER 4", "FLASER " + "9" * 5000), "log.beam_count", "999"),
     "an impossible mount": ("PARAM robot_frontlaser_offset nan x 0", "log.parameter", "cannot be 'nan' m"),
     "a mount that is no number": ("PARAM robot_frontlaser_offset ahead x 0", "log.not_a_number", "'ahead'"),
-    "a maximum range below 0": ("PARAM robot_frontlaser_max -1 x 0", "log.parameter", "cannot be '-1' m"),
+    "a maximum range of nan": ("PARAM robot_frontlaser_max nan x 0", "log.parameter", "cannot be 'nan' m"),
     "robot laser without field of view": (ROBOT.replace("3.14", "0"), "log.beam_angles", "impossible angles"),
     "robot laser with a start of nan": (ROBOT.replace("-1.57", "nan"), "log.beam_angles", "impossible angles"),
     "robot laser with many remissions": (ROBOT.replace("4 0 0", "4 9 0"), "log.beam_count", "4 beams and 9 remissions"),
