@@ -35,7 +35,7 @@ class Sensor3D:
         "every pixel of an image.", ("spinning_lidar", "tilted_lidar", "depth_camera"),
     )
     mount_height: float = number(
-        "Mount height", "sensor_3d", 0.6, "Height of the sensor above the ground.", "m", 0.1, 1.8, 0.05,
+        "Height of its mount", "sensor_3d", 0.6, "Height of the sensor above the ground.", "m", 0.1, 1.8, 0.05,
     )
     tilt: float = number(
         "Tilt", "sensor_3d", 0.25, "How far its axis points below the horizon.",
