@@ -355,10 +355,10 @@ def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:
     """
     lines = io.BytesIO(data)
     lines.seek(at + (len(BOM) if data.startswith(BOM, at) else 0))
-    header: list[bytes] = []
-    while len(header) < n and (more := list(islice(lines, n - len(header)))):
-        header += [line for line in more if not line.isspace()]
-    return b"".join(header), lines.tell()
+    kept: list[bytes] = []
+    while len(kept) < n and (more := list(islice(lines, n - len(kept)))):
+        kept += [line for line in more if not line.isspace()]
+    return b"".join(kept), lines.tell()
 
 
 NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices

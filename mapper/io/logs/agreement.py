@@ -76,8 +76,8 @@ class Agreement:
         for number, (scans, delay) in enumerate(zip(self._stretches, each, strict=True)):
             others, ends = (self._ends(some, increment, float(delay), most_beams) for some in scans)
             if len(others):
-                found = cKDTree(others).query(ends, distance_upper_bound=FARTHEST_M)[0]
-                sums[number], counts[number] = np.minimum(found, FARTHEST_M).sum(), len(found)
+                nearest = cKDTree(others).query(ends, distance_upper_bound=FARTHEST_M)[0]
+                sums[number], counts[number] = np.minimum(nearest, FARTHEST_M).sum(), len(nearest)
         return sums, counts
 
     def best(self, increment: float, first_beam: float = 0.0) -> tuple[float, float]:
@@ -119,7 +119,7 @@ def _stretches(
     Each has ``length`` scans; ``moved`` (n,) is by how much it moves the end of a beam within the span of each scan,
     metres.
     """
-    found = []
+    stretches = []
     for start in range(0, len(moved), length):
         scans = start + np.flatnonzero(usable[start : start + length])
         scans = scans[np.argsort(moved[scans], kind="stable")]
@@ -128,6 +128,6 @@ def _stretches(
         still = rest[moved[rest] <= STILL * usual]
         if usual >= LEAST_MOVED_M and len(still) >= LEAST_STILL:
             still = still[np.linspace(0, len(still) - 1, min(len(still), MOST_STILL)).astype(np.int64)]
-            found.append((usual, still, fast))
-    best = sorted(found, key=lambda one: -one[0])[:MOST_STRETCHES]
+            stretches.append((usual, still, fast))
+    best = sorted(stretches, key=lambda one: -one[0])[:MOST_STRETCHES]
     return [(still, fast) for _, still, fast in best]

@@ -23,7 +23,8 @@ Float64Array = NDArray[np.float64]
 
 LOOKED_AT_S = 0.1  #: seconds in which the robot moves, to choose scans by
 OFFSETS_S = np.arange(-0.3, 0.301, 0.025)  #: that are tried in each stretch, to find the rate
-STEEPEST = 0.02  #: seconds by which a clock may go wrong in each
+MOST_RATE = 0.02  #: seconds by which a clock may go wrong in each second
+RATES = 49  #: that are tried, evenly spaced up to it, either way
 DRIFTS = (-0.02, -0.01, -0.005, 0.005, 0.01, 0.02)  #: rad/s, of headings, which may look like a clock
 LEAST_CHANGE_S = 0.02  #: by which a clock must go wrong within the log
 
@@ -69,34 +70,35 @@ def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
     now = agreement.apart(increment) if agreement.tells else 0.0
     if now <= BY_M:
         return None
-    least, offset = agreement.best(increment)
     middle = float(agreement.times.mean())
-    is_late = fits(least, now, MUCH)
+    apart, offset = agreement.best(increment)
+    rate, is_late = 0.0, fits(apart, now, MUCH)
     # Where one delay is right, no rate fits clearly better.
-    running = None if is_late and least <= BY_M else _running(agreement, increment, middle)
-    if (
-        running is not None
-        and fits(running[0], now, MUCH)
-        and fits(running[0], least)
-        and fits(running[0], _with_drift(log, name, increment))
-    ):
-        _, offset, rate = running
-        parts = float(f"{abs(rate) * 1e6:.2g}")
-        faster = "faster" if rate > 0.0 else "slower"
-        why = (
-            f"By the readings, the clock of {name} runs about {parts:,.0f} parts in a million {faster} than that of "
-            "the scans: by it alone walls are single where the robot turns. Its stamps are converted."
-        )
-        return PoseClock(offset, rate, middle, why)
-    if not is_late or not fits(least, _with_drift(log, name, increment)):
+    running = None if is_late and apart <= BY_M else _running(agreement, increment, middle)
+    if running is not None and fits(running[0], now, MUCH) and fits(running[0], apart):
+        apart, offset, rate = running
+    elif not is_late:
         return None
-    late = "late" if offset > 0.0 else "early"
-    why = (
-        f"By the readings, the poses of {name} are stamped {abs(offset):.2g} s too {late}, or the scans too "
-        f"{'early' if offset > 0.0 else 'late'}: so alone walls are single where the robot turns. Each scan gets the "
-        f"pose that is stamped {abs(offset):.2g} s {'after' if offset > 0.0 else 'before'} it."
+    if not fits(apart, _with_drift(log, name, increment)):
+        return None
+    return PoseClock(offset, rate, middle, _why(name, offset, rate))
+
+
+def _why(name: str, offset: float, rate: float) -> str:
+    """Return what is said of a clock."""
+    if rate:
+        parts = float(f"{abs(rate) * 1e6:.2g}")
+        return (
+            f"By the readings, the clock of {name} runs about {parts:,.0f} parts per million "
+            f"{'faster' if rate > 0.0 else 'slower'} than that of the scans: only with this correction do walls "
+            "coincide where the robot turns. Its stamps are converted."
+        )
+    late, early, after = ("late", "early", "after") if offset > 0.0 else ("early", "late", "before")
+    return (
+        f"By the readings, the poses of {name} are stamped {abs(offset):.2g} s too {late}, or the scans too {early}: "
+        "only with this correction do walls coincide where the robot turns. Each scan gets the pose that is stamped "
+        f"{abs(offset):.2g} s {after} it."
     )
-    return PoseClock(offset, 0.0, middle, why)
 
 
 def _with_drift(log: ScanLog, name: str, increment: float) -> float:
@@ -106,13 +108,13 @@ def _with_drift(log: ScanLog, name: str, increment: float) -> float:
     """
     motion = Motion.of(log, name)
     stamps_ns = np.round(motion.times * 1e9).astype(np.int64)
-    found = []
+    distances = []
     for drift in DRIFTS:
         turned = np.zeros_like(motion.poses)
         turned[:, 2] = drift * (motion.times - motion.times[0])
         way = replace(log.trajectory(name), timed=TimedPoses(stamps_ns, compose(turned, motion.poses)))
-        found.append(Agreement(with_trajectories(log, {name: way}), LOOKED_AT_S, name).apart(increment))
-    return min(found)
+        distances.append(Agreement(with_trajectories(log, {name: way}), LOOKED_AT_S, name).apart(increment))
+    return min(distances)
 
 
 def _running(agreement: Agreement, increment: float, middle: float) -> tuple[float, float, float] | None:
@@ -125,9 +127,9 @@ def _running(agreement: Agreement, increment: float, middle: float) -> tuple[flo
         [agreement.by_stretch(increment, offset, FEWER_BEAMS)[0] for offset in OFFSETS_S]
     )  # (offsets, stretches)
     reach = float(np.abs(times).max())
-    steepest = min(STEEPEST, float(np.ptp(OFFSETS_S)) / 2.0 / reach)
+    steepest = min(MOST_RATE, float(np.ptp(OFFSETS_S)) / 2.0 / reach)
     least = (np.inf, 0.0, 0.0)
-    for rate in np.linspace(-steepest, steepest, 49):
+    for rate in np.linspace(-steepest, steepest, RATES):
         for offset in OFFSETS_S:
             wanted = offset + rate * times
             if np.abs(wanted).max() > OFFSETS_S[-1] + 1e-9:
@@ -135,7 +137,8 @@ def _running(agreement: Agreement, increment: float, middle: float) -> tuple[flo
             total = sum(float(np.interp(w, OFFSETS_S, column)) for w, column in zip(wanted, table.T, strict=True))
             least = min(least, (total, float(offset), float(rate)))
     _, offset, rate = least
-    step_offset, step_rate = 0.0125, steepest / 48.0
+    # Half of the steps between what was tried, and finer.
+    step_offset, step_rate = float(OFFSETS_S[1] - OFFSETS_S[0]) / 2.0, steepest / (RATES - 1)
     now = agreement.apart(increment, offset + rate * times)
     for _ in range(3):
         for by in ((step_offset, 0.0), (-step_offset, 0.0), (0.0, step_rate), (0.0, -step_rate)):

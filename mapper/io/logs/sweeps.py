@@ -14,6 +14,7 @@ from mapper.io.logs.agreement import BY_M, MUCH, Agreement, fits
 from mapper.sensors.scan import ScanLog
 
 LONGEST_S = 0.5  #: a turn of a lidar that is looked for
+_ONLY_SO = "only so do they end, where the robot turns, on walls that other scans saw."
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +54,14 @@ def _contradicted(log: ScanLog) -> Sweep | None:
     if not fits(min(at_once, backwards), stated):
         return None
     lasts = f"A sweep of {log.n_beams} beams takes {abs(sweep):.3g} s by the stated time_increment, and their readings"
-    where = "so alone they end, where the robot turns, on walls that others saw."
     if fits(backwards, at_once):
         begins = "last" if sweep > 0.0 else "first"
         why = (
-            f"{lasts} fit together as measured in the other order, the {begins} beam first: {where} They are taken so."
+            f"{lasts} fit together as measured in the other order, the {begins} beam first: {_ONLY_SO} They are "
+            "mapped so."
         )
         return Sweep(why, -log.time_increment, reversed=True)
-    return Sweep(f"{lasts} fit together as measured at once: {where} The time_increment is not used (deskew off).")
+    return Sweep(f"{lasts} fit together as measured at once: {_ONLY_SO} The time_increment is not used (deskew off).")
 
 
 def _not_stated(log: ScanLog, period: float) -> Sweep | None:
@@ -78,8 +79,7 @@ def _not_stated(log: ScanLog, period: float) -> Sweep | None:
         return None
     first = "first" if forwards <= backwards else "last"
     why = (
-        f"The scans state no time_increment that can be, and their readings fit together as measured in {sweep:.3g} s, "
-        f"the {first} beam first: so alone they end, where the robot turns, on walls that others saw. "
-        "They are taken so."
+        f"The scans state no possible time_increment, and their readings fit together as measured in {sweep:.3g} s, "
+        f"the {first} beam first: {_ONLY_SO} They are mapped so."
     )
     return Sweep(why, increment if first == "first" else -increment, reversed=False)

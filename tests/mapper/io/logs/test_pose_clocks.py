@@ -69,7 +69,7 @@ def test_poses_that_are_stamped_late_are_taken_from_when_they_were(delay: float)
 def test_a_clock_that_runs_at_another_rate_is_followed(rate: float) -> None:
     log = read(seen(), TIMES * (1.0 + rate), way(TIMES))
     assert np.all(np.less(errors(log), (0.005, 0.03)))
-    assert f"parts in a million {'faster' if rate > 0 else 'slower'}" in log.wrong_clock
+    assert f"parts per million {'faster' if rate > 0 else 'slower'}" in log.wrong_clock
     timed = log.trajectory().timed
     assert timed is not None
     np.testing.assert_allclose(timed.stamps_ns * 1e-9, TIMES, atol=0.02)

@@ -86,7 +86,7 @@ def test_beams_that_were_measured_in_the_other_order_are_taken_so(delay: float, 
     [
         (reversed_order(), "in the other order"),
         (at_once(STEP), "as measured at once"),
-        (replace(swept(N), time_increment=4.0 * STEP), "state no time_increment that can be"),
+        (replace(swept(N), time_increment=4.0 * STEP), "state no possible time_increment"),
         (replace(at_once(0.0), time_increment=4.0 * STEP), "the scans are"),
         (swept(N), None),
     ],
@@ -107,7 +107,7 @@ def test_a_sweep_that_is_not_stated_is_found(made: Callable[..., ScanLog], delay
     """Of a lidar that turns clockwise, whose driver lists the beams the other way, the last beam is the first."""
     log = read(with_poses(replace(made(n_scans=N, delay=delay), time_increment=0.0)))
     assert log.time_increment == pytest.approx(STEP)
-    assert "state no time_increment" in log.wrong_sweep
+    assert "state no possible time_increment" in log.wrong_sweep
     poses = true_poses(log.stamps_ns[:, np.newaxis] * 1e-9 + delay + STEP * np.arange(BEAMS))
     poses[..., 2] += log.angles
     np.testing.assert_allclose(log.ranges, to_the_walls(poses), atol=1e-4)
