@@ -302,16 +302,20 @@ def test_a_cell_under_the_cursor_is_spoken_in_its_turn(open_lab: Callable[..., P
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     for i in range(30):  # over many cells: not each of them is said, but the last one is, in full
         page.mouse.move(x + 4 * i, y)
-    place = page.locator(".readout dd").first
+    row, column = page.locator(".readout dd").first, page.locator(".readout dd").nth(1)
 
     def said() -> str:
         return str(page.evaluate("() => said.at(-1)?.[1] ?? ''"))
 
-    until("the last cell", lambda: said().startswith(f"Row {place.inner_text()}, column"))
-    assert "never observed" in said() or "probability" in said()
+    def last() -> str:
+        words = said()
+        return words if words.startswith(f"Row {row.inner_text()}, column {column.inner_text()}:") else ""
+
+    words = until("the last cell", last)
+    assert "never observed" in words or "probability" in words
     picture.focus()
     page.keyboard.press("Shift+ArrowUp")
-    until("the next cell", lambda: said().startswith(f"Row {place.inner_text()}, column"))
+    until("the next cell", lambda: last() not in ("", words))
     times = page.evaluate("() => said.map(([at]) => at)")
     assert len(times) >= 2
     assert min(later - at for at, later in pairwise(times)) > 300
