@@ -91,6 +91,18 @@ def recording_of(service: Service, session: str) -> Recording:
     return recording
 
 
+def until_shown(recording: Recording) -> None:
+    """Wait for the map of all scans along the trajectory that was added, not one that a filter is still making."""
+
+    def is_shown() -> bool:
+        name = "localized"
+        if recording.trajectory != name or recording.view().index != recording.log.n_scans:
+            return False
+        return recording.log.trajectory(name).description.startswith("localized in")
+
+    until(is_shown)
+
+
 def layers(service: Service, session: str) -> list[str]:
     return [layer.name for layer in service.state.sessions.get(session).model.layers]
 
@@ -180,7 +192,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     assert result["is_converged"]
 
     recording = recording_of(service, session)
-    until(lambda: recording.trajectory == "localized" and recording.view().index == drive.n_scans)
+    until_shown(recording)
     text = http.get(f"/api/sessions/{session}/trajectories/localized").text
     (files / "found.tum").write_text(text)
     off = read_tum(files / "found.tum").poses[:, :2] - drive.trajectory("true").poses[:, :2]
@@ -219,7 +231,7 @@ def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: 
     state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
     assert (state["state"], state["error"]) == ("done", None)
     recording = recording_of(service, session)
-    until(lambda: recording.trajectory == "localized")
+    until_shown(recording)
     assert recording.log.n_scans == 2 * drive.n_scans
     off = recording.log.trajectory("localized").poses - both.trajectory("true").poses
     assert np.hypot(*off[-10:, :2].T).max() < 0.4
@@ -239,10 +251,9 @@ def test_scans_of_a_robot_that_was_not_found_are_in_no_map(service: Service, fil
     assert (state["state"], state["error"]) == ("done", None)
     assert (state["result"]["first_converged"], state["result"]["left_out"]) == (None, 2)
     recording = recording_of(service, session)
-    until(lambda: recording.trajectory == "localized" and recording.view().index == 2)
+    until_shown(recording)
     assert not recording.replay.grid.observed.any()
-    # While the filter runs, its poses are followed; the notes come with the trajectory that is added at its end.
-    (note,) = until(lambda: [one for one in recording.log.notes if "left out" in one])
+    (note,) = [one for one in recording.log.notes if "left out" in one]
     assert note.startswith("All scans are left out of maps along 'localized'")
 
 
@@ -254,7 +265,7 @@ def be_localized(service: Service, session: str, files: Path) -> None:
     assert choose(service, session, tarred(files / "office.yaml", files / "office.pgm")).status_code == 200
     assert http.post(address, json={"parameters": FEW}).status_code == 202
     until(lambda: http.get(address).json()["state"] == "done")
-    until(lambda: recording_of(service, session).trajectory == "localized")
+    until_shown(recording_of(service, session))
 
 
 def test_the_course_has_the_particles_of_each_scan_that_was_used(
