@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import never_idle
-from tests.browser.looking import await_true, drag_along, open_group, until, without_canvas_in_3d
+from tests.browser.looking import await_true, carried_out, drag_along, open_group, until, without_canvas_in_3d
 from tests.marks import also_long
 
 _STORE = "gridbloom.connection.store"
@@ -103,9 +103,13 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
     await_true(page, f"() => ({_MESSAGE})().scans >= 3")
     expect(panel.get_by_role("button", name="3D map", exact=True)).to_be_visible()
     page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")
+    carried_out(page)  # no scan comes after it
     panel.get_by_role("radio", name="TSDF").check()
     surface = f"() => {_STORE}.part('surface').message.peek()"
-    settled = f"() => {{ const now = ({surface})(); return now?.index > 2 && now.triangles > 0 && !now.pending; }}"
+    settled = f"""() => {{
+      const now = ({surface})();
+      return now?.index === ({_MESSAGE})().taken && now.triangles > 0 && !now.pending;
+    }}"""
     await_true(page, settled)
     # The layers of the 3D view follow what it shows.
     layers = panel.get_by_role("group", name="Layers")
