@@ -105,18 +105,22 @@ class SessionHost:
         self._showing: Showing  #: of the progress of such a map, and of each tick
         self._timer = MovableTimer(self._wake.set)
 
-    # -- on the event loop --------------------------------------------------------------------------------------
-
-    def start(self, model: SessionModel) -> None:
-        """Start running ``model``."""
+    def prepare(self, model: SessionModel) -> None:
+        """Make the first state of ``model``, as clients get it (any thread, before :meth:`start`)."""
         self.model = model
         self._hello = partial(hello_message, model, self.id, self.epoch_id)
         self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
-        self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
-        self._showing = self._long_work.showing()
         for message in model.messages():
             self.hub.set_slot(message)
-        publish_frame(self.model, self.hub, watched=self.watched)
+        publish_frame(model, self.hub, watched=self.watched)
+
+    # -- on the event loop --------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Start running the model that was prepared."""
+        model = self.model
+        self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
+        self._showing = self._long_work.showing()
         if model.is_catching_up:
             self._caught_up.clear()
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")

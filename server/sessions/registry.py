@@ -11,7 +11,6 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import structlog
@@ -219,13 +218,17 @@ class SessionRegistry:
         async with self._reserved(owner, link, places):
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
-            job = partial(plan.make, host, making)
-            model = await self._scheduler.run(self.pool, host.job_owner, job, interactive=plan.interactive)
-            model.playback.playing = model.playback.playing and plan.playing
-            host.start(model)
+
+            def make() -> None:
+                model = plan.make(host, making)
+                model.playback.playing = model.playback.playing and plan.playing
+                host.prepare(model)
+
+            await self._scheduler.run(self.pool, host.job_owner, make, interactive=plan.interactive)
+            host.start()
             self._sessions[host.id] = host
         self._state_use()
-        _log.info("session began", kind=model.kind, cells=host.cells, sessions=len(self._sessions))
+        _log.info("session began", kind=host.model.kind, cells=host.cells, sessions=len(self._sessions))
         return host
 
     async def close(self, session_id: str) -> None:

@@ -1,4 +1,7 @@
-"""The first requests of a kind import what they need beside the event loop, and nobody reads the program's text."""
+"""The first requests of a kind import what they need beside the event loop, and nobody reads the program's text.
+
+The first state of a session, all of its messages and its map, is made beside it as well.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from pathlib import Path
 import viser
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
+from server.sessions import SessionHost
 from tests.server.service import once_read, running, settings_for, until
 from tests.server.library.small_logs import carmen
 
@@ -37,6 +41,13 @@ def noted(of):
     return lines(of)
 
 lines, inspect.getsourcelines = inspect.getsourcelines, noted
+
+def prepared(host, model):
+    if on_loop():
+        seen.append("first state of a session")
+    prepare(host, model)
+
+prepare, SessionHost.prepare = SessionHost.prepare, prepared
 
 with running(settings_for(Path(sys.argv[1]))) as service:
     http = service.http

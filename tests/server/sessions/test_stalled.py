@@ -39,7 +39,8 @@ async def test_nothing_is_computed_for_a_client_that_is_stalled() -> None:
         host = SessionHost(
             job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2), clock=clock
         )
-        host.start(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        host.prepare(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        host.start()
         client = host.join()
         sent = [one for one in client.take() if isinstance(one, bytes)]
         await eventually(lambda: host.hub.frame_number > 3)
@@ -60,7 +61,8 @@ async def test_nothing_is_computed_for_a_client_that_is_stalled() -> None:
 async def test_questions_of_followers_do_not_refuse_the_lecturers_commands() -> None:
     with ThreadPoolExecutor(2) as pool:
         host = SessionHost(job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2))
-        host.start(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        host.prepare(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        host.start()
         lecturer, followers = host.join(), [host.join(follows=True) for _ in range(3)]
         for client, most in ((followers, MAX_QUEUED_OF_FOLLOWERS), ([lecturer], MAX_QUEUED)):
             for k in range(most):  # the event loop carries out none of them meanwhile
@@ -77,7 +79,8 @@ async def test_frames_are_rarer_while_no_client_may_be_sent_one() -> None:
     with ThreadPoolExecutor(2) as pool:
         host = SessionHost(job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2))
         model = SimulationModel(host, LiveMap(world_named("room"), 3))
-        host.start(model)
+        host.prepare(model)
+        host.start()
         client = host.join()
         sent = [one for one in client.take() if isinstance(one, bytes)]
         has_room = [client.has_room]  # it is taken for slow: one frame at a time
