@@ -53,6 +53,7 @@ LAYERS = {
     "ObstacleLayer": _OBSTACLE,
     "VoxelLayer": _OBSTACLE
     | _names("z_voxels origin_z z_resolution unknown_threshold mark_threshold publish_voxel_map"),
+    "PluginContainerLayer": LAYER | _names("plugins combination_method"),
     "DenoiseLayer": LAYER | _names("minimal_group_size group_connectivity_type"),
     "InflationLayer": LAYER
     | _names("inflation_radius cost_scaling_factor inflate_unknown inflate_around_unknown num_threads"),

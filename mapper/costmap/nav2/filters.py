@@ -68,9 +68,12 @@ def named_filter(
     return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
 
 
-def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them."""
-    info_topic = f"/{found.name}_info"
+def filter_nodes(found: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them.
+
+    The names of the servers and their topics begin with ``label``.
+    """
+    info_topic = f"/{label}_info"
     block = {
         "plugin": f"nav2_costmap_2d::{_PLUGIN_OF[found.kind]}",
         "enabled": found.enabled,
@@ -78,7 +81,7 @@ def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     if found.mask is None:
         return block, {}
-    mask_topic = f"/{found.name}_mask"
+    mask_topic = f"/{label}_mask"
     info = {
         "type": found.type,
         "filter_info_topic": info_topic,
@@ -88,8 +91,8 @@ def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     server = {"topic_name": mask_topic, "yaml_filename": found.mask}
     return block, {
-        f"{found.name}_info_server": {"ros__parameters": info},
-        f"{found.name}_mask_server": {"ros__parameters": server},
+        f"{label}_info_server": {"ros__parameters": info},
+        f"{label}_mask_server": {"ros__parameters": server},
     }
 
 

@@ -13,12 +13,14 @@ from typing import Any
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.core.parameter import Parameter
+from mapper.core.parameter import Parameter, table_of
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.costmap import (
+    CONTAINER,
     OF_SOURCE,
     OF_STATIC,
     PLUGINS,
+    ContainerConfig,
     LayerConfig,
     NamedLayer,
     Nav2Costmap,
@@ -102,10 +104,12 @@ def _keys(given: Mapping[Any, Any]) -> Iterator[str]:
 
 
 class _Reader:
-    """Reads the parameters ``given`` of one node; what it finds on its way is in ``notes`` and ``others``."""
+    """Reads the parameters ``given`` of one node, or of a container; ``notes`` and ``others`` are what it finds."""
 
-    def __init__(self, root: Mapping[str, Any], node: str, given: Mapping[str, Any]) -> None:
-        self.root, self.node, self.given = root, node, {**given}
+    def __init__(
+        self, root: Mapping[str, Any], node: str, given: Mapping[str, Any], *, in_container: bool = False
+    ) -> None:
+        self.root, self.node, self.given, self.in_container = root, node, {**given}, in_container
         self.notes: list[str] = []
         self.others: dict[tuple[str, ...], Any] = {}
         self.skipped: list[SkippedLayer] = []
@@ -113,7 +117,7 @@ class _Reader:
     def read(self) -> Nav2Costmap:
         names = self._layer_names()
         own = self.given
-        blocks = self._out_of_containers({name: self._block(name, own.pop(name, None)) for name in names})
+        blocks = {name: self._block(name, own.pop(name, None)) for name in names}
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
         footprint = _footprint(own.pop("footprint", None), self.node, self.notes)
         of_static = {
@@ -124,28 +128,38 @@ class _Reader:
         # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
         self.others.update({(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]})
         general = self._config(CostmapConfig(), COSTMAP_PARAMETERS, own, (self.node,), COSTMAP)
-        layers: list[NamedLayer] = []
         filters: list[NamedFilter] = []
         for name, block in of_filters.items():
             if isinstance(block, dict) and isinstance(block.get("plugin"), str) and not is_filter(block):
                 self._skip(name, block, None, "is no filter that is built here")
             else:
                 filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None, self.notes))
+        made = self._stack(blocks, general, of_static)
+        made = replace(made, footprint=footprint, filters=(*filters, *made.filters))
+        if sum(1 for _ in made.all_layers()) > MAX_LAYERS:
+            raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
+        return replace(made, notes=(*self.notes, *_warnings(made)))
+
+    def _stack(
+        self, blocks: Mapping[str, dict[str, Any]], general: CostmapConfig, of_static: Mapping[str, Any]
+    ) -> Nav2Costmap:
+        """Return the layers and filters of a list of plugins, each with its block of parameters."""
+        layers: list[NamedLayer] = []
+        filters: list[NamedFilter] = []
         last_inflation = [name for name, block in blocks.items() if _kind(block) == "InflationLayer"][-1:]
         for name, block in blocks.items():
             path = (self.node, name)
             if is_filter(block):
                 filters.append(named_filter(self.root, name, block, ".".join(path), len(layers), self.notes))
+            elif _kind(block) == CONTAINER:
+                layers.append(NamedLayer(name, self._container(name, block, general, of_static)))
             elif _kind(block) not in PLUGINS:
                 self._skip(name, block, len(layers), "is not built here")
             elif _kind(block) == "InflationLayer" and name not in last_inflation:
                 self._skip(name, block, len(layers), f"stands below {last_inflation[0]!r:.80}, and one is built here")
             else:
                 layers.append(NamedLayer(name, self._layer(block, of_static, path)))
-        made = Nav2Costmap(
-            self.node, general, footprint, tuple(layers), tuple(filters), self.others, tuple(self.skipped)
-        )
-        return replace(made, notes=(*self.notes, *_warnings(made)))
+        return Nav2Costmap(self.node, general, None, tuple(layers), tuple(filters), self.others, tuple(self.skipped))
 
     def _layer_names(self) -> tuple[str, ...]:
         if "plugins" in self.given:
@@ -172,36 +186,34 @@ class _Reader:
         if given is not None and not isinstance(given, dict):
             raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {given!r:.40}.")
         block = {**(given or {})}
+        may_be_default = name in DEFAULT_LAYERS and not self.in_container
         is_default = list(self.given.get("plugins", DEFAULT_LAYERS)) == list(DEFAULT_LAYERS)
-        if is_default and name in DEFAULT_LAYERS and "plugin" not in block and "plugin_names" not in self.given:
+        if may_be_default and is_default and "plugin" not in block and "plugin_names" not in self.given:
             block["plugin"] = f"nav2_costmap_2d::{DEFAULT_LAYERS[name]}"
         if not isinstance(block.get("plugin"), str):
             also = ""
-            if name in DEFAULT_LAYERS:
+            if may_be_default:
                 also = f" Nav2 knows it by its name only where the list 'plugins' is {', '.join(DEFAULT_LAYERS)}."
             raise ConfigError("nav2.plugin", f"{where}: The layer has no 'plugin' that says what it is.{also}")
         return block
 
-    def _out_of_containers(self, blocks: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        """Return the layers with those of each PluginContainerLayer in its place, under names that are free."""
-        made: dict[str, dict[str, Any]] = {}
-        for name, block in blocks.items():
-            if _kind(block) != "PluginContainerLayer":
-                made[name] = block
-                continue
-            inner = {
-                one: self._block(f"{name}.{one}", block.get(one))
-                for one in _names(block, "plugins", f"{self.node}.{name}")
-            }
-            for one, own in self._out_of_containers(inner).items():
-                label = one if one not in {*made, *blocks} else f"{name}_{one}"
-                made[label] = own | ({} if block.get("enabled", True) else {"enabled": False})
-            self.notes.append(
-                f"{self.node}.{name}: The layers of the PluginContainerLayer ({', '.join(inner):.200}) are read, and "
-                "written again, as if they stood in the list of plugins; there they are laid over the others together."
-            )
-        if len(made) > MAX_LAYERS:
-            raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
+    def _container(
+        self, name: str, block: dict[str, Any], general: CostmapConfig, of_static: Mapping[str, Any]
+    ) -> ContainerConfig:
+        """Return a container with the layers in its block."""
+        where = f"{self.node}.{name}"
+        inside = _Reader(self.root, where, block, in_container=True)
+        own = inside.given
+        blocks = {one: inside._block(one, own.pop(one, None)) for one in _names(own, "plugins", where)}
+        inside.others.update(
+            {(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]}
+        )
+        _name_combination(own, where)
+        made: ContainerConfig = inside._config(
+            ContainerConfig(inside._stack(blocks, general, of_static)),
+            table_of(ContainerConfig), own, (where,), LAYERS[CONTAINER],
+        )  # fmt: skip
+        self.notes += inside.notes
         return made
 
     def _skip(self, name: str, block: Mapping[str, Any], below: int | None, why: str) -> None:
@@ -227,12 +239,7 @@ class _Reader:
             values |= self._of_source(self._sources(values, path), path)
             # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
             values.setdefault("clearing", False)
-            method = values.pop("combination_method", None)
-            if method is not None:
-                if type(method) is not int or method not in (0, 1, 2):
-                    message = f"{'.'.join(path)}.combination_method must be 0, 1 or 2, not {method!r:.40}."
-                    raise ConfigError("nav2.value", message)
-                values["combination_method"] = COMBINATIONS[method]
+            _name_combination(values, ".".join(path))
         start = config(**of_static) if config is StaticConfig else config()
         made: LayerConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
         return made
@@ -317,11 +324,22 @@ def _kind(block: Mapping[str, Any]) -> str:
     return str(block["plugin"]).replace("/", "::").split("::")[-1]
 
 
+def _name_combination(values: dict[str, Any], where: str) -> None:
+    """Put the name of a combination method in place of its number. Raises :class:`ConfigError`."""
+    method = values.pop("combination_method", None)
+    if method is None:
+        return
+    if type(method) is not int or method not in (0, 1, 2):
+        raise ConfigError("nav2.value", f"{where}.combination_method must be 0, 1 or 2, not {method!r:.40}.")
+    values["combination_method"] = COMBINATIONS[method]
+
+
 def _warnings(costmap: Nav2Costmap) -> list[str]:
     """Return sentences on what Nav2 warns of, and on a costmap that shows nothing of the map."""
     warnings = []
     radius = costmap.outline.inscribed_radius
-    for layer in costmap.layers:
+    layers = [*costmap.all_layers()]
+    for layer in layers:
         config = layer.config
         if isinstance(config, InflationConfig) and config.enabled and config.inflation_radius < radius:
             warnings.append(
@@ -329,7 +347,7 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
                 f"the inscribed radius of the footprint, {radius:.3f} m: planners that take the robot for a point lead "
                 "it into obstacles. Nav2 warns of it too, and recommends at least the inscribed radius."
             )
-    if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in costmap.layers):
+    if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in layers):
         warnings.append(
             f"{costmap.node} has no static layer in use: nothing of the map is in its costs, only what sensors see."
         )
