@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 from mapper.core.array_types import Int8Array
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, ReadError
 from mapper.costmap.container_layer import ContainerLayer
 from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.denoise_layer import DenoiseLayer
@@ -77,7 +77,11 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
             masks |= {f"{layer.name}.{name}": mask for name, mask in inner.items()}
     for one in parameters.filters:
         if one.mask is not None and one.kind != "binary":
-            loaded = load_map(folder / one.mask)
+            path, note = _mask_path(folder, one.mask)
+            try:
+                loaded = load_map(path)
+            except ReadError as error:
+                raise ReadError(error.code, f"The mask {one.mask!r:.120} of {one.name}: {error.message}") from error
             stated = loaded.description.frame
             if frame is not None and stated is not None and frame.strip("/") != stated.strip("/"):
                 raise ConfigError(
@@ -85,8 +89,20 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
                     f"The mask {one.mask!r:.80} of {one.name} is in the frame {stated!r:.80}, the map in "
                     f"{frame!r:.80}: all layers must be in one frame.",
                 )
-            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, loaded.notes)
+            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, (*note, *loaded.notes))
     return masks
+
+
+def _mask_path(folder: Path, name: str) -> tuple[Path, tuple[str, ...]]:
+    """Return the path of a mask's yaml: where it is named elsewhere, that of the same name in ``folder``, with a note.
+
+    Parameter files name masks by a path of the robot, or by ``$(find-pkg-share …)``.
+    """
+    named, beside = folder / name, folder / PureWindowsPath(name).name
+    if "\0" in name or named.is_file() or not beside.is_file():
+        return named, ()
+    taken = f"{beside.name!r:.80} beside the parameter file is read in its place."
+    return beside, (f"The parameter file names the mask {name!r:.120}; {taken}",)
 
 
 def build_costmap(

@@ -58,6 +58,12 @@ LAYERS = {
     "InflationLayer": LAYER
     | _names("inflation_radius cost_scaling_factor inflate_unknown inflate_around_unknown num_threads"),
 }
+_FILTER = LAYER | _names("filter_info_topic transform_tolerance")
+FILTERS = {
+    "KeepoutFilter": _FILTER | _names("override_lethal_cost lethal_override_cost"),
+    "SpeedFilter": _FILTER | _names("speed_limit_topic"),
+    "BinaryFilter": _FILTER | _names("default_state binary_state_topic flip_threshold"),
+}
 SOURCE = _names(
     "topic sensor_frame observation_persistence expected_update_rate data_type min_obstacle_height "
     "max_obstacle_height inf_is_valid marking clearing obstacle_max_range obstacle_min_range raytrace_max_range "

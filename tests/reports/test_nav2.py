@@ -221,6 +221,52 @@ def test_numbers_are_those_of_yaml_1_2_and_of_rcl(word: str) -> None:
     assert node(f"plugins: []\nrobot_radius: {word}").general.robot_radius == 0.7
 
 
+@pytest.mark.parametrize(
+    "text", ["[(0.3, 0.2), (0.3, -0.2), (-0.3, 0)]", "[[0.3, 0.2], [0.3, -0.2]]", "[[0.3, 0.2], [0.3, -0.2",
+             "[1, 2, 3]", "[[0.3, 0.2], [0.3, -0.2], [-0.3, 'a']]", "round"],
+)  # fmt: skip
+def test_a_footprint_that_is_none_leaves_the_radius_as_in_nav2(text: str) -> None:
+    """Costmap2DROS::getParameters: "The footprint parameter is invalid … using radius instead"."""
+    found = node(f'robot_radius: 0.4\nfootprint: "{text}"\n')
+    assert (found.footprint, found.general.robot_radius) == (None, 0.4)
+    assert found.notes[0].startswith(f"global_costmap.footprint, {text!r:.80}, is no list of three points")
+
+
+def test_the_value_for_unknown_of_ros_1_is_the_greatest_byte() -> None:
+    """costmap_2d has -1, and Nav2 an unsigned byte."""
+    found = node("plugins: [static_layer]\nunknown_cost_value: -1\ntrack_unknown_space: true\n" + STATIC)
+    assert (found, lethal(found)) == (node("plugins: [static_layer]\ntrack_unknown_space: true\n" + STATIC), 9)
+
+
+def test_a_robot_without_an_extent_is_named() -> None:
+    with pytest.raises(
+        MapperError, match=r"global_costmap\.robot_radius must be more than 0 m, or there must be a foot"
+    ):
+        node("robot_radius: 0.0")
+    assert node('robot_radius: 0.0\nfootprint: "[[1, 1], [-1, 1], [0, -1]]"').footprint is not None
+
+
+def test_the_inflation_of_earlier_releases_is_built_by_its_new_name() -> None:
+    """LegacyInflationLayer, after Kilted: what InflationLayer was, with the same parameters."""
+    old = node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION}")
+    assert node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION.replace('::', '::Legacy')}") == old
+
+
+def test_a_source_whose_greatest_height_is_not_stated_has_a_note() -> None:
+    """obstacle_layer.cpp declares 0.0 for a source: readings of a lidar above the ground mark nothing."""
+    text = 'plugins: [o]\no: {plugin: "nav2_costmap_2d::ObstacleLayer", observation_sources: scan, scan: {MORE}}'
+    said = "global_costmap.o.scan states no max_obstacle_height, which is 0 m then in Nav2"
+    assert node(text.replace("MORE", "topic: /scan")).notes[0].startswith(said)
+    for more in ("max_obstacle_height: 2.0", "marking: false"):
+        assert not any(said in note for note in node(text.replace("MORE", more)).notes)
+
+
+def test_names_that_a_filter_does_not_declare_have_no_effect() -> None:
+    text = 'plugins: []\nfilters: [k]\nk: {plugin: "nav2_costmap_2d::KeepoutFilter", MORE: true}'
+    assert "declares no parameter 'enable' (did you mean 'enabled'?)" in node(text.replace("MORE", "enable")).notes[0]
+    assert node(text.replace("MORE", "override_lethal_cost")).notes == node(text.replace(", MORE: true", "")).notes
+
+
 TYPES = {
     "robot_radius: 1": "global_costmap.robot_radius is 1, where Nav2 declares a double, and does not start: write 1.0.",
     "width: 3.0": "global_costmap.width is 3.0, where Nav2 declares an integer, and does not start: write 3.",
@@ -344,7 +390,8 @@ def test_an_old_name_is_read_and_named_with_the_new_one() -> None:
     """Foxy's obstacle_layer.cpp."""
     found = node(
         "plugins: [static_layer, o]\n" + STATIC + "\no: {plugin: nav2_costmap_2d::ObstacleLayer, "
-        "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true}}"
+        "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true, "
+        "max_obstacle_height: 2.0}}"
     )
     config = found.layers[1].config
     assert isinstance(config, ObstacleConfig)

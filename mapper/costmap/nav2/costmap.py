@@ -51,8 +51,8 @@ OF_SOURCE = (
     "marking", "clearing", "obstacle_min_range", "obstacle_max_range", "raytrace_min_range", "raytrace_max_range",
     "inf_is_valid",
 )  # fmt: skip
-
-
+#: Parameters that both a layer and its sources have; that of the source has no default from the layer in Nav2.
+HEIGHTS = ("min_obstacle_height", "max_obstacle_height")
 CONTAINER = "PluginContainerLayer"  #: the plugin that holds layers
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
-from mapper.io.nav2_declared import switched
+from mapper.io.nav2_declared import FILTERS, switched, undeclared
 from mapper.io.ros_parameters import nodes_of
 
 KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
@@ -59,6 +59,8 @@ def named_filter(
     if not isinstance(block, dict) or kind is None:
         known = ", ".join(KINDS)
         raise ConfigError("nav2.filter", f"{where}: The filter has no 'plugin' that is one of {known}.")
+    declared = FILTERS[_PLUGIN_OF[kind]]
+    notes += [undeclared(where, key, declared) for key in block if key not in declared]
     enabled = switched(block.get("enabled", True), f"{where}.enabled", notes)
     topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
     for path, info in nodes_of(root):

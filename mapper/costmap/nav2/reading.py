@@ -17,6 +17,7 @@ from mapper.core.parameter import Parameter, table_of
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.costmap import (
     CONTAINER,
+    HEIGHTS,
     OF_SOURCE,
     OF_STATIC,
     PLUGINS,
@@ -59,6 +60,9 @@ OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "r
 ROS1 = "whose parameters stand in its nodes by themselves: put them below ros__parameters, with a list of plugins"
 OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of the plugins that are built here
 MAX_LAYERS = 20
+LEAST_POINTS = 3  #: of a footprint
+#: Plugins that compute what another one does.
+SAME_AS = {"LegacyInflationLayer": "InflationLayer"}
 
 
 def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
@@ -120,6 +124,8 @@ class _Reader:
         blocks = {name: self._block(name, own.pop(name, None)) for name in names}
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
         footprint = _footprint(own.pop("footprint", None), self.node, self.notes)
+        if own.get("unknown_cost_value") == -1:  # of costmap_2d, ROS 1; an unsigned byte in Nav2
+            own["unknown_cost_value"] = 255
         of_static = {
             row.name: checked(row, own.pop(row.name), f"{self.node}.{row.name}", self.notes)
             for row in STATIC_PARAMETERS
@@ -128,6 +134,10 @@ class _Reader:
         # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
         self.others.update({(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]})
         general = self._config(CostmapConfig(), COSTMAP_PARAMETERS, own, (self.node,), COSTMAP)
+        if footprint is None and general.robot_radius == 0.0:
+            raise ConfigError(
+                "nav2.value", f"{self.node}.robot_radius must be more than 0 m, or there must be a footprint."
+            )
         filters: list[NamedFilter] = []
         for name, block in of_filters.items():
             if isinstance(block, dict) and isinstance(block.get("plugin"), str) and not is_filter(block):
@@ -281,10 +291,15 @@ class _Reader:
         where = ".".join(path)
         values: dict[str, Any] = {}
         for k, (source, block) in enumerate(blocks):
-            acting = (*OF_SOURCE, "min_obstacle_height", "max_obstacle_height")
+            acting = (*OF_SOURCE, *HEIGHTS)
             known = {name: block[name] for name in block if name in acting}
             unknown = [name for name in block if name not in SOURCE]
             self.notes += [undeclared(f"{where}.{source}", name, SOURCE) for name in unknown]
+            if block.get("marking", True) is True and "max_obstacle_height" not in block:
+                self.notes.append(
+                    f"{where}.{source} states no max_obstacle_height, which is 0 m then in Nav2: what a sensor sees "
+                    "above that marks nothing there. Files of Nav2 have 2.0."
+                )
             if k == 0:
                 values = known
             without_effect = block if k else {name: block[name] for name in block if name not in known}
@@ -320,8 +335,9 @@ def _package(block: Mapping[str, Any]) -> str:
 
 
 def _kind(block: Mapping[str, Any]) -> str:
-    """Return the class of a layer's plugin, without its package."""
-    return str(block["plugin"]).replace("/", "::").split("::")[-1]
+    """Return the class of a layer's plugin, or the one that it is the same as, without its package."""
+    kind = str(block["plugin"]).replace("/", "::").split("::")[-1]
+    return SAME_AS.get(kind, kind)
 
 
 def _name_combination(values: dict[str, Any], where: str) -> None:
@@ -364,14 +380,21 @@ def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
 
 
 def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
+    """Return the footprint; None where there is none, or a text that Nav2 takes for none, which has a note.
+
+    Source: Costmap2DROS::getParameters and makeFootprintFromString of nav2_costmap_2d.
+    """
     if given is None or given in ("", "[]", []):
         return None
     points: object = given
     if isinstance(given, str):
-        try:
-            points = load_untrusted(given[:10_000])
-        except yaml.YAMLError as error:
-            raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.") from error
+        points = _points_of(given)
+        if points is None:
+            notes.append(
+                f"{where}.footprint, {given!r:.80}, is no list of three points [x, y] or more: Nav2 takes robot_radius "
+                "in its place, and logs an error."
+            )
+            return None
     elif isinstance(given, list):
         notes.append(f"{where}.footprint is a list, where Nav2 declares a text, and does not start: put it in quotes.")
     if not isinstance(points, list):
@@ -381,3 +404,16 @@ def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
+
+
+def _points_of(text: str) -> list[Any] | None:
+    """Return the points of a footprint's text; None for fewer than three, and for what is no list of pairs."""
+    try:
+        points = load_untrusted(text[:10_000])
+    except yaml.YAMLError:
+        return None
+    is_list = isinstance(points, list) and len(points) >= LEAST_POINTS
+    if not is_list or any(not isinstance(one, list) or len(one) != 2 for one in points):
+        return None
+    numbers = (value for one in points for value in one)
+    return points if all(isinstance(value, int | float) for value in numbers) else None

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from mapper.costmap.nav2.costmap import CONTAINER, OF_SOURCE, OF_STATIC, PLUGINS, ContainerConfig, Nav2Costmap
+from mapper.costmap.nav2.costmap import CONTAINER, HEIGHTS, OF_SOURCE, OF_STATIC, PLUGINS, ContainerConfig, Nav2Costmap
 from mapper.costmap.nav2.filters import filter_nodes
 from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
 from mapper.io.nav2_declared import WHOLE
@@ -57,7 +57,7 @@ def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict
         if isinstance(config, ObstacleConfig | ContainerConfig):
             values["combination_method"] = COMBINATIONS.index(config.combination_method)
         if isinstance(config, ObstacleConfig):
-            source = {key: values.pop(key) for key in OF_SOURCE}
+            source = {key: values.pop(key) for key in OF_SOURCE} | {key: values[key] for key in HEIGHTS}
             block |= _sources(costmap.others, layer.name, source)
         block |= {key: int(value) if key in WHOLE else value for key, value in values.items() if key != "inner"}
         if isinstance(config, ContainerConfig):
