@@ -70,7 +70,7 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
     :class:`mapper.core.errors.ReadError` for a mask that cannot be read, and :class:`ConfigError` for one whose file
     states another frame: how that lies in the map's frame is not known.
     """
-    masks = {}
+    masks: dict[str, Mask] = {}
     for layer in parameters.layers:
         if isinstance(layer.config, ContainerConfig):
             inner = load_masks(layer.config.inner, folder, frame)

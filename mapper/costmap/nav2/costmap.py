@@ -28,12 +28,12 @@ from mapper.costmap.parameters import (
     VoxelConfig,
 )
 
-LayerConfig: TypeAlias = (
-    "StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | DenoiseConfig | GivenConfig | InflationConfig"
-    " | ContainerConfig"
+PluginConfig: TypeAlias = (
+    StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | DenoiseConfig | GivenConfig | InflationConfig
 )
+LayerConfig: TypeAlias = "PluginConfig | ContainerConfig"
 
-PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
+PLUGINS: Mapping[str, tuple[type[PluginConfig], tuple[Parameter, ...]]] = {
     "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
     "ObstacleLayer": (ObstacleConfig, OBSTACLE_PARAMETERS),
     "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),

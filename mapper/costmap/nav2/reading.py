@@ -22,9 +22,9 @@ from mapper.costmap.nav2.costmap import (
     OF_STATIC,
     PLUGINS,
     ContainerConfig,
-    LayerConfig,
     NamedLayer,
     Nav2Costmap,
+    PluginConfig,
     SkippedLayer,
 )
 from mapper.costmap.nav2.filters import NamedFilter, is_filter, named_filter
@@ -233,7 +233,7 @@ class _Reader:
             "without it."
         )
 
-    def _layer(self, block: Mapping[str, Any], of_static: Mapping[str, Any], path: tuple[str, str]) -> LayerConfig:
+    def _layer(self, block: Mapping[str, Any], of_static: Mapping[str, Any], path: tuple[str, str]) -> PluginConfig:
         kind = _kind(block)
         config, table = PLUGINS[kind]
         values = {**block}
@@ -251,7 +251,7 @@ class _Reader:
             values.setdefault("clearing", False)
             _name_combination(values, ".".join(path))
         start = config(**of_static) if config is StaticConfig else config()
-        made: LayerConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
+        made: PluginConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
         return made
 
     def _sources(self, values: dict[str, Any], path: tuple[str, str]) -> list[tuple[str, dict[str, Any]]]:
