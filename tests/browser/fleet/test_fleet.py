@@ -44,7 +44,7 @@ def test_all_logs_are_mapped_again_with_other_options(page: Page, server: str) -
     page.get_by_role("button", name="Map").click()
     expect(yard).to_contain_text("40 scans")
     expect(yard).not_to_contain_text("With")
-    page.get_by_text("Options").click()
+    page.get_by_text("Options", exact=True).click()
     page.get_by_label("Sensor").fill("FLASER")
     page.get_by_label("Mount yaw").fill("90")
     page.get_by_role("button", name="Map all with these options").click()

@@ -6,7 +6,7 @@ import type { FleetOptions as Options } from "../../wire/http";
 
 const NAMES = [
   { name: "topic", label: "Sensor", none: "the one with most scans" },
-  { name: "tf", label: "Topic of transforms", none: "by the sensor’s namespace" },
+  { name: "tf", label: "Topic of transforms", none: "by its namespace" },
   { name: "trajectory", label: "Poses", none: "each log’s first" },
 ] as const;
 
@@ -15,7 +15,7 @@ const NUMBERS = [
   { name: "mount_x", label: "Mount forward (m)", ...METRES },
   { name: "mount_y", label: "Mount left (m)", ...METRES },
   { name: "mount_yaw", label: "Mount yaw (°)", low: -180, high: 180, step: 1, per: Math.PI / 180 },
-  { name: "time_offset", label: "Time offset (s)", low: -1, high: 1, step: 0.01, per: 1 },
+  { name: "time_offset", label: "Time offset (s)", low: -2, high: 2, step: 0.01, per: 1 },
 ] as const;
 
 /** How all logs are read and mapped where not as by default: the options of `gridbloom fleet`. */
