@@ -2,6 +2,7 @@
 
 Source: the calls of declare_parameter, as they were in the main branch between Iron and Kilted, in navigation2's
 costmap_2d_ros.cpp, static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
+plugin_container_layer.cpp, costmap_filter.cpp, keepout_filter.cpp, speed_filter.cpp, binary_filter.cpp,
 planner_server.cpp, controller_server.cpp and the parameter_handler.cpp of both, navfn_planner.cpp,
 nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that older and newer
 releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
