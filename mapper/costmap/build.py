@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PureWindowsPath
 
 from mapper.core.array_types import Int8Array
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, ReadError
+from mapper.costmap.container_layer import ContainerLayer
 from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.denoise_layer import DenoiseLayer
 from mapper.costmap.footprint import Footprint
@@ -16,8 +17,7 @@ from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import LayeredCostmap
 from mapper.costmap.layers import InflationLayer, Layer, ObstacleLayer, StaticLayer
 from mapper.costmap.masks import Mask
-from mapper.costmap.nav2.costmap import NamedLayer, Nav2Costmap
-from mapper.costmap.nav2.filters import NamedFilter
+from mapper.costmap.nav2.costmap import ContainerConfig, NamedLayer, Nav2Costmap
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
@@ -64,14 +64,24 @@ class BuiltCostmap:
 def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) -> dict[str, Mask]:
     """Return the masks of the parameters' filters by the names of the filters; file names are relative to ``folder``.
 
+    The name of a filter in a container begins with that of the container and a dot.
+
     A mask may have another resolution and origin than the map. ``frame`` is the map's, where it is known. Raises
     :class:`mapper.core.errors.ReadError` for a mask that cannot be read, and :class:`ConfigError` for one whose file
     states another frame: how that lies in the map's frame is not known.
     """
-    masks = {}
+    masks: dict[str, Mask] = {}
+    for layer in parameters.layers:
+        if isinstance(layer.config, ContainerConfig):
+            inner = load_masks(layer.config.inner, folder, frame)
+            masks |= {f"{layer.name}.{name}": mask for name, mask in inner.items()}
     for one in parameters.filters:
         if one.mask is not None and one.kind != "binary":
-            loaded = load_map(folder / one.mask)
+            path, note = _mask_path(folder, one.mask)
+            try:
+                loaded = load_map(path)
+            except ReadError as error:
+                raise ReadError(error.code, f"The mask {one.mask!r:.120} of {one.name}: {error.message}") from error
             stated = loaded.description.frame
             if frame is not None and stated is not None and frame.strip("/") != stated.strip("/"):
                 raise ConfigError(
@@ -79,8 +89,20 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
                     f"The mask {one.mask!r:.80} of {one.name} is in the frame {stated!r:.80}, the map in "
                     f"{frame!r:.80}: all layers must be in one frame.",
                 )
-            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, loaded.notes)
+            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, (*note, *loaded.notes))
     return masks
+
+
+def _mask_path(folder: Path, name: str) -> tuple[Path, tuple[str, ...]]:
+    """Return the path of a mask's yaml: where it is named elsewhere, that of the same name in ``folder``, with a note.
+
+    Parameter files name masks by a path of the robot, or by ``$(find-pkg-share …)``.
+    """
+    named, beside = folder / name, folder / PureWindowsPath(name).name
+    if "\0" in name or named.is_file() or not beside.is_file():
+        return named, ()
+    taken = f"{beside.name!r:.80} beside the parameter file is read in its place."
+    return beside, (f"The parameter file names the mask {name!r:.120}; {taken}",)
 
 
 def build_costmap(
@@ -98,62 +120,87 @@ def build_costmap(
     :class:`ConfigError` for two inflation layers.
     """
     outline = footprint or parameters.outline
-    below: list[Layer] = []
-    above: list[Layer] = []
-    obstacles: list[ObservedLayer] = []
-    given: dict[str, GivenLayer] = {}
-    inflation: InflationLayer | None = None
-    keepout = KeepoutLayer(geometry, name="painted_keepout" if _keepouts(parameters) else "keepout_filter")
-    masks = masks or {}
+    keepout = KeepoutLayer(geometry, name="painted_keepout" if _has_keepouts(parameters) else "keepout_filter")
+    builder = _Builder(geometry, values, outline, masks or {})
+    built = builder.stack(parameters, parameters.general, keepout)
+    return BuiltCostmap(
+        built, tuple(builder.obstacles), keepout, tuple(builder.speed), tuple(builder.unmasked), builder.given,
+        tuple(builder.observed),
+    )  # fmt: skip
 
-    observed: list[str] = []
 
-    def add_keepouts(place: list[Layer], n_below: int | None) -> None:
-        used = [
-            keepout
-            for keepout in _keepouts(parameters)
-            if keepout.below == n_below and keepout.enabled and keepout.name in masks
-        ]
-        place.extend(KeepoutLayer(geometry, masks[one.name], one.name) for one in used)
+class _Builder:
+    """Builds costmaps of layers over one map; what it built of the layers that are asked or given something is kept."""
 
-    for k, named in enumerate(parameters.layers):
+    def __init__(
+        self, geometry: GridGeometry, values: Int8Array, outline: Footprint, masks: Mapping[str, Mask]
+    ) -> None:
+        self.geometry, self.values, self.outline, self.masks = geometry, values, outline, masks
+        self.obstacles: list[ObservedLayer] = []
+        self.observed: list[str] = []
+        self.given: dict[str, GivenLayer] = {}
+        self.speed: list[SpeedFilter] = []
+        self.unmasked: list[str] = []
+
+    def stack(
+        self, parameters: Nav2Costmap, general: CostmapConfig, painted: KeepoutLayer | None, within: str = ""
+    ) -> LayeredCostmap:
+        """Return the layers of ``parameters`` over each other, and ``painted`` below the inflation.
+
+        ``within`` is put before their names. Raises :class:`ConfigError` for two inflation layers.
+        """
+        below: list[Layer] = []
+        above: list[Layer] = []
+        inflation: InflationLayer | None = None
+        for k, named in enumerate(parameters.layers):
+            place = below if inflation is None else above
+            place += self._keepouts(parameters, k, within)
+            config, name = named.config, within + named.name
+            if isinstance(config, InflationConfig):
+                if inflation is not None:
+                    raise ConfigError("costmap.inflation", "A costmap can have one inflation layer only.")
+                below += [painted] if painted is not None else []
+                inflation = InflationLayer(self.geometry, config, self.outline.inscribed_radius)
+            elif isinstance(config, StaticConfig):
+                place.append(StaticLayer(self.geometry, self.values, config, parameters.general))
+            elif isinstance(config, DenoiseConfig):
+                place.append(DenoiseLayer(self.geometry, config, parameters.general, name))
+            elif isinstance(config, GivenConfig):
+                if config.enabled:
+                    self.given[name] = GivenLayer(self.geometry, name)
+                    place.append(self.given[name])
+            elif isinstance(config, ContainerConfig):
+                if config.enabled:
+                    none_known = replace(general, track_unknown_space=True)
+                    inner = self.stack(config.inner, none_known, None, f"{name}.")
+                    place.append(ContainerLayer(inner, config.combination_method, name))
+            else:
+                self.obstacles.append(_observed(self.geometry, config, parameters.general))
+                self.observed.append(name)
+                place.append(self.obstacles[-1])
+        if inflation is None and painted is not None:
+            below.append(painted)
         place = below if inflation is None else above
-        config, general = named.config, parameters.general
-        add_keepouts(place, k)
-        if isinstance(config, InflationConfig):
-            if inflation is not None:
-                raise ConfigError("costmap.inflation", "A costmap can have one inflation layer only.")
-            below.append(keepout)
-            inflation = InflationLayer(geometry, config, outline.inscribed_radius)
-        elif isinstance(config, StaticConfig):
-            place.append(StaticLayer(geometry, values, config, general))
-        elif isinstance(config, DenoiseConfig):
-            place.append(DenoiseLayer(geometry, config, general, named.name))
-        elif isinstance(config, GivenConfig):
-            if config.enabled:
-                given[named.name] = GivenLayer(geometry, named.name)
-                place.append(given[named.name])
-        elif isinstance(config, ObstacleConfig):
-            obstacles.append(_observed(geometry, config, general))
-            observed.append(named.name)
-            place.append(obstacles[-1])
-    if inflation is None:
-        below.append(keepout)
-    place = below if inflation is None else above
-    add_keepouts(place, len(parameters.layers))
-    add_keepouts(place, None)
-    speed = tuple(
-        SpeedFilter(masks[one.name], one.type, one.base, one.multiplier)
-        for one in parameters.filters
-        if one.kind == "speed" and one.enabled and one.name in masks
-    )
-    unmasked = tuple(one.name for one in parameters.filters if one.name not in masks)
-    built = LayeredCostmap(geometry, parameters.general, outline, below, inflation, above)
-    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked, given, tuple(observed))
+        place += self._keepouts(parameters, len(parameters.layers), within)
+        place += self._keepouts(parameters, None, within)
+        for one in parameters.filters:
+            mask = self.masks.get(within + one.name)
+            if mask is None:
+                self.unmasked.append(within + one.name)
+            elif one.kind == "speed" and one.enabled:
+                self.speed.append(SpeedFilter(mask, one.type, one.base, one.multiplier))
+        return LayeredCostmap(self.geometry, general, self.outline, below, inflation, above)
+
+    def _keepouts(self, parameters: Nav2Costmap, n_below: int | None, within: str) -> Iterator[KeepoutLayer]:
+        """Yield the keepout filters of ``parameters`` that are on, have a mask and lie over ``n_below`` layers."""
+        for one in parameters.filters:
+            name = within + one.name
+            if one.kind == "keepout" and one.below == n_below and one.enabled and name in self.masks:
+                yield KeepoutLayer(self.geometry, self.masks[name], name)
 
 
-def _keepouts(parameters: Nav2Costmap) -> list[NamedFilter]:
-    return [one for one in parameters.filters if one.kind == "keepout"]
+def _has_keepouts(parameters: Nav2Costmap) -> bool:
+    return any(one.kind == "keepout" for one in parameters.filters)
 
 
 def _observed(geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> ObservedLayer:

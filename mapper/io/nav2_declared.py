@@ -2,6 +2,7 @@
 
 Source: the calls of declare_parameter, as they were in the main branch between Iron and Kilted, in navigation2's
 costmap_2d_ros.cpp, static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
+plugin_container_layer.cpp, costmap_filter.cpp, keepout_filter.cpp, speed_filter.cpp, binary_filter.cpp,
 planner_server.cpp, controller_server.cpp and the parameter_handler.cpp of both, navfn_planner.cpp,
 nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that older and newer
 releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
@@ -53,9 +54,16 @@ LAYERS = {
     "ObstacleLayer": _OBSTACLE,
     "VoxelLayer": _OBSTACLE
     | _names("z_voxels origin_z z_resolution unknown_threshold mark_threshold publish_voxel_map"),
+    "PluginContainerLayer": LAYER | _names("plugins combination_method"),
     "DenoiseLayer": LAYER | _names("minimal_group_size group_connectivity_type"),
     "InflationLayer": LAYER
     | _names("inflation_radius cost_scaling_factor inflate_unknown inflate_around_unknown num_threads"),
+}
+_FILTER = LAYER | _names("filter_info_topic transform_tolerance")
+FILTERS = {
+    "KeepoutFilter": _FILTER | _names("override_lethal_cost lethal_override_cost"),
+    "SpeedFilter": _FILTER | _names("speed_limit_topic"),
+    "BinaryFilter": _FILTER | _names("default_state binary_state_topic flip_threshold"),
 }
 SOURCE = _names(
     "topic sensor_frame observation_persistence expected_update_rate data_type min_obstacle_height "

@@ -155,6 +155,8 @@ def where_and_why(error: yaml.MarkedYAMLError, text: str) -> str:
         why = "it is indented with a tab, which YAML forbids: use blanks"
     elif re.search(r"\{\{[^{}]*\}\}", line):
         why = "it has a template’s {{ … }} in it: put the value into the file"
+    elif "unknown escape character" in f"{error.problem}":
+        why = "a backslash within double quotes begins an escape: put single quotes in their place"
     elif "another document" in f"{error.problem}":
         why = "a second document begins there, after ---: keep one of them"
     return f" in line {number + 1}: {why}"

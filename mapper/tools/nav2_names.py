@@ -17,6 +17,7 @@ from mapper.io.nav2_declared import (
     AMCL,
     CONTROLLER_SERVER,
     COSTMAP,
+    FILTERS,
     LAYERS,
     NAVFN,
     NODE,
@@ -28,6 +29,7 @@ from mapper.io.nav2_declared import (
 from mapper.localization.amcl_parameters import NAV2_NAMES, OWN_ROWS
 from mapper.localization.parameters import BY_NAME
 
+_FILTERS = "nav2_costmap_2d/plugins/costmap_filters"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller/src"
 #: Files of a checkout, and the names that are known of what they declare for a node or a plugin itself.
 SOURCES: Mapping[str, frozenset[str]] = MappingProxyType({
@@ -37,6 +39,11 @@ SOURCES: Mapping[str, frozenset[str]] = MappingProxyType({
     "nav2_costmap_2d/plugins/voxel_layer.cpp": LAYERS["VoxelLayer"],
     "nav2_costmap_2d/plugins/denoise_layer.cpp": LAYERS["DenoiseLayer"],
     "nav2_costmap_2d/plugins/inflation_layer.cpp": LAYERS["InflationLayer"],
+    "nav2_costmap_2d/plugins/plugin_container_layer.cpp": LAYERS["PluginContainerLayer"],
+    f"{_FILTERS}/costmap_filter.cpp": FILTERS["KeepoutFilter"],
+    f"{_FILTERS}/keepout_filter.cpp": FILTERS["KeepoutFilter"],
+    f"{_FILTERS}/speed_filter.cpp": FILTERS["SpeedFilter"],
+    f"{_FILTERS}/binary_filter.cpp": FILTERS["BinaryFilter"],
     "nav2_planner/src/planner_server.cpp": PLANNER_SERVER,
     "nav2_planner/src/parameter_handler.cpp": PLANNER_SERVER,
     "nav2_controller/src/controller_server.cpp": CONTROLLER_SERVER,

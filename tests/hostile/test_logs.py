@@ -145,6 +145,13 @@ def test_a_file_that_is_not_there_and_one_that_is_a_folder(tmp_path):
     )
 
 
+def test_a_folder_of_folders_says_which_there_are(tmp_path):
+    for name in ("run1", "run2"):
+        (tmp_path / name).mkdir()
+    with pytest.raises(ReadError, match="holds folders alone, 'run1', 'run2': open the one with the recording"):
+        open_log(tmp_path)
+
+
 def test_a_text_file_truncated_within_a_line_keeps_its_complete_scans(tmp_path):
     path = tmp_path / "a.log"
     path.write_text(f"{GOOD}\n{GOOD}\n{GOOD[:40]}")

@@ -290,6 +290,7 @@ OTHER_FORMATS = {
     "STL": b"solid room\n facet normal 0 0 1\n",
     "PTX": PTX.encode(),
     "glTF": b"glTF" + struct.pack("<II", 2, 20) + bytes(8),
+    "VTK in XML": b'<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0">\n',
     "ESRI": b"ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n",
 }
 

@@ -115,6 +115,14 @@ def test_an_image_whose_name_differs_in_capitals_is_the_one_beside(tmp_path: Pat
         load_map(path)
 
 
+def test_a_path_of_windows_in_double_quotes_says_what_is_wrong(tmp_path: Path) -> None:
+    r"""In YAML ``\m`` is no escape, and yaml-cpp refuses it too."""
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("'room.pgm'", r'"C:\maps\room.pgm"'))
+    with pytest.raises(ReadError, match="in line 1: a backslash within double quotes begins an escape: put single"):
+        load_map(path)
+
+
 @pytest.mark.parametrize(("word", "is_negated"), [("on", True), ("Y", True), ("off", False), ("N", False)])
 def test_negate_is_each_word_of_yaml_cpp(tmp_path: Path, word: str, is_negated: bool) -> None:
     values, _ = again(written(tmp_path, free_thresh=0.1), "negate: 0", f"negate: {word}")

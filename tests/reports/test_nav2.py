@@ -5,6 +5,8 @@ A test names the source or the report that its situation is known from; those wi
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +14,13 @@ import pytest
 import yaml
 
 from mapper.core.errors import MapperError
+from mapper.costmap import textbook
 from mapper.costmap.build import build_costmap
-from mapper.costmap.costs import LETHAL, NO_INFORMATION
+from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION
 from mapper.costmap.nav2.costmap import Nav2Costmap
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.costmap.nav2.writing import nav2_yaml
-from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
+from mapper.costmap.parameters import COMBINATIONS, InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
 from mapper.localization import parse_amcl_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
@@ -144,38 +147,124 @@ def test_a_layer_that_is_not_built_is_left_out_with_a_note_and_written_again(plu
 
 
 CONTAINER = """
+track_unknown_space: true
+robot_radius: 0.2
 plugins: [static_layer, c, top]
-static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}
+static_layer: {plugin: "nav2_costmap_2d::StaticLayer", enabled: OUTER}
 c:
   plugin: "nav2_costmap_2d::PluginContainerLayer"
-  combination_method: 1
+  combination_method: METHOD
   enabled: ENABLED
-  plugins: [static_layer, d]
+  plugins: [static_layer, small, odd]
   static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}
-  d: {plugin: "nav2_costmap_2d::DenoiseLayer", minimal_group_size: 30}
-top: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.4}
+  small: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.3, cost_scaling_factor: 2.0}
+  odd: {plugin: "nav2_costmap_2d::RangeSensorLayer"}
+top: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.5, inflate_unknown: true}
 """
 
 
+def container(method: int, *, enabled: bool = True, outer: bool = True) -> Nav2Costmap:
+    words = {"METHOD": str(method), "ENABLED": str(enabled).lower(), "OUTER": str(outer).lower()}
+    return node(re.sub("|".join(words), lambda found: words[found[0]], CONTAINER))
+
+
+@pytest.mark.parametrize("method", [0, 1, 2])
 @pytest.mark.parametrize("enabled", [True, False])
-def test_the_layers_of_a_container_are_read_as_if_they_stood_in_the_list(enabled: bool) -> None:
-    """nav2_costmap_2d's PluginContainerLayer, since Kilted: what it holds was left out, with its obstacles."""
-    found = node(CONTAINER.replace("ENABLED", str(enabled).lower()) + "robot_radius: 0.3\n")
-    assert [one.name for one in found.layers] == ["static_layer", "c_static_layer", "d", "top"]
-    assert [one.config.enabled for one in found.layers] == [True, enabled, enabled, True]
-    assert lethal(found) == (0 if enabled else 9)
-    assert len(found.notes) == 1
-    assert "(static_layer, d) are read, and written again, as if they stood in the list of plugins" in found.notes[0]
-    again = parse_nav2_costmap(nav2_yaml(found, 0.1).encode())
-    assert (again.layers, again.skipped) == (found.layers, ())
-    with pytest.raises(MapperError, match=r"global_costmap\.c\.d: The layer has no 'plugin'"):
-        node(CONTAINER.replace('plugin: "nav2_costmap_2d::DenoiseLayer", ', "").replace("ENABLED", "true"))
+@pytest.mark.parametrize("outer", [True, False])
+def test_a_container_lays_its_layers_together_over_those_before_it(method: int, enabled: bool, outer: bool) -> None:
+    """PluginContainerLayer::updateCosts, since Kilted; its costs begin as NO_INFORMATION, its inflation is its own."""
+    found = container(method, enabled=enabled, outer=outer)
+    values = np.zeros((24, 30), dtype=np.int8)
+    values[5:7, 5:8], values[18, 20], values[12:, :10] = 100, 100, -1
+    built = build_costmap(GridGeometry(0.1, 24, 30), values, found)
+    built.costmap.update()
+    static = np.where(values < 0, NO_INFORMATION, np.where(values > 0, LETHAL, FREE)).astype(np.uint8)
+    radius, nothing = found.outline.inscribed_radius, np.full(values.shape, NO_INFORMATION, dtype=np.uint8)
+    expected = textbook.combine(nothing, static, "true_overwrite") if outer else nothing
+    if enabled:
+        together = textbook.inflate(static, 0.1, 3, radius, 2.0, inflate_unknown=False, inflate_around_unknown=False)
+        expected = textbook.combine(expected, together, COMBINATIONS[method])
+    expected = textbook.inflate(expected, 0.1, 5, radius, 10.0, inflate_unknown=True, inflate_around_unknown=False)
+    assert built.costmap.costs.tolist() == expected.tolist()
+
+
+def test_a_container_is_written_as_it_was_read() -> None:
+    found = container(2)
+    assert [one.name for one in found.all_layers()] == ["static_layer", "c", "c.static_layer", "c.small", "top"]
+    assert "global_costmap.c.odd: The layer 'nav2_costmap_2d::RangeSensorLayer' is not built here" in found.notes[0]
+    assert replace(parse_nav2_costmap(nav2_yaml(found, 0.1).encode()), others={}) == replace(found, others={})
+    assert "c.small: The inflation radius of 0.3 m" not in " ".join(found.notes)
+    built = build_costmap(GridGeometry(0.1, 8, 8), np.full((8, 8), 100, np.int8), found)
+    built.costmap.update()
+    assert built.costmap.why(4, 4)[1].sentence.startswith("Its layers make lethal together. static_layer: The map’s")
+
+
+CONTAINERS = {
+    "a layer without a type": (('{plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.3', "{e: 3"),
+                               r"global_costmap\.c\.small: The layer has no 'plugin'"),
+    "a method that there is not": (("METHOD", "3"), r"global_costmap\.c\.combination_method must be 0, 1 or 2"),
+    "no value for enabled": (("ENABLED", "7"), r"global_costmap\.c\.enabled: Enabled \(enabled\) must be true"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CONTAINERS)
+def test_what_is_wrong_in_a_container_is_named_by_its_path(case: str) -> None:
+    (old, new), said = CONTAINERS[case]
+    text = CONTAINER.replace(old, new)
+    with pytest.raises(MapperError, match=said):
+        node(text.replace("METHOD", "1").replace("ENABLED", "true").replace("OUTER", "true"))
 
 
 @pytest.mark.parametrize("word", ["7e-1", "7E-01", "0.07e1", ".7", "+7.e-1"])
 def test_numbers_are_those_of_yaml_1_2_and_of_rcl(word: str) -> None:
     """PyYAML follows YAML 1.1, in which 7e-1 is a text; rcl reads it with strtod."""
     assert node(f"plugins: []\nrobot_radius: {word}").general.robot_radius == 0.7
+
+
+@pytest.mark.parametrize(
+    "text", ["[(0.3, 0.2), (0.3, -0.2), (-0.3, 0)]", "[[0.3, 0.2], [0.3, -0.2]]", "[[0.3, 0.2], [0.3, -0.2",
+             "[1, 2, 3]", "[[0.3, 0.2], [0.3, -0.2], [-0.3, 'a']]", "round"],
+)  # fmt: skip
+def test_a_footprint_that_is_none_leaves_the_radius_as_in_nav2(text: str) -> None:
+    """Costmap2DROS::getParameters: "The footprint parameter is invalid … using radius instead"."""
+    found = node(f'robot_radius: 0.4\nfootprint: "{text}"\n')
+    assert (found.footprint, found.general.robot_radius) == (None, 0.4)
+    assert found.notes[0].startswith(f"global_costmap.footprint, {text!r:.80}, is no list of three points")
+
+
+def test_the_value_for_unknown_of_ros_1_is_the_greatest_byte() -> None:
+    """costmap_2d has -1, and Nav2 an unsigned byte."""
+    found = node("plugins: [static_layer]\nunknown_cost_value: -1\ntrack_unknown_space: true\n" + STATIC)
+    assert (found, lethal(found)) == (node("plugins: [static_layer]\ntrack_unknown_space: true\n" + STATIC), 9)
+
+
+def test_a_robot_without_an_extent_is_named() -> None:
+    with pytest.raises(
+        MapperError, match=r"global_costmap\.robot_radius must be more than 0 m, or there must be a foot"
+    ):
+        node("robot_radius: 0.0")
+    assert node('robot_radius: 0.0\nfootprint: "[[1, 1], [-1, 1], [0, -1]]"').footprint is not None
+
+
+def test_the_inflation_of_earlier_releases_is_built_by_its_new_name() -> None:
+    """LegacyInflationLayer, after Kilted: what InflationLayer was, with the same parameters."""
+    old = node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION}")
+    assert node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION.replace('::', '::Legacy')}") == old
+
+
+def test_a_source_whose_greatest_height_is_not_stated_has_a_note() -> None:
+    """obstacle_layer.cpp declares 0.0 for a source: readings of a lidar above the ground mark nothing."""
+    text = 'plugins: [o]\no: {plugin: "nav2_costmap_2d::ObstacleLayer", observation_sources: scan, scan: {MORE}}'
+    said = "global_costmap.o.scan states no max_obstacle_height, which is 0 m then in Nav2"
+    assert node(text.replace("MORE", "topic: /scan")).notes[0].startswith(said)
+    for more in ("max_obstacle_height: 2.0", "marking: false"):
+        assert not any(said in note for note in node(text.replace("MORE", more)).notes)
+
+
+def test_names_that_a_filter_does_not_declare_have_no_effect() -> None:
+    text = 'plugins: []\nfilters: [k]\nk: {plugin: "nav2_costmap_2d::KeepoutFilter", MORE: true}'
+    assert "declares no parameter 'enable' (did you mean 'enabled'?)" in node(text.replace("MORE", "enable")).notes[0]
+    assert node(text.replace("MORE", "override_lethal_cost")).notes == node(text.replace(", MORE: true", "")).notes
 
 
 TYPES = {
@@ -301,7 +390,8 @@ def test_an_old_name_is_read_and_named_with_the_new_one() -> None:
     """Foxy's obstacle_layer.cpp."""
     found = node(
         "plugins: [static_layer, o]\n" + STATIC + "\no: {plugin: nav2_costmap_2d::ObstacleLayer, "
-        "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true}}"
+        "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true, "
+        "max_obstacle_height: 2.0}}"
     )
     config = found.layers[1].config
     assert isinstance(config, ObstacleConfig)

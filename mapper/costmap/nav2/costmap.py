@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from mapper.core.parameter import Parameter
+from mapper.core.parameter import Parameter, check_fields, choice, flag
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.filters import NamedFilter
 from mapper.costmap.parameters import (
+    COMBINATIONS,
     DECAY_PARAMETERS,
     DENOISE_PARAMETERS,
     GIVEN_PARAMETERS,
@@ -27,11 +28,12 @@ from mapper.costmap.parameters import (
     VoxelConfig,
 )
 
-LayerConfig: TypeAlias = (
+PluginConfig: TypeAlias = (
     StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | DenoiseConfig | GivenConfig | InflationConfig
 )
+LayerConfig: TypeAlias = "PluginConfig | ContainerConfig"
 
-PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
+PLUGINS: Mapping[str, tuple[type[PluginConfig], tuple[Parameter, ...]]] = {
     "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
     "ObstacleLayer": (ObstacleConfig, OBSTACLE_PARAMETERS),
     "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),
@@ -49,6 +51,30 @@ OF_SOURCE = (
     "marking", "clearing", "obstacle_min_range", "obstacle_max_range", "raytrace_min_range", "raytrace_max_range",
     "inf_is_valid",
 )  # fmt: skip
+#: Parameters that both a layer and its sources have; that of the source has no default from the layer in Nav2.
+HEIGHTS = ("min_obstacle_height", "max_obstacle_height")
+CONTAINER = "PluginContainerLayer"  #: the plugin that holds layers
+
+
+@dataclass(frozen=True, slots=True)
+class ContainerConfig:
+    """Parameters of a PluginContainerLayer: ``inner`` has its layers and filters, and the whole costmap's parameters.
+
+    ``combination_method`` is how what they make together is laid over the layers before.
+    """
+
+    inner: Nav2Costmap
+    # fmt: off
+    enabled: bool = flag("Enabled", "container", True, "Whether the layers in the container are used.")
+    combination_method: str = choice(
+        "Combination method", "container", "max",
+        "How the layers together are laid over those before: overwrite, the greater cost, or that of known cells.",
+        COMBINATIONS,
+    )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +119,21 @@ class Nav2Costmap:
     @property
     def unused(self) -> tuple[str, ...]:
         """The names of the parameters that change no cost here."""
-        return tuple(".".join((self.node, *path)) for path in self.others)
+        own = tuple(".".join((self.node, *path)) for path in self.others)
+        return own + tuple(name for one in self.containers for name in one.inner.unused)
+
+    @property
+    def containers(self) -> tuple[ContainerConfig, ...]:
+        """The containers among its layers."""
+        return tuple(layer.config for layer in self.layers if isinstance(layer.config, ContainerConfig))
+
+    def all_layers(self) -> Iterator[NamedLayer]:
+        """Yield its layers, each container before those in it, by their names below the first node."""
+        for layer in self.layers:
+            yield layer
+            if isinstance(layer.config, ContainerConfig):
+                for one in layer.config.inner.all_layers():
+                    yield NamedLayer(f"{layer.name}.{one.name}", one.config)
 
     @property
     def outline(self) -> Footprint:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
-from mapper.io.nav2_declared import switched
+from mapper.io.nav2_declared import FILTERS, switched, undeclared
 from mapper.io.ros_parameters import nodes_of
 
 KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
@@ -59,6 +59,8 @@ def named_filter(
     if not isinstance(block, dict) or kind is None:
         known = ", ".join(KINDS)
         raise ConfigError("nav2.filter", f"{where}: The filter has no 'plugin' that is one of {known}.")
+    declared = FILTERS[_PLUGIN_OF[kind]]
+    notes += [undeclared(where, key, declared) for key in block if key not in declared]
     enabled = switched(block.get("enabled", True), f"{where}.enabled", notes)
     topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
     for path, info in nodes_of(root):
@@ -68,9 +70,12 @@ def named_filter(
     return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
 
 
-def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them."""
-    info_topic = f"/{found.name}_info"
+def filter_nodes(found: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them.
+
+    The names of the servers and their topics begin with ``label``.
+    """
+    info_topic = f"/{label}_info"
     block = {
         "plugin": f"nav2_costmap_2d::{_PLUGIN_OF[found.kind]}",
         "enabled": found.enabled,
@@ -78,7 +83,7 @@ def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     if found.mask is None:
         return block, {}
-    mask_topic = f"/{found.name}_mask"
+    mask_topic = f"/{label}_mask"
     info = {
         "type": found.type,
         "filter_info_topic": info_topic,
@@ -88,8 +93,8 @@ def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     server = {"topic_name": mask_topic, "yaml_filename": found.mask}
     return block, {
-        f"{found.name}_info_server": {"ros__parameters": info},
-        f"{found.name}_mask_server": {"ros__parameters": server},
+        f"{label}_info_server": {"ros__parameters": info},
+        f"{label}_mask_server": {"ros__parameters": server},
     }
 
 

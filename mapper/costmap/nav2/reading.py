@@ -13,15 +13,18 @@ from typing import Any
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.core.parameter import Parameter
+from mapper.core.parameter import Parameter, table_of
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.costmap import (
+    CONTAINER,
+    HEIGHTS,
     OF_SOURCE,
     OF_STATIC,
     PLUGINS,
-    LayerConfig,
+    ContainerConfig,
     NamedLayer,
     Nav2Costmap,
+    PluginConfig,
     SkippedLayer,
 )
 from mapper.costmap.nav2.filters import NamedFilter, is_filter, named_filter
@@ -57,6 +60,9 @@ OF_ROS1 = frozenset((*NODES, "obstacle_range", "raytrace_range", "footprint", "r
 ROS1 = "whose parameters stand in its nodes by themselves: put them below ros__parameters, with a list of plugins"
 OF_NAV2 = ("nav2_costmap_2d", "gridbloom", "costmap_2d", "")  #: packages of the plugins that are built here
 MAX_LAYERS = 20
+LEAST_POINTS = 3  #: of a footprint
+#: Plugins that compute what another one does.
+SAME_AS = {"LegacyInflationLayer": "InflationLayer"}
 
 
 def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
@@ -102,10 +108,12 @@ def _keys(given: Mapping[Any, Any]) -> Iterator[str]:
 
 
 class _Reader:
-    """Reads the parameters ``given`` of one node; what it finds on its way is in ``notes`` and ``others``."""
+    """Reads the parameters ``given`` of one node, or of a container; ``notes`` and ``others`` are what it finds."""
 
-    def __init__(self, root: Mapping[str, Any], node: str, given: Mapping[str, Any]) -> None:
-        self.root, self.node, self.given = root, node, {**given}
+    def __init__(
+        self, root: Mapping[str, Any], node: str, given: Mapping[str, Any], *, in_container: bool = False
+    ) -> None:
+        self.root, self.node, self.given, self.in_container = root, node, {**given}, in_container
         self.notes: list[str] = []
         self.others: dict[tuple[str, ...], Any] = {}
         self.skipped: list[SkippedLayer] = []
@@ -113,9 +121,11 @@ class _Reader:
     def read(self) -> Nav2Costmap:
         names = self._layer_names()
         own = self.given
-        blocks = self._out_of_containers({name: self._block(name, own.pop(name, None)) for name in names})
+        blocks = {name: self._block(name, own.pop(name, None)) for name in names}
         of_filters = {name: own.pop(name, None) for name in _names(own, "filters", self.node) if name not in blocks}
         footprint = _footprint(own.pop("footprint", None), self.node, self.notes)
+        if own.get("unknown_cost_value") == -1:  # of costmap_2d, ROS 1; an unsigned byte in Nav2
+            own["unknown_cost_value"] = 255
         of_static = {
             row.name: checked(row, own.pop(row.name), f"{self.node}.{row.name}", self.notes)
             for row in STATIC_PARAMETERS
@@ -124,28 +134,42 @@ class _Reader:
         # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
         self.others.update({(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]})
         general = self._config(CostmapConfig(), COSTMAP_PARAMETERS, own, (self.node,), COSTMAP)
-        layers: list[NamedLayer] = []
+        if footprint is None and general.robot_radius == 0.0:
+            raise ConfigError(
+                "nav2.value", f"{self.node}.robot_radius must be more than 0 m, or there must be a footprint."
+            )
         filters: list[NamedFilter] = []
         for name, block in of_filters.items():
             if isinstance(block, dict) and isinstance(block.get("plugin"), str) and not is_filter(block):
                 self._skip(name, block, None, "is no filter that is built here")
             else:
                 filters.append(named_filter(self.root, name, block, f"{self.node}.{name}", None, self.notes))
+        made = self._stack(blocks, general, of_static)
+        made = replace(made, footprint=footprint, filters=(*filters, *made.filters))
+        if sum(1 for _ in made.all_layers()) > MAX_LAYERS:
+            raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
+        return replace(made, notes=(*self.notes, *_warnings(made)))
+
+    def _stack(
+        self, blocks: Mapping[str, dict[str, Any]], general: CostmapConfig, of_static: Mapping[str, Any]
+    ) -> Nav2Costmap:
+        """Return the layers and filters of a list of plugins, each with its block of parameters."""
+        layers: list[NamedLayer] = []
+        filters: list[NamedFilter] = []
         last_inflation = [name for name, block in blocks.items() if _kind(block) == "InflationLayer"][-1:]
         for name, block in blocks.items():
             path = (self.node, name)
             if is_filter(block):
                 filters.append(named_filter(self.root, name, block, ".".join(path), len(layers), self.notes))
+            elif _kind(block) == CONTAINER:
+                layers.append(NamedLayer(name, self._container(name, block, general, of_static)))
             elif _kind(block) not in PLUGINS:
                 self._skip(name, block, len(layers), "is not built here")
             elif _kind(block) == "InflationLayer" and name not in last_inflation:
                 self._skip(name, block, len(layers), f"stands below {last_inflation[0]!r:.80}, and one is built here")
             else:
                 layers.append(NamedLayer(name, self._layer(block, of_static, path)))
-        made = Nav2Costmap(
-            self.node, general, footprint, tuple(layers), tuple(filters), self.others, tuple(self.skipped)
-        )
-        return replace(made, notes=(*self.notes, *_warnings(made)))
+        return Nav2Costmap(self.node, general, None, tuple(layers), tuple(filters), self.others, tuple(self.skipped))
 
     def _layer_names(self) -> tuple[str, ...]:
         if "plugins" in self.given:
@@ -172,36 +196,34 @@ class _Reader:
         if given is not None and not isinstance(given, dict):
             raise ConfigError("nav2.plugin", f"{where}: A layer has parameters, not {given!r:.40}.")
         block = {**(given or {})}
+        may_be_default = name in DEFAULT_LAYERS and not self.in_container
         is_default = list(self.given.get("plugins", DEFAULT_LAYERS)) == list(DEFAULT_LAYERS)
-        if is_default and name in DEFAULT_LAYERS and "plugin" not in block and "plugin_names" not in self.given:
+        if may_be_default and is_default and "plugin" not in block and "plugin_names" not in self.given:
             block["plugin"] = f"nav2_costmap_2d::{DEFAULT_LAYERS[name]}"
         if not isinstance(block.get("plugin"), str):
             also = ""
-            if name in DEFAULT_LAYERS:
+            if may_be_default:
                 also = f" Nav2 knows it by its name only where the list 'plugins' is {', '.join(DEFAULT_LAYERS)}."
             raise ConfigError("nav2.plugin", f"{where}: The layer has no 'plugin' that says what it is.{also}")
         return block
 
-    def _out_of_containers(self, blocks: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        """Return the layers with those of each PluginContainerLayer in its place, under names that are free."""
-        made: dict[str, dict[str, Any]] = {}
-        for name, block in blocks.items():
-            if _kind(block) != "PluginContainerLayer":
-                made[name] = block
-                continue
-            inner = {
-                one: self._block(f"{name}.{one}", block.get(one))
-                for one in _names(block, "plugins", f"{self.node}.{name}")
-            }
-            for one, own in self._out_of_containers(inner).items():
-                label = one if one not in {*made, *blocks} else f"{name}_{one}"
-                made[label] = own | ({} if block.get("enabled", True) else {"enabled": False})
-            self.notes.append(
-                f"{self.node}.{name}: The layers of the PluginContainerLayer ({', '.join(inner):.200}) are read, and "
-                "written again, as if they stood in the list of plugins; there they are laid over the others together."
-            )
-        if len(made) > MAX_LAYERS:
-            raise ConfigError("nav2.plugins", f"{self.node} must have at most {MAX_LAYERS} layers.")
+    def _container(
+        self, name: str, block: dict[str, Any], general: CostmapConfig, of_static: Mapping[str, Any]
+    ) -> ContainerConfig:
+        """Return a container with the layers in its block."""
+        where = f"{self.node}.{name}"
+        inside = _Reader(self.root, where, block, in_container=True)
+        own = inside.given
+        blocks = {one: inside._block(one, own.pop(one, None)) for one in _names(own, "plugins", where)}
+        inside.others.update(
+            {(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]}
+        )
+        _name_combination(own, where)
+        made: ContainerConfig = inside._config(
+            ContainerConfig(inside._stack(blocks, general, of_static)),
+            table_of(ContainerConfig), own, (where,), LAYERS[CONTAINER],
+        )  # fmt: skip
+        self.notes += inside.notes
         return made
 
     def _skip(self, name: str, block: Mapping[str, Any], below: int | None, why: str) -> None:
@@ -211,7 +233,7 @@ class _Reader:
             "without it."
         )
 
-    def _layer(self, block: Mapping[str, Any], of_static: Mapping[str, Any], path: tuple[str, str]) -> LayerConfig:
+    def _layer(self, block: Mapping[str, Any], of_static: Mapping[str, Any], path: tuple[str, str]) -> PluginConfig:
         kind = _kind(block)
         config, table = PLUGINS[kind]
         values = {**block}
@@ -227,14 +249,9 @@ class _Reader:
             values |= self._of_source(self._sources(values, path), path)
             # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
             values.setdefault("clearing", False)
-            method = values.pop("combination_method", None)
-            if method is not None:
-                if type(method) is not int or method not in (0, 1, 2):
-                    message = f"{'.'.join(path)}.combination_method must be 0, 1 or 2, not {method!r:.40}."
-                    raise ConfigError("nav2.value", message)
-                values["combination_method"] = COMBINATIONS[method]
+            _name_combination(values, ".".join(path))
         start = config(**of_static) if config is StaticConfig else config()
-        made: LayerConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
+        made: PluginConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
         return made
 
     def _sources(self, values: dict[str, Any], path: tuple[str, str]) -> list[tuple[str, dict[str, Any]]]:
@@ -274,10 +291,15 @@ class _Reader:
         where = ".".join(path)
         values: dict[str, Any] = {}
         for k, (source, block) in enumerate(blocks):
-            acting = (*OF_SOURCE, "min_obstacle_height", "max_obstacle_height")
+            acting = (*OF_SOURCE, *HEIGHTS)
             known = {name: block[name] for name in block if name in acting}
             unknown = [name for name in block if name not in SOURCE]
             self.notes += [undeclared(f"{where}.{source}", name, SOURCE) for name in unknown]
+            if block.get("marking", True) is True and "max_obstacle_height" not in block:
+                self.notes.append(
+                    f"{where}.{source} states no max_obstacle_height, which is 0 m then in Nav2: what a sensor sees "
+                    "above that marks nothing there. Files of Nav2 have 2.0."
+                )
             if k == 0:
                 values = known
             without_effect = block if k else {name: block[name] for name in block if name not in known}
@@ -313,15 +335,27 @@ def _package(block: Mapping[str, Any]) -> str:
 
 
 def _kind(block: Mapping[str, Any]) -> str:
-    """Return the class of a layer's plugin, without its package."""
-    return str(block["plugin"]).replace("/", "::").split("::")[-1]
+    """Return the class of a layer's plugin, or the one that it is the same as, without its package."""
+    kind = str(block["plugin"]).replace("/", "::").split("::")[-1]
+    return SAME_AS.get(kind, kind)
+
+
+def _name_combination(values: dict[str, Any], where: str) -> None:
+    """Put the name of a combination method in place of its number. Raises :class:`ConfigError`."""
+    method = values.pop("combination_method", None)
+    if method is None:
+        return
+    if type(method) is not int or method not in (0, 1, 2):
+        raise ConfigError("nav2.value", f"{where}.combination_method must be 0, 1 or 2, not {method!r:.40}.")
+    values["combination_method"] = COMBINATIONS[method]
 
 
 def _warnings(costmap: Nav2Costmap) -> list[str]:
     """Return sentences on what Nav2 warns of, and on a costmap that shows nothing of the map."""
     warnings = []
     radius = costmap.outline.inscribed_radius
-    for layer in costmap.layers:
+    layers = [*costmap.all_layers()]
+    for layer in layers:
         config = layer.config
         if isinstance(config, InflationConfig) and config.enabled and config.inflation_radius < radius:
             warnings.append(
@@ -329,7 +363,7 @@ def _warnings(costmap: Nav2Costmap) -> list[str]:
                 f"the inscribed radius of the footprint, {radius:.3f} m: planners that take the robot for a point lead "
                 "it into obstacles. Nav2 warns of it too, and recommends at least the inscribed radius."
             )
-    if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in costmap.layers):
+    if not any(isinstance(layer.config, StaticConfig) and layer.config.enabled for layer in layers):
         warnings.append(
             f"{costmap.node} has no static layer in use: nothing of the map is in its costs, only what sensors see."
         )
@@ -346,14 +380,21 @@ def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
 
 
 def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
+    """Return the footprint; None where there is none, or a text that Nav2 takes for none, which has a note.
+
+    Source: Costmap2DROS::getParameters and makeFootprintFromString of nav2_costmap_2d.
+    """
     if given is None or given in ("", "[]", []):
         return None
     points: object = given
     if isinstance(given, str):
-        try:
-            points = load_untrusted(given[:10_000])
-        except yaml.YAMLError as error:
-            raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.") from error
+        points = _points_of(given)
+        if points is None:
+            notes.append(
+                f"{where}.footprint, {given!r:.80}, is no list of three points [x, y] or more: Nav2 takes robot_radius "
+                "in its place, and logs an error."
+            )
+            return None
     elif isinstance(given, list):
         notes.append(f"{where}.footprint is a list, where Nav2 declares a text, and does not start: put it in quotes.")
     if not isinstance(points, list):
@@ -363,3 +404,16 @@ def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
+
+
+def _points_of(text: str) -> list[Any] | None:
+    """Return the points of a footprint's text; None for fewer than three, and for what is no list of pairs."""
+    try:
+        points = load_untrusted(text[:10_000])
+    except yaml.YAMLError:
+        return None
+    is_list = isinstance(points, list) and len(points) >= LEAST_POINTS
+    if not is_list or any(not isinstance(one, list) or len(one) != 2 for one in points):
+        return None
+    numbers = (value for one in points for value in one)
+    return points if all(isinstance(value, int | float) for value in numbers) else None

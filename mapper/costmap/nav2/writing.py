@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from mapper.costmap.nav2.costmap import OF_SOURCE, OF_STATIC, PLUGINS, Nav2Costmap
+from mapper.costmap.nav2.costmap import CONTAINER, HEIGHTS, OF_SOURCE, OF_STATIC, PLUGINS, ContainerConfig, Nav2Costmap
 from mapper.costmap.nav2.filters import filter_nodes
 from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
 from mapper.io.nav2_declared import WHOLE
@@ -30,25 +30,45 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
         general["robot_radius"] = costmap.general.robot_radius
     else:
         general["footprint"] = str([list(vertex) for vertex in costmap.footprint.vertices])
+    blocks, servers, of_static = _stack(costmap)
+    root = {costmap.node: {costmap.node: {"ros__parameters": general | of_static | blocks}}} | servers
+    return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+
+
+def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Return the lists of layers and filters with their blocks, the nodes of filters' servers, and what is above all.
+
+    The last are the parameters of the whole costmap that its static layers read. ``within`` is put before the names of
+    the servers.
+    """
     blocks: dict[str, Any] = {}
+    servers: dict[str, Any] = {}
+    of_static: dict[str, Any] = {}
     for layer in costmap.layers:
-        values = {field.name: getattr(layer.config, field.name) for field in fields(layer.config)}
-        kind = next(name for name, (config, _) in PLUGINS.items() if config is type(layer.config))
+        config = layer.config
+        values = {field.name: getattr(config, field.name) for field in fields(config)}
+        kind = next((name for name, (one, _) in PLUGINS.items() if one is type(config)), CONTAINER)
         package = "gridbloom" if kind in _OWN else "nav2_costmap_2d"
         block: dict[str, Any] = {"plugin": f"{package}::{kind}"} | _below(costmap.others, (layer.name,))
-        if isinstance(layer.config, StaticConfig):
+        if isinstance(config, StaticConfig):
             for key in OF_STATIC:
                 value = values.pop(key)
-                general[key] = int(value) if key in WHOLE else value
-        if isinstance(layer.config, ObstacleConfig):
-            values["combination_method"] = COMBINATIONS.index(layer.config.combination_method)
-            source = {key: values.pop(key) for key in OF_SOURCE}
+                of_static[key] = int(value) if key in WHOLE else value
+        if isinstance(config, ObstacleConfig | ContainerConfig):
+            values["combination_method"] = COMBINATIONS.index(config.combination_method)
+        if isinstance(config, ObstacleConfig):
+            source = {key: values.pop(key) for key in OF_SOURCE} | {key: values[key] for key in HEIGHTS}
             block |= _sources(costmap.others, layer.name, source)
-        blocks[layer.name] = block | {key: int(value) if key in WHOLE else value for key, value in values.items()}
+        block |= {key: int(value) if key in WHOLE else value for key, value in values.items() if key != "inner"}
+        if isinstance(config, ContainerConfig):
+            inner, of_filters, of_inner = _stack(config.inner, f"{within}{layer.name}_")
+            block |= _below(config.inner.others, ()) | inner
+            servers |= of_filters
+            of_static |= of_inner
+        blocks[layer.name] = block
     plugins = [layer.name for layer in costmap.layers]
-    servers: dict[str, Any] = {}
     for one in costmap.filters:
-        blocks[one.name], nodes = filter_nodes(one)
+        blocks[one.name], nodes = filter_nodes(one, within + one.name)
         servers |= nodes
     placed = [(one.name, one.below) for one in costmap.filters]
     placed += [(one.name, one.below) for one in costmap.skipped]
@@ -57,9 +77,7 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
     for below, name in sorted(between, key=lambda one: -one[0]):
         plugins.insert(below, name)
     blocks |= {one.name: {**one.block} for one in costmap.skipped}
-    parameters = general | {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks
-    root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}} | servers
-    return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+    return {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks, servers, of_static
 
 
 def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict[str, Any]:

@@ -114,6 +114,10 @@ FOREIGN_TEXT: tuple[tuple[re.Pattern[bytes], str], ...] = (
         re.compile(rb"\s*<(?:!doctype html|html)\b", re.IGNORECASE),
         "a page of HTML, as servers send in place of a file (download the file itself)",
     ),
+    (
+        re.compile(rb"(?:<\?xml[^>]*\?>\s*)?<VTKFile\b"),
+        f"a file of VTK in XML ({AS_CLOUD}; VTK’s legacy format is read)",
+    ),
     (re.compile(rb"ncols\s+\d+", re.IGNORECASE), f"a grid of heights of ESRI ({AS_CLOUD})"),
 )
 #: How zip archives begin that are one document, and what they are.

@@ -173,7 +173,12 @@ def _files_in(folder: Path, limits: Limits) -> list[Source]:
         raise ReadError("log.unreadable", f"The folder cannot be read: {error.strerror}.") from error
     if len(inside) > limits.max_archive_files:
         raise LimitError("log.too_many_files", f"The folder has more than {limits.max_archive_files} files.")
-    return [one for one in inside if one.is_file() and not one.name.startswith(".")]
+    shown = [one for one in inside if not one.name.startswith(".")]
+    files: list[Source] = [one for one in shown if one.is_file()]
+    if shown and not files:
+        names = ", ".join(repr(one.name)[:80] for one in shown[:6])
+        raise ReadError("log.folder", f"The folder holds folders alone, {names}: open the one with the recording.")
+    return files
 
 
 def _reading_together(files: Sequence[Source], where: str, name: str, also: MessageSink | None) -> Reading:

@@ -85,7 +85,7 @@ def costmap(
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
     unknown_as_free = count_unknown_as_free(parameters, loaded.values, costs)
-    layers = [layer.name for layer in parameters.layers]
+    layers = [layer.name for layer in parameters.all_layers()]
     notes = [*loaded.notes, *parameters.notes, *notes_on_masks(masks)]
     facts: dict[str, object] = {
         "map": str(map_yaml),

@@ -9,12 +9,39 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
 
+from mapper.mapping.parameters import MappingConfig
 from server.http.services import Logs, Visitor
 from server.library.library import Library
 from server.library.logs.records import Record
+from server.library.processing.fleet import fleet_jobs
 from server.library.processing.fleet.fleet_jobs import FleetState
 
 router = APIRouter(prefix="/api/fleet", tags=["fleet"])
+
+
+Name = Annotated[str, Field(min_length=1, max_length=255)]
+
+
+class FleetOptions(BaseModel):
+    """How each log is read and mapped, as by the options of ``gridbloom fleet``; metres, radians, seconds."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    topic: Name | None = Field(None, description="The sensor of each log; null: the one with most scans.")
+    tf: Name | None = Field(None, description="The topic of transforms, where there are several.")
+    trajectory: Name | None = Field(None, description="The poses; null: each log’s first.")
+    mount_x: float = 0.0
+    mount_y: float = 0.0
+    mount_yaw: float = 0.0
+    mount_upside_down: bool = False
+    time_offset: float = 0.0
+
+    def checked(self) -> fleet_jobs.FleetRequest:
+        """Return the request of the jobs. Raises :class:`mapper.core.errors.ConfigError`, naming the parameter."""
+        values = self.model_dump(exclude={"topic", "tf", "trajectory"})
+        given = {name: value for name, value in values.items() if value}
+        MappingConfig().with_values(given)
+        return fleet_jobs.FleetRequest(self.topic, self.tf, self.trajectory, given)
 
 
 class FleetRequest(BaseModel):
@@ -23,6 +50,9 @@ class FleetRequest(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     again: bool = Field(False, description="Map the logs again that failed.")
+    options: FleetOptions | None = Field(
+        None, description="Map also those again that were mapped, or failed, with other options."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +87,8 @@ async def state(
 async def begin(library: Logs, visitor: Visitor, wanted: FleetRequest) -> QueuedLogs:
     """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
     await library.list(visitor)
-    return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=wanted.again))
+    request = None if wanted.options is None else wanted.options.checked()
+    return QueuedLogs(await library.fleet.begin(_logs(library, visitor), again=wanted.again, request=request))
 
 
 @router.delete("", status_code=204)

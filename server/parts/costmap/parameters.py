@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap.footprint import Footprint
-from mapper.costmap.nav2.costmap import LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
+from mapper.costmap.nav2.costmap import ContainerConfig, LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
 from mapper.costmap.parameters import (
     COSTMAP_PARAMETERS,
     DECAY_PARAMETERS,
@@ -216,17 +216,32 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
     return footprint
 
 
+def _as_one_list(found: Nav2Costmap, others: dict[tuple[str, ...], Any]) -> Iterator[NamedLayer]:
+    """Yield the layers, those of containers in their places; what the latter have besides is put into ``others``."""
+    for layer in found.layers:
+        config = layer.config
+        if isinstance(config, ContainerConfig):
+            others |= {path: value for path, value in config.inner.others.items() if len(path) > 1}
+            for one in _as_one_list(config.inner, others):
+                is_on = config.enabled and one.config.enabled
+                yield replace(one, config=replace(one.config, enabled=is_on))
+        else:
+            yield layer
+
+
 def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> CostmapParameters:
     """Return the parameters of a Nav2 parameter file, of others those ``before``.
 
-    Of its filters only their kind and whether they are on is taken: their masks are other files.
+    The table has one layer of each kind: those of containers are taken as if they stood in the list of plugins. Of its
+    filters only their kind and whether they are on is taken: their masks are other files.
 
     Raises :class:`ConfigError` for a value beyond the bounds of the table.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
     named: dict[str, str] = {}  # the file's names of the layers, and the table's
     values |= dict.fromkeys(IN_NAV2, False)
-    for layer in found.layers:
+    others: dict[tuple[str, ...], Any] = {**found.others}
+    for layer in _as_one_list(found, others):
         config = layer.config
         if isinstance(config, StaticConfig):
             named[layer.name] = "static_layer"
@@ -257,6 +272,6 @@ def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> 
     values |= {name: getattr(path.planner, name) for name in _OF_PLANNER}
     values |= {name: getattr(path.pursuit, name) for name in _OF_PURSUIT}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
-    others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in found.others.items()}
+    others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in others.items()}
     loaded = replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)
     return replace(loaded, skipped=found.skipped)

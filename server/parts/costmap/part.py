@@ -254,6 +254,11 @@ class CostmapPart(Part, Costed):
         said = [*read.notes, *read_path.notes]
         if not read.general.track_unknown_space:
             said.append("track_unknown_space is off: cells that the map does not know count as free.")
+        if read.containers:
+            said.append(
+                "Here the layers of a PluginContainerLayer are read, and written again, as if they stood in the list "
+                "of plugins; gridbloom costmap lays them together, as Nav2 does."
+            )
         if unused:
             names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
             said.append(f"Without effect here, and kept in the yaml that you download: {names}.")

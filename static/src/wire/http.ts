@@ -305,7 +305,10 @@ export interface FleetFinding {
   readonly possible: boolean;
 }
 
-/** A log of the fleet; `fraction` is the share of its job that is done, `facts` what was found out. */
+/**
+ * A log of the fleet; `fraction` is the share of its job that is done, `facts` what was found out. `options` are those
+ * that are not as by default, in words.
+ */
 export interface FleetLog {
   readonly id: string;
   readonly name: string;
@@ -313,12 +316,30 @@ export interface FleetLog {
   readonly fraction: number;
   readonly error: Failure | null;
   readonly facts: FleetFacts | null;
+  readonly options: string;
+}
+
+/** How each log is read and mapped, as by the options of `gridbloom fleet`; metres, radians, seconds. */
+export interface FleetOptions {
+  /** The sensor of each log; null: the one with most scans. */
+  readonly topic?: string | null;
+  /** The topic of transforms, where there are several. */
+  readonly tf?: string | null;
+  /** The poses; null: each log’s first. */
+  readonly trajectory?: string | null;
+  readonly mount_x?: number;
+  readonly mount_y?: number;
+  readonly mount_yaw?: number;
+  readonly mount_upside_down?: boolean;
+  readonly time_offset?: number;
 }
 
 /** Logs to be mapped. */
 export interface FleetRequest {
   /** Map the logs again that failed. */
   readonly again?: boolean;
+  /** Map also those again that were mapped, or failed, with other options. */
+  readonly options?: FleetOptions | null;
 }
 
 /**

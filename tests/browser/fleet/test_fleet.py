@@ -37,13 +37,33 @@ def test_one_press_maps_all_logs(page: Page, server: str) -> None:
     expect(page).to_have_url(re.compile("log=folder-"))
 
 
+@pytest.mark.usefixtures("two_logs")
+def test_all_logs_are_mapped_again_with_other_options(page: Page, server: str) -> None:
+    page.goto(f"{server}/fleet.html")
+    yard = page.locator(".fleet-card", has_text="fleet-yard.log")
+    page.get_by_role("button", name="Map").click()
+    expect(yard).to_contain_text("40 scans")
+    expect(yard).not_to_contain_text("With")
+    page.get_by_text("Options", exact=True).click()
+    page.get_by_label("Sensor").fill("FLASER")
+    page.get_by_label("Mount yaw").fill("90")
+    page.get_by_role("button", name="Map all with these options").click()
+    expect(yard).to_contain_text("With sensor FLASER, mount 0 m, 0 m, 90°")
+    expect(yard).to_contain_text("40 scans")
+    page.get_by_label("Poses").fill("gps")
+    page.get_by_role("button", name="Map all with these options").click()
+    expect(yard).to_contain_text("no trajectory 'gps'")
+
+
 def test_drift_and_first_finding_are_shown_and_choose_and_order_the_maps(page: Page, server: str) -> None:
     def log(name: str, drift_m: float | None, *checks: str) -> dict[str, object]:
         findings = [{"check": check, "sentence": f"This is {check}.", "possible": False} for check in checks]
         size: dict[str, object] = {"scans": 40, "beams": 3, "rows": 10, "cols": 10, "resolution": 0.1, "contrast": 0.5}
         work: dict[str, object] = {"trajectory": "odom", "picture": False, "cpu_s": 1.0, "seconds": 1.0, "runs": 1}
         facts = size | work | {"findings": findings, "drift_m": drift_m}
-        return {"id": f"id-{name}", "name": name, "state": "done", "fraction": 0.0, "error": None, "facts": facts}
+        return {"id": f"id-{name}", "name": name, "state": "done", "fraction": 0.0, "error": None, "facts": facts} | {
+            "options": ""
+        }
 
     logs = [log("a", 0.125), log("b", 1.5, "walls.drift", "clock.gap"), log("c", None, "clock.gap")]
     counts = dict.fromkeys(("none", "queued", "running", "failed"), 0) | {"done": len(logs)}

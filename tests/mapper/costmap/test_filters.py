@@ -1,13 +1,14 @@
 """Masks, speed limits, given costs and columns of voxels, against values written down from Nav2's sources."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, ReadError
 from mapper.costmap import (
     LETHAL,
     NO_INFORMATION,
@@ -24,8 +25,9 @@ from mapper.costmap import (
     VoxelConfig,
     VoxelLayer,
 )
-from mapper.costmap.build import build_costmap, load_masks
+from mapper.costmap.build import DEFAULT, build_costmap, load_masks
 from mapper.costmap.masks import mask_costs
+from mapper.costmap.nav2.filters import NamedFilter
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.grid import GridGeometry
@@ -91,6 +93,40 @@ def test_filters_of_a_file_lie_where_nav2_has_them(tmp_path: Path) -> None:
     again = parse_nav2_costmap(nav2_yaml(found, 0.05).encode())
     assert set(again.filters) == set(found.filters)
     assert again.layers == found.layers
+
+
+def test_a_filter_in_a_container_lies_in_it(tmp_path: Path) -> None:
+    """A keepout zone below the container's own inflation is inflated by that."""
+    write_zones(tmp_path)
+    text = """
+global_costmap:
+  ros__parameters:
+    plugins: [c]
+    robot_radius: 0.3
+    c:
+      plugin: nav2_costmap_2d::PluginContainerLayer
+      plugins: [zones, inflation]
+      zones: {plugin: "nav2_costmap_2d::KeepoutFilter", filter_info_topic: /info}
+      inflation: {plugin: "nav2_costmap_2d::InflationLayer"}
+i: {ros__parameters: {type: 0, filter_info_topic: /info, mask_topic: /mask}}
+m: {ros__parameters: {topic_name: /mask, yaml_filename: zones.yaml}}
+"""
+    for found in (first := parse_nav2_costmap(text.encode()), parse_nav2_costmap(nav2_yaml(first, 0.1).encode())):
+        masks = load_masks(found, tmp_path)
+        built = build_costmap(GEOMETRY, np.zeros(GEOMETRY.shape, np.int8), found, masks=masks)
+        built.costmap.update()
+        assert (built.costmap.costs[35, 35], built.costmap.costs[28, 35], built.unmasked) == (LETHAL, 253, ())
+
+
+@pytest.mark.parametrize(
+    "named", ["/home/anna/zones.yaml", "C:\\maps\\zones.yaml", "$(find-pkg-share my_maps)/maps/zones.yaml"]
+)
+def test_a_mask_that_is_named_elsewhere_is_the_one_beside_the_parameters(tmp_path: Path, named: str) -> None:
+    write_zones(tmp_path)
+    mask = load_masks(replace(DEFAULT, filters=(NamedFilter("k", "keepout", named),)), tmp_path)["k"]
+    assert mask.notes[0].endswith("'zones.yaml' beside the parameter file is read in its place.")
+    with pytest.raises(ReadError, match=r"The mask '.*other\.yaml' of k: There is no file 'other\.yaml'\."):
+        load_masks(replace(DEFAULT, filters=(NamedFilter("k", "keepout", "/a/other.yaml"),)), tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Nav2's parameter files: as its documentation writes them, there and back, and files with errors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -86,8 +88,9 @@ def test_the_local_costmap_with_a_footprint() -> None:
 def test_what_is_written_is_read_back(node: str) -> None:
     found = parse_nav2_costmap(FILE, node)
     again = parse_nav2_costmap(nav2_yaml(found, 0.05).encode())
-    assert again == found
+    assert replace(again, notes=()) == replace(found, notes=())
     assert again.unused == found.unused
+    assert not any("max_obstacle_height" in note for note in again.notes)  # Nav2 has 0 m for a source without one
 
 
 def test_what_changes_no_cost_is_said_and_written_again() -> None:
@@ -110,7 +113,7 @@ def test_what_changes_no_cost_is_said_and_written_again() -> None:
     assert (layer["front"]["topic"], layer["front"]["raytrace_max_range"]) == ("/scan", 4.5)
     assert layer["rear"] == {"topic": "/rear", "clearing": True}
     assert values["static_layer"]["map_subscribe_transient_local"] is True
-    assert parse_nav2_costmap(text.encode()) == found
+    assert replace(parse_nav2_costmap(text.encode()), notes=()) == replace(found, notes=())
 
 
 def test_a_costmap_is_built_from_it() -> None:
@@ -133,7 +136,6 @@ def test_a_costmap_is_built_from_it() -> None:
         (("combination_method: 0", "combination_method: 7"), ConfigError, "must be 0, 1 or 2, not 7"),
         (('plugins: ["static_layer"', 'plugins: ["other"'), ConfigError, r"global_costmap\.other: .* no 'plugin'"),
         (("robot_radius: 0.22", 'footprint: "[[1, 1], [-1, -1], [1, -1], [-1, 1]]"'), ConfigError, "crosses itself"),
-        (("robot_radius: 0.22", "footprint: round"), ConfigError, "not a list of points"),
         (("amcl:", "amcl: &a"), None, ""),
         (("alpha1: 0.2", "alpha1: [0.2"), ReadError, "malformed in line"),
     ],

@@ -80,6 +80,19 @@ class LogOptions:
     trajectory: str | None = None
     mapping: Mapping[str, object] = field(default_factory=dict)
 
+    @property
+    def in_words(self) -> str:
+        """The options that are not as by default; empty for none."""
+        config = MappingConfig().with_values(self.mapping)
+        named = {"sensor": self.topic, "transforms": self.tf, "poses": self.trajectory}
+        words = [f"{what} {name}" for what, name in named.items() if name is not None]
+        if config.mount != (0.0, 0.0, 0.0):
+            x, y, yaw = config.mount
+            words.append(f"mount {x:g} m, {y:g} m, {math.degrees(yaw):.4g}°")
+        words += ["turned over"] * config.mount_upside_down
+        words += [f"time offset {config.time_offset:g} s"] * bool(config.time_offset)
+        return ", ".join(words)
+
     def read(self, source: Path, progress: Callable[[float], None]) -> ScanLog:
         """Return a log, the trajectory that is wanted as its first.
 

@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Literal, get_args
 
 from mapper.core.errors import LimitError
@@ -25,7 +25,14 @@ from server.library.logs.errors import LogNotFoundError
 from server.library.logs.records import Record
 from server.library.processing.fleet.cluster import Cluster, ClusterState
 from server.library.processing.fleet.cluster_worker import ClusterWorker
-from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, MapFacts, fleet_facts
+from server.library.processing.fleet.fleet_job import (
+    LIMITS,
+    ClusterLostError,
+    FleetJob,
+    LogOptions,
+    MapFacts,
+    fleet_facts,
+)
 
 MOST = 20_000  #: logs that wait at once, of all visitors
 LOOK_S = 0.5  #: how often the size of the cluster is looked at
@@ -41,7 +48,17 @@ class FleetFacts(MapFacts):
 
 @dataclass(frozen=True, slots=True)
 class FleetRequest:
-    """All logs are mapped alike."""
+    """How a log is read and mapped, as :class:`LogOptions` says it."""
+
+    topic: str | None = None
+    tf: str | None = None
+    trajectory: str | None = None
+    mapping: dict[str, bool | float] = field(default_factory=dict)
+
+    @property
+    def options(self) -> LogOptions:
+        """The options of the job."""
+        return LogOptions(self.topic, self.tf, self.trajectory, self.mapping)
 
 
 Job = JobRecord[FleetRequest, FleetFacts]
@@ -53,7 +70,10 @@ FleetLogState = Literal["none", "queued", "running", "done", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class FleetLog:
-    """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out."""
+    """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out.
+
+    ``options`` are those that are not as by default, in words.
+    """
 
     id: str
     name: str
@@ -61,6 +81,7 @@ class FleetLog:
     fraction: float
     error: Failure | None
     facts: FleetFacts | None
+    options: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,20 +164,21 @@ class FleetJobs:
 
     # -- asked for ------------------------------------------------------------------------------------------------
 
-    async def begin(self, logs: Sequence[Record], *, again: bool = False) -> int:
+    async def begin(self, logs: Sequence[Record], *, again: bool = False, request: FleetRequest | None = None) -> int:
         """Queue the logs that have no result and are not under way; ``again``: also those that failed.
 
-        Returns how many there are. Raises :class:`LimitError` for too many, and :class:`StorageError`.
+        With a ``request`` also those whose result, or failure, is by another one. Returns how many there are. Raises
+        :class:`LimitError` for too many, and :class:`StorageError`.
         """
         known = self._queue.records
         wanted: list[Job] = []
         for log in logs:
             record = known.get((log.owner, log.id))
-            if record is None or record.state == "cancelled" or (again and record.state == "failed"):
+            is_other = record is not None and request not in (None, record.request) and not record.is_unfinished
+            if record is None or record.state == "cancelled" or is_other or (again and record.state == "failed"):
+                how = request or FleetRequest()
                 wanted.append(
-                    JobRecord(
-                        log_id=log.id, owner=log.owner, request=FleetRequest(), state="queued", created_s=time.time()
-                    )
+                    JobRecord(log_id=log.id, owner=log.owner, request=how, state="queued", created_s=time.time())
                 )
         if len(self._queue.running) + len(wanted) > MOST:
             raise LimitError("fleet.too_many", f"At most {MOST:,} logs wait to be mapped at once.")
@@ -180,7 +202,8 @@ class FleetJobs:
             if whole or state == "running" or self._changed_at.get(key, 0) > since:
                 fraction = round(self._queue.fraction(key), 3) if state == "running" else 0.0
                 error, facts = (None, None) if record is None else (record.error, record.result)
-                shown.append(FleetLog(log.id, log.name, state, fraction, error, facts))
+                by = "" if record is None else record.request.options.in_words
+                shown.append(FleetLog(log.id, log.name, state, fraction, error, facts, by))
         cluster = None if self._cluster is None else self._cluster.state
         return FleetState(self._revision, whole, self.places, cluster, counts, shown)
 
@@ -201,7 +224,8 @@ class FleetJobs:
                 raise LogNotFoundError("log.not_found", "This log is not in the folder any more.")
             async with self._catalogue.source(log) as source:
                 picture = str(self._catalogue.picture(log.id))
-                job = FleetJob(str(source), None, picture, self._limits, background=True)
+                options = record.request.options
+                job = FleetJob(str(source), None, picture, self._limits, background=True, options=options)
                 facts, runs = await self._facts(worker, job, look)
         finally:
             self._idle.append(worker)

@@ -10,6 +10,7 @@ import { ask } from "../../wire/ask";
 import { run } from "../logs/library/describeLog";
 import { LogPicture } from "../logs/library/LogPicture";
 import type { LogRecord } from "../logs/library/library";
+import { FleetOptions } from "./FleetOptions";
 import {
   type Counts,
   chosen,
@@ -117,6 +118,7 @@ function FleetCard({ log }: { log: FleetLog }) {
         <a href={`/logs.html?log=${encodeURIComponent(log.id)}`}>{log.name}</a>
       </h2>
       {log.facts ? <About facts={log.facts} /> : <State log={log} />}
+      {log.options && <p class="quiet fleet-with">With {log.options}</p>}
     </li>
   );
 }
@@ -317,6 +319,7 @@ function Work({ all }: { all: Counts }) {
           All logs
         </a>
       </div>
+      <FleetOptions isBusy={busy} onMap={(options) => quietly(mapAll(false, options))} />
     </section>
   );
 }

@@ -8,6 +8,7 @@ const log = (name: string, more: Partial<FleetLog> = {}): FleetLog => ({
   fraction: 0,
   error: null,
   facts: null,
+  options: "",
   ...more,
 });
 

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { plural } from "../../ui/numbers";
 import { ask, whyAgain } from "../../wire/ask";
-import type { ClusterState, FleetFacts, FleetFinding, FleetLog, FleetState } from "../../wire/http";
+import type { ClusterState, FleetFacts, FleetFinding, FleetLog, FleetOptions, FleetState } from "../../wire/http";
 
 /** Time between two requests while logs are being mapped, and while none are. */
 const BUSY_MS = 700;
@@ -54,9 +54,12 @@ export function watchFleet(): () => void {
   };
 }
 
-/** Map what was not mapped yet; `again`: also what failed. Rejects with the server's sentence. */
-export async function mapAll(again: boolean): Promise<void> {
-  const asked = ask("POST /api/fleet", {}, { body: { again } });
+/**
+ * Map what was not mapped yet; `again`: also what failed; with `options` also what was mapped with other ones. Rejects
+ * with the server's sentence.
+ */
+export async function mapAll(again: boolean, options: FleetOptions | null = null): Promise<void> {
+  const asked = ask("POST /api/fleet", {}, { body: { again, options } });
   await refresh();
   await asked;
   await refresh();

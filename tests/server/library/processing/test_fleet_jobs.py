@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 from collections import Counter
 from pathlib import Path
@@ -14,6 +15,7 @@ from server.jobs.record import Failure
 from server.library.library import Library
 from server.library.processing.fleet import fleet_job as fleet_jobs
 from server.library.processing.fleet.fleet_job import FleetJob, MapFacts
+from server.library.processing.fleet.fleet_jobs import FleetRequest
 from server.settings import Settings
 from tests.server.library.conftest import Make
 from tests.server.library.processing import slam_stand_ins as stand_ins
@@ -85,6 +87,13 @@ async def test_each_log_is_mapped_once_and_what_changes_is_told(library: Library
     assert await library.fleet.begin(logs, again=True) == 1
     await eventually(lambda: counts(library, logs) == {"done": 4, "failed": 1})
     assert doing.done.total() == 6
+    # With other options all are mapped anew, and with the same ones none.
+    other = FleetRequest(topic="FLASER", mapping={"mount_yaw": math.pi / 2, "time_offset": 0.5})
+    assert [await library.fleet.begin(logs, request=one) for one in (FleetRequest(), other)] == [0, 5]
+    await eventually(lambda: counts(library, logs) == {"done": 4, "failed": 1})
+    said = {one.options for one in library.fleet.state(logs).logs}
+    assert said == {"sensor FLASER, mount 0 m, 0 m, 90°, time offset 0.5 s"}
+    assert await library.fleet.begin(logs, request=other) == await library.fleet.begin(logs) == 0
     # A log that is deleted takes its result along, and who looked before is told all.
     await library.delete("ann", logs[0].id)
     assert library.fleet.state(logs[1:], told.revision).whole

@@ -1,0 +1,41 @@
+"""Layers that are laid over each other first, and together over those before them (PluginContainerLayer)."""
+
+from __future__ import annotations
+
+from mapper.core.array_types import UInt8Array
+from mapper.costmap.costs import name_of_cost
+from mapper.costmap.kernels.observation import lay_over
+from mapper.costmap.layered import LayeredCostmap
+from mapper.costmap.layers import Robot, part_of
+from mapper.costmap.parameters import COMBINATIONS
+from mapper.grid.cell_box import CellBox
+
+
+class ContainerLayer:
+    """Costs of ``inner``, which has no information where none of its layers has any, laid over as one layer.
+
+    Its inflation spreads around its own obstacles alone. Source: nav2_costmap_2d, plugin_container_layer.cpp. There the
+    costs are not reset before an update, so with a method that keeps the greater cost they never fall; here they do.
+    """
+
+    def __init__(self, inner: LayeredCostmap, combination_method: str, name: str) -> None:
+        self.name, self._inner = name, inner
+        self._method = COMBINATIONS.index(combination_method)
+
+    @property
+    def costs(self) -> UInt8Array:
+        """The costs (rows, cols) that its layers make together."""
+        return self._inner.costs
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Bring its layers up to date; return what changed."""
+        return self._inner.update(now, None if robot is None else robot.pose)
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the costs over the master as ``combination_method`` says."""
+        lay_over(self.costs[part_of(box)], self._method, master[part_of(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say which cost its layers make together, and what each says."""
+        reasons = " ".join(f"{one.layer}: {one.sentence}" for one in self._inner.why(row, col))
+        return f"Its layers make {name_of_cost(int(self.costs[row, col]))} together. {reasons}"
