@@ -342,7 +342,10 @@ _CRAMPED = """() => {
     if (one.checkVisibility() && one.getBoundingClientRect().right > room.right + 1) found.push(one.className);
   return found;
 }"""
-NARROW = ("model", "grid", "window", "layers", "sensor-models")
+#: Whether the page, or the box of a derivation in it, scrolls sideways.
+_WIDE = """() => [document.documentElement, ...document.querySelectorAll(".shows-derivation > .prose:has(.derivation)")]
+  .some(one => one.scrollWidth > one.clientWidth + 1)"""
+NARROW = ("model", "grid", "window", "layers", "sensor-models", "cell-derivation")
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
@@ -355,8 +358,7 @@ def test_slides_on_a_phone_are_legible(page: Page, server: str, chosen: tuple[st
         page.evaluate("place => { location.hash = place; }", f"#{name}/99")
         expect(page.locator(f"#{name.removesuffix('-derivation')}.on-slide")).to_be_visible()
         settle(page)
-        root = "document.documentElement"
-        wide = page.evaluate(f"{root}.scrollWidth > {root}.clientWidth + 1")
+        wide = page.evaluate(_WIDE)
         cramped = page.evaluate(_CRAMPED)
         if wide or cramped:
             problems[name] = (wide, cramped)
