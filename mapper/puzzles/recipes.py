@@ -72,7 +72,7 @@ _ROWS = (
     Recipe("mirror", 1, "A room that turns", "A robot was rebuilt last week. Since then its map has been useless.",
            "beam_order", _spoiled("office", 4, 250, "beam_order"),
            ("mount_yaw", "beam_order", "drift", "time_offset")),
-    Recipe("worn", 2, "The second building", "A long drive around a corridor. Each wall seems to appear twice.",
+    Recipe("worn", 2, "The second building", "A lap and a half around a corridor. On the map it does not close.",
            "drift", _spoiled("loop", 5, 400, "drift")),
     Recipe("bumped", 2, "Blurred straight ahead", "The robot hit a door frame. The map has been blurred since.",
            "mount_yaw", _spoiled("hall", 10, 250, "mount_yaw")),

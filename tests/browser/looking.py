@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Locator, Page, Route, expect
+from playwright.sync_api import Frame, Locator, Page, Route, expect
 
 from tests.server.service import Watcher, stream_at
 
@@ -106,7 +106,7 @@ def await_end(progress: Locator) -> None:
         value = progress.evaluate_all(_BAR_VALUE)
 
 
-def map_digest(page: Page) -> str:
+def map_digest(page: Page | Frame) -> str:
     """Return a digest of the map that the browser holds."""
     held = page.evaluate(_MAP_DIGEST)
     return "no map" if held is None else _digest(*held)

@@ -199,6 +199,7 @@ function Lab() {
   const isFollowing = useClass(session, { page: "lab", group: openGroup });
   const isOwn = followedCode === null;
   const layout = useLayout({ kinds: KINDS, usual: WORLD_AND_MAP, last: isOwn ? lastLayout : null });
+  const title = isFollowing ? classroom.value?.shown.value?.view.slide?.title : null;
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
@@ -224,8 +225,8 @@ function Lab() {
   });
   return (
     <main class={`lab ${isFollowing ? "is-following" : ""}`} id="main" tabIndex={-1}>
-      <h1 class="visually-hidden">The lab</h1>
       <div class="lab-bar">
+        <h1 class={title ? "lab-title" : "visually-hidden"}>{title ?? "The lab"}</h1>
         <Controls store={store} />
         {isOwn && <LayoutChoice layout={layout} kinds={KINDS} presets={PRESETS} />}
         {!(followedCode !== null && classroom.value?.isOver.value) && <Connected connection={session} />}
@@ -255,8 +256,8 @@ function Lab() {
         />
       ) : (
         <>
-          <div class="lab-curve" />
-          <div class="dock" />
+          <div class="lab-curve ghost" aria-busy="true" />
+          <div class="dock ghost" aria-busy="true" />
         </>
       )}
     </main>

@@ -1,5 +1,6 @@
 import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { classroom } from "../store/classroom";
+import { slidesAround } from "../tools/classroom/pageInSlide";
 import { followSession, type SessionPage, showSession } from "../tools/classroom/session";
 import type { Live } from "./classSession";
 
@@ -21,9 +22,10 @@ export function useClass(session: Live | null, { page, group, groups }: Options)
   useSignalEffect(() => {
     const room = classroom.value;
     const now = live.value;
-    if (!room || !now) return;
-    if (!room.isFollowed) return showSession(room, now.store, now.id, page, group);
-    if (room.isFollowing.value) return followSession(room, now.store, group, groups);
+    if (!now) return;
+    const audience = room?.isFollowed ? null : (room ?? slidesAround);
+    if (audience) return showSession(audience, now.store, now.id, page, group);
+    if (room?.isFollowing.value) return followSession(room, now.store, group, groups);
     return;
   });
   return useComputed(() => {

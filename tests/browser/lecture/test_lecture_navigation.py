@@ -58,13 +58,13 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     ]
     assert abs(sum(shares) - 1) < 0.002
     assumed = stage.get_by_role("slider", name="Assumed pose of the scan")
-    off = first_number(caption, "Here log q = −")
+    off = first_number(caption, "Here log p(z | x, m) = −")
     assumed.focus()
     for _ in range(5):
         page.keyboard.press("ArrowLeft")
     for _ in range(3):
         page.keyboard.press("ArrowDown")
-    assert first_number(caption, "Here log q = −") < off
+    assert first_number(caption, "Here log p(z | x, m) = −") < off
 
     section = open_section(page, server, "kidnapping")
     expect(caption).to_contain_text("carried away 4 scans ago. 0 %")

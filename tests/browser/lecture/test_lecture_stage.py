@@ -39,7 +39,7 @@ POINTS = {
     "graph": r"each wall is drawn once",
     "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
     "particles": r"4,000 poses, .* effective number is \d+:",
-    "sensor-models": r"Here log q = −52\.\d, at the ring log q = −19",
+    "sensor-models": r"Here log p\(z \| x, m\) = −52\.\d, at the ring log p\(z \| x, m\) = −19",
     "kidnapping": r"carried away 4 scans ago\. 0 % of the belief",
     "layers": r"Under the cross: cost 1\d\d\.",
     "inflation": r"In the middle of the right door: \d+\. Drag",

@@ -88,7 +88,7 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     page.get_by_label("Layout", exact=True).select_option("Diagnosis")
     residuals = page.get_by_role("region", name="Residuals")
     expect(residuals.get_by_role("img", name=re.compile("odometry residual distance: 0.00 to"))).to_be_visible()
-    expect(residuals.get_by_role("img", name=re.compile("relative error of the place over time"))).to_be_visible()
+    expect(residuals.get_by_role("img", name=re.compile("relative translation error over time"))).to_be_visible()
     expect(residuals).to_contain_text(re.compile("scan poses against SLAM, over 1 m"))
     assert violations(page, ".view-stage") == []
 

@@ -29,7 +29,7 @@ describe("the numbers that are guessed", () => {
     expect(Math.round(sizeOf(0.05).bytes / 1000)).toBe(154); // as the question says
   });
 
-  it("twice the error of the heading is on the axis, and more than the first state's", () => {
+  it("twice the heading error is on the axis, and more than the first state's", () => {
     const error = errorOf(byOdometry({ ...USUAL, turn: 2 * USUAL.turn }));
     expect(error).toBeGreaterThan(errorOf(byOdometry(USUAL)));
     expect(error).toBeLessThan(6);

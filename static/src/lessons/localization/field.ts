@@ -54,7 +54,7 @@ export function endPoints(pose: Pose, seed: number): readonly Point[] {
   });
 }
 
-/** log q of end points seen from a pose: the sum of the logarithms of table 6.3. */
+/** log p(z | x, m) of end points seen from a pose, in nats: the sum of the logarithms of table 6.3. */
 export function logLikelihood(points: readonly Point[], [x, y, yaw]: Pose, mixture: FieldMixture = MIXTURE): number {
   const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
   let sum = 0;

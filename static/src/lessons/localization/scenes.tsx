@@ -103,7 +103,7 @@ function SupposedRobot({ transform }: MarkProps) {
 }
 
 const TAKEN = endPoints(TAKEN_AT, 9);
-const scoreOf = (pose: Pose): string => `log q = ${written(logLikelihood(TAKEN, pose), 1)}`;
+const scoreOf = (pose: Pose): string => `log p(z | x, m) = ${written(logLikelihood(TAKEN, pose), 1)}`;
 
 export const sensorScene = (): Scene =>
   scene({

@@ -290,7 +290,7 @@ export function Matching() {
           </Stage>
           <p class="match-key number">
             <span class="match-swatch found" /> true pose{isComplete && ` ${percent(correct / COUNT)}`}{" "}
-            <span class="match-swatch elsewhere" /> another
+            <span class="match-swatch elsewhere" /> another{" "}
             {!isComplete && <span data-awaited="">(the picture fills in)</span>}
           </p>
         </div>

@@ -1,6 +1,7 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
+import { classroom } from "../../store/classroom";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
@@ -67,6 +68,9 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     isChecking.value = false;
   };
   if (status.value === "gone") {
+    // It ends with its class, whose puzzle cannot be begun again.
+    if (classroom.value?.isOver.value)
+      return <p class="viewer-message">The class has ended, and with it this attempt.</p>;
     return (
       <SessionEnded
         what="attempt"

@@ -12,6 +12,8 @@ const AXIS_PX = 54;
 /** Height that the label of a tick takes. */
 const LABEL_PX = 17;
 const EDGE_PX = 8;
+/** Width of the names of the zones: lines end before them. */
+const NAMES_PX = 66;
 
 /** The vertical axis; it contains the limits and every value. */
 export function evidenceScale(height: number, limits: readonly number[], values: readonly number[]): Scale {
@@ -24,12 +26,12 @@ export function evidenceScale(height: number, limits: readonly number[], values:
   };
 }
 
-/** The horizontal axis of `low` … `high` readings. */
+/** The horizontal axis of `low` … `high` readings, left of the names of the zones. */
 export const readingScale = (width: number, low: number, high: number): Scale => ({
   low,
   high,
   from: AXIS_PX,
-  to: width - EDGE_PX,
+  to: width - EDGE_PX - NAMES_PX,
 });
 
 /** Height of the title of the horizontal axis, below the chart. */
@@ -62,7 +64,7 @@ interface ZonesProps {
   readonly evidence: Scale;
 }
 
-/** The names of the zones, drawn after the lines, so that none strikes them out. */
+/** The names of the zones, right of the lines. */
 export function ZoneNames({ width, evidence }: ZonesProps) {
   const y = (value: number): number => toPixel(value, evidence);
   return (

@@ -9,11 +9,11 @@ import { FollowerBar } from "./FollowerBar";
 afterEach(() => render(null, document.body));
 
 /** Show the line of a follower below the view that the lecturer controls; returns the view and a second place. */
-function shown(drives: boolean, isLecturerAway = false): readonly HTMLElement[] {
+function shown(drives: boolean, isLecturerAway = false, page = "lab"): readonly HTMLElement[] {
   const room = {
     state: signal({ question: null, present: 1, puzzle: null, is_lecturer_away: isLecturerAway }),
     welcome: signal({ number: 1 }),
-    shown: signal({ stage: 1, view: { page: "lab" } }),
+    shown: signal({ stage: 1, view: { page } }),
     own: signal(null),
     isConnected: signal(true),
     isOutdated: signal(false),
@@ -22,12 +22,12 @@ function shown(drives: boolean, isLecturerAway = false): readonly HTMLElement[] 
     asksForRobot: signal(false),
     drives: signal(drives),
   };
-  const page = h("div", {}, [
+  const content = h("div", {}, [
     h("main", { class: "is-following" }),
     h("header", {}),
     h(FollowerBar, { room: room as unknown as Classroom }),
   ]);
-  act(() => render(page, document.body));
+  act(() => render(content, document.body));
   return [...document.querySelectorAll<HTMLElement>("main, header")];
 }
 
@@ -45,6 +45,12 @@ test("a follower who clicks what the lecturer controls is told of the copy", () 
 test("a follower reads that the lecturer is away", () => {
   shown(false, true);
   expect(status()).toContain("The lecturer is away.");
+  expect(status()).not.toContain("Following");
+});
+
+test("a follower does not read that a page is followed which cannot be", () => {
+  shown(false, false, "other");
+  expect(status()).toContain("Waiting for the lecturer.");
   expect(status()).not.toContain("Following");
 });
 

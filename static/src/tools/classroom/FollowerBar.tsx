@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toastFailure } from "../../ui/browser/attempts";
+import { isTouched } from "../../ui/browser/media";
 import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage, useRefused } from "./bars";
@@ -110,6 +111,10 @@ function described(room: Classroom, isOwn: boolean): string {
   if (isPuzzlePage) return "The puzzle of the class.";
   if (isOwn) return hasRobot(room) ? "Your own world." : "Your own copy of the map.";
   if (room.state.value?.is_lecturer_away) return "The lecturer is away.";
-  if (room.drives.value) return "You drive the robot: drag it, press a place on a map, or use the arrow keys.";
+  if (room.drives.value)
+    return isTouched()
+      ? "You drive the robot: drag it, or tap a place on a map."
+      : "You drive the robot: drag it, click a place on a map, or use the arrow keys.";
+  if (room.shown.value?.view.page === "other") return "Waiting for the lecturer.";
   return "Following the lecturer.";
 }

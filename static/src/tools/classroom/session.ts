@@ -4,7 +4,8 @@ import { effect, type Signal } from "@preact/signals";
 import { framed, type SharedView } from "../../render/view";
 import type { Classroom } from "../../store/classroom";
 import type { Store } from "../../store/store";
-import type { ClassCommand, ClassView } from "../../wire/protocol";
+import type { ClassView } from "../../wire/protocol";
+import type { Audience } from "./pageInSlide";
 
 /** Least time between two messages of what is shown, and of the explanation of a cell. */
 const SHOW_EVERY_MS = 60;
@@ -36,15 +37,15 @@ export type SessionPage = "lab" | "logs";
 
 /** Send what the lecturer's page shows of its session, until the returned function is called. */
 export function showSession(
-  room: Classroom,
+  audience: Audience,
   store: Store,
   session: string,
   page: SessionPage,
   group: Signal<string>,
 ): () => void {
   let isShown = true; // what was throttled may come later
-  const send = (command: ClassCommand): void => {
-    if (isShown) room.send(command);
+  const send: Audience["send"] = (command) => {
+    if (isShown) audience.send(command);
   };
   const show = throttled((view: ClassView) => send({ type: "show", view, session }), SHOW_EVERY_MS);
   const explain = throttled<typeof store.why.value>((why) => send({ type: "explain", why }), EXPLAIN_EVERY_MS);

@@ -67,8 +67,13 @@ function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; h
   );
 }
 
-/** Half the width of a character of a label, pixels. */
+/** Half the width of a character of a label, and the least gap between two labels beside each other, pixels. */
 const HALF_CHARACTER = 3.3;
+const LABEL_GAP = 8;
+/** Height of a line of a label, pixels. */
+const LABEL_HEIGHT = 15;
+
+const labelWidth = (text: string): number => 2 * HALF_CHARACTER * text.length;
 
 /** Length of the arrow at an edge of the window with the gap before it, pixels. */
 const ARROW = 18;
@@ -119,10 +124,10 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   // The label of a hit is on the side that has room for it; where neither has, it is the increment alone.
-  const hitWidth = 2 * HALF_CHARACTER * hitText.length;
+  const hitWidth = labelWidth(hitText);
   const [leftRoom, rightRoom] = [labelTo - curve.left, curve.right - labelFrom];
   const labelLeft = rightRoom < hitWidth && leftRoom > rightRoom;
-  const hitLabel = Math.max(leftRoom, rightRoom) < hitWidth ? signed(model.hit) : hitText;
+  const hitLabelY = y(model.hit) + 5;
   // Wholly in the curve or wholly above it: never across its upper edge.
   const overHit = y(model.hit) - 13;
   const windowTextY = overHit > curve.top + 11 ? overHit : curve.top - 3;
@@ -135,9 +140,16 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const belowMiss = Math.min(y(model.miss) + 24, curve.bottom - 6);
   const missLabelY = belowMiss > y(model.miss) + 16 ? belowMiss : Math.min(y0, y(model.miss)) - 11;
   const isBesideArrow = Math.abs(missLabelY - 5 - edgeAt) < 18;
-  const missEnd = freeTo - (isBesideArrow ? ARROW : 0);
-  const missLabel = missEnd - curve.left < 2 * HALF_CHARACTER * missText.length ? signed(model.miss) : missText;
-  const missHalf = HALF_CHARACTER * missLabel.length;
+  // In a low curve both labels may be left of the window, at one height: the miss is then left of the hit.
+  const isBesideHit = labelLeft && !noReturn && Math.abs(missLabelY - hitLabelY) < LABEL_HEIGHT;
+  const hitRoom = Math.max(leftRoom, rightRoom) - (isBesideHit ? labelWidth(signed(model.miss)) + LABEL_GAP : 0);
+  const hitLabel = hitRoom < hitWidth ? signed(model.hit) : hitText;
+  const missEnd = Math.min(
+    freeTo - (isBesideArrow ? ARROW : 0),
+    isBesideHit ? labelTo - labelWidth(hitLabel) - LABEL_GAP : Number.POSITIVE_INFINITY,
+  );
+  const missLabel = missEnd - curve.left < labelWidth(missText) ? signed(model.miss) : missText;
+  const missHalf = labelWidth(missLabel) / 2;
   const missLabelX = Math.max(Math.min((curve.left + freeTo) / 2, missEnd - missHalf), curve.left + missHalf);
   // A ramp has no steps: it is drawn from one side of the window to the other, negative and positive part apart.
   const widest = isRamp ? 2 * controls.bounds("sigma").high : controls.bounds("window").high / 2;
@@ -271,7 +283,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
             <text
               class="label-hit"
               x={labelLeft ? labelTo : labelFrom}
-              y={y(model.hit) + 5}
+              y={hitLabelY}
               text-anchor={labelLeft ? "end" : "start"}
             >
               {hitLabel}

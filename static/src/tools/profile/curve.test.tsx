@@ -53,3 +53,29 @@ test.each([
   if (height !== null && isBelow) expect(miss[1]).toBeLessThan(window - 15); // the arrow
   view.dispose();
 });
+
+test.each([0.6, 0.8, 0.9, 1, 1.05, 1.2, 1.4])(
+  "the labels of a hit and of a miss are apart, after %f m of 1.75 m",
+  (before) => {
+    for (const width of [340, 576, 700]) {
+      for (const height of [150, 170, 190, 220]) {
+        const view = new ProfileView(signal({}), signal(3.75));
+        view.width.value = width;
+        view.height.value = height;
+        view.lens.value = { start: 3.75 - before, span: 1.75 };
+        const controls = controlsFor(
+          view,
+          () => ({ low: -5, high: 5, step: 0.05 }),
+          () => {},
+        );
+        render(h("svg", null, h(Curve, { view, controls })), document.body);
+        const y = (name: string): number => Number(document.querySelector(name)?.getAttribute("y"));
+        const [miss, hit] = [extent(".label-miss"), extent(".label-hit")];
+        const isApart = miss[1] < hit[0] || hit[1] < miss[0] || Math.abs(y(".label-miss") - y(".label-hit")) >= 14;
+        expect(isApart, `${width} × ${height}: ${miss}, ${hit}`).toBe(true);
+        render(null, document.body);
+        view.dispose();
+      }
+    }
+  },
+);

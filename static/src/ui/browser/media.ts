@@ -9,7 +9,7 @@ query.addEventListener("change", () => {
 });
 
 /** Whether this device is used by touch. */
-const isTouched = (): boolean => matchMedia("(pointer: coarse)").matches;
+export const isTouched = (): boolean => matchMedia("(pointer: coarse)").matches;
 
 /** What a hint says on this device: "Click" is "Tap" where it is used by touch. */
 export const inHand = (hint: string): string =>

@@ -5,6 +5,7 @@ import { useSeen, useSteps } from "../../../lessons/common/useSteps";
 import { DRIVE } from "../../../lessons/stage/floor";
 import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
+import { listenToPage } from "../../../tools/classroom/pageInSlide";
 import { reducedMotion } from "../../../ui/browser/media";
 import { printing } from "../../../ui/browser/theme";
 import { act, canAct } from "./acts";
@@ -35,11 +36,12 @@ export function formulaOf(line: string): readonly FormulaPart[] | null {
 
 const MS = 180;
 
-/** The map of the lecture's drive, which fills in scan by scan; with reduced motion it is complete. */
+/** The map of the lecture's drive, which fills in scan by scan; with reduced motion and in a preview it is complete. */
 function TitleMap() {
   const root = useRef<HTMLDivElement>(null);
-  const count = useSignal(reducedMotion.peek() ? DRIVE.length : 1);
-  const playing = useSignal(!reducedMotion.peek());
+  const isStill = reducedMotion.peek() || isPreview;
+  const count = useSignal(isStill ? DRIVE.length : 1);
+  const playing = useSignal(!isStill);
   const now = useMemo(
     () =>
       computed(() =>
@@ -130,12 +132,15 @@ function Framed({ address, title }: { address: string; title: string }) {
       if (inside) stop = listenToKeys(inside, act, canAct);
     };
     const element = frame.current;
-    element?.addEventListener("load", listen);
+    if (!element) return;
+    element.addEventListener("load", listen);
+    const stopPage = listenToPage(element, address);
     return () => {
-      element?.removeEventListener("load", listen);
+      element.removeEventListener("load", listen);
+      stopPage();
       stop();
     };
-  }, []);
+  }, [address]);
   if (!address) return <p class="slide-frame-place">This page is on the lecturer’s screen.</p>;
   if (isPreview) return <p class="slide-frame-place">{address.split(/[?#]/)[0]}</p>;
   return <iframe class="slide-frame" src={address} title={title} ref={frame} />;

@@ -138,7 +138,7 @@ export const ANSWERS: Partial<Record<LessonId, Answer>> = {
     // Probabilistic Robotics, chapter 5; computed by the figure (lessons/odometry/model.ts).
     right: 1,
     answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
-    notes: "Drag the error of the heading first, then that of the distance. Compare the two maps.",
+    notes: "Drag the heading error first, then the distance error. Compare the two maps.",
   },
   probable: {
     // Probabilistic Robotics, chapters 5 and 6: the product of both densities; computed by the figure.

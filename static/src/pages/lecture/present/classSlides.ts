@@ -2,9 +2,10 @@
 
 import { effect, signal } from "@preact/signals";
 import { askedAs, type Classroom, classroom } from "../../../store/classroom";
+import { type PageInSlide, pagesInSlides } from "../../../tools/classroom/pageInSlide";
 import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
-import type { ClassSlide, ClassView } from "../../../wire/protocol";
+import type { ClassCommand, ClassSlide, ClassView } from "../../../wire/protocol";
 import { showSection } from "../awaitedFigures";
 import { LESSONS } from "../lessons";
 import { pageAddress, type Slide } from "./deck/deck";
@@ -87,9 +88,15 @@ function watchPointer(): void {
   });
 }
 
+/** What the page within a slide shows, which followers see in its place; null where they see the slide. */
+function pageWithin(now: Slide | undefined): PageInSlide | null {
+  if (blank.value || !now || !("address" in now) || SHARED.test(now.address)) return null;
+  return pagesInSlides.value.get(now.address) ?? null;
+}
+
 /** Send what the lecturer's page shows. */
 function show(room: Classroom, sections: readonly { readonly id: string }[]): () => void {
-  const send = throttled((view: ClassView) => room.send({ type: "show", view }), SHOW_EVERY_MS);
+  const send = throttled((command: ClassCommand) => room.send(command), SHOW_EVERY_MS);
   const section = signal(Math.max(0, sectionInSight(sections)));
   const onScroll = (): void => {
     section.value = Math.max(0, sectionInSight(sections));
@@ -98,15 +105,28 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
   const stop = effect(() => {
     void deck.value;
     const now = presenting.value ? slide.value : undefined;
+    const within = pageWithin(now)?.show;
+    const shown = now
+      ? shownSlide(now, place.value.step, stage.value === "answer" ? answerOf(now)?.answer : undefined)
+      : null;
+    if (within) {
+      send({ ...within, view: { ...within.view, slide: shown } });
+      return;
+    }
     send({
-      page: "lecture",
-      hash: now ? PRESENT + placeHashOf(place.value) : `#${sections[section.value]?.id ?? ""}`,
-      slide: now
-        ? shownSlide(now, place.value.step, stage.value === "answer" ? answerOf(now)?.answer : undefined)
-        : null,
-      blank: blank.value,
-      on_slide: now ? pointerAt.value : null,
+      type: "show",
+      view: {
+        page: "lecture",
+        hash: now ? PRESENT + placeHashOf(place.value) : `#${sections[section.value]?.id ?? ""}`,
+        slide: shown,
+        blank: blank.value,
+        on_slide: now ? pointerAt.value : null,
+      },
     });
+  });
+  const stopExplaining = effect(() => {
+    const explained = presenting.value ? pageWithin(slide.value)?.explain : undefined;
+    if (explained) room.send(explained);
   });
   // The figure of a slide tells its answer: voting is closed with it, once, as the lecturer may open it again. The
   // slide's answer reveals what was answered.
@@ -125,6 +145,7 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
   return () => {
     removeEventListener("scroll", onScroll);
     stop();
+    stopExplaining();
     stopRevealing();
   };
 }

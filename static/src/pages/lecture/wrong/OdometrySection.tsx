@@ -23,7 +23,7 @@ export function OdometrySection(head: SectionHead) {
           <Drift noise={noise} />
           <div class="for-stage no-print">
             <Slider
-              label="On the stage: error of the heading"
+              label="On the stage: heading error"
               sentence="By how much the heading of the stage’s robot is off after each scan, added up."
               {...bound(driftError)}
               initial={0.15}
@@ -38,7 +38,7 @@ export function OdometrySection(head: SectionHead) {
       }
       predict={
         <Prediction
-          text="The error of the heading is doubled to 8° per metre. How far off are the odometry poses then?"
+          text="The heading error is doubled to 8° per metre. How far off are the odometry poses then?"
           axis={{ low: 0, high: 6, unit: "m" }}
           step={0.1}
           reveal={() => {

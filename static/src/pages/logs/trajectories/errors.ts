@@ -31,11 +31,11 @@ export function errorSeries(errors: TrajectoryErrors, which: "absolute" | "relat
     gaps: [],
     times,
     columns: [
-      { label: "translation", unit: "m", plot: `${which} error of the place`, values: translation_m },
+      { label: "translation", unit: "m", plot: `${which} translation error`, values: translation_m },
       {
         label: "rotation",
         unit: "°",
-        plot: `${which} error of the heading`,
+        plot: `${which} rotation error`,
         values: rotation_rad.map((angle) => (angle * 180) / Math.PI),
       },
     ],

@@ -109,7 +109,7 @@ export function Thumbnail({ slide }: { readonly slide: Slide }) {
     };
   }, [key, isMissing]);
   return (
-    <span class="deck-thumbnail" ref={box}>
+    <span class={isMissing ? "deck-thumbnail ghost" : "deck-thumbnail"} aria-busy={isMissing} ref={box}>
       {address && <img src={address} alt="" />}
     </span>
   );
