@@ -1,7 +1,8 @@
 /**
  * Script of the 3D view, inserted by server/scenes/proxy.py before those of viser's client: it makes glTF files of the
  * chunks of voxels, and clips point clouds, before the client reads the messages that they are in. The client begins
- * with the camera that the tab has kept, which viser takes from the query of the address.
+ * with the camera that the tab has kept, which viser takes from the query of the address. Before the first camera that a
+ * person has moved the server is told that this one is not to be aimed again (server/scenes/scene.py).
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
@@ -14,7 +15,7 @@ import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds"
 import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
-import { FirstCamera, keepCamera, keptCamera, keptQuery } from "./sceneCamera";
+import { FirstCamera, keptCamera, keptQuery, MovedCamera } from "./sceneCamera";
 import { addGestures } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
@@ -35,7 +36,9 @@ WebGL2RenderingContext.prototype.drawArrays = function draw(mode, first, count):
   drawArrays.call(this, mode, first, mode === this.POINTS ? budget.take(count, frameTime()) : count);
 };
 
-function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>): void {
+function expand({ data }: MessageEvent<{ readonly type?: string; readonly messages?: SceneMessage[] }>): void {
+  if (data?.type === "connected") camera.connected();
+  camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
   clouds.take(data?.messages ?? []);
   for (const { props } of data?.messages ?? []) {
@@ -53,6 +56,10 @@ const storage = (() => {
   }
 })();
 
+const query = storage && keptQuery(storage, location);
+if (query !== null) history.replaceState(null, "", query);
+const camera = new MovedCamera(storage, location.pathname, location.search.includes("initialCameraPosition="));
+
 window.sceneCamera = () => storage && keptCamera(storage, location.pathname);
 
 window.Worker = class extends window.Worker {
@@ -63,7 +70,9 @@ window.Worker = class extends window.Worker {
 
   override postMessage(posted: { readonly message?: { readonly type?: string } }, ...more: unknown[]): void {
     if (posted?.message?.type === "ViewerCameraMessage") budget.moved();
-    if (storage) keepCamera(storage, location.pathname, posted?.message);
+    if (camera.reports(posted?.message)) {
+      super.postMessage({ type: "send", message: { type: "CameraMovedMessage" } });
+    }
     super.postMessage(posted, ...(more as [Transferable[]]));
   }
 };
@@ -72,10 +81,9 @@ window.Worker = class extends window.Worker {
 addEventListener("pointerdown", () => budget.hold(true), true);
 for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, () => budget.hold(false), true);
 addEventListener("wheel", () => budget.moved(), { capture: true, passive: true });
+addEventListener("pointermove", ({ buttons }) => buttons !== 0 && camera.acted(), true);
+for (const type of ["wheel", "keydown"]) addEventListener(type, () => camera.acted(), { capture: true, passive: true });
 addGestures(window);
-
-const query = storage && keptQuery(storage, location);
-if (query !== null) history.replaceState(null, "", query);
 
 const WITHOUT_WEBGL =
   "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +

@@ -94,9 +94,9 @@ class Client:
 
 @asynccontextmanager
 async def viser_client(
-    port: int, session_id: str, cookies: str = "", page: str = "", **camera: Any
+    port: int, session_id: str, cookies: str = "", page: str = "", is_moved: bool = False, **camera: Any
 ) -> AsyncIterator[Client]:
-    """A browser's view, which tells its camera first: :data:`CAMERA` with the given fields."""
+    """A browser's view, which tells its camera first: :data:`CAMERA` with the given fields, moved or not."""
     protocol = Subprotocol(f"viser-v{viser.__version__}")
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}" + (f"/plain/{page}/" if page else "")
     headers = {"Cookie": cookies} if cookies else {}
@@ -109,5 +109,7 @@ async def viser_client(
         open_timeout=PATIENCE_S,
     ) as socket:
         client = Client(socket)
+        if is_moved:
+            await client.send(type="CameraMovedMessage")
         await client.send(**CAMERA | camera)
         yield client
