@@ -6,7 +6,8 @@
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
- * While the camera moves, clouds are drawn with as many points as the browser draws quickly enough.
+ * A frame draws as many points of clouds as the browser draws quickly enough; while the camera rests, further frames add
+ * the others to the picture.
  *
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
@@ -30,14 +31,62 @@ const budget = new PointBudget();
 /** When the present animation frame began, ms: the same in all of it. */
 const frameTime = (): number => Number(document.timeline.currentTime ?? performance.now());
 
-// Three.js draws a cloud by one call, which draws the first of its points alone while the camera moves.
-const { drawArrays } = WebGL2RenderingContext.prototype;
-WebGL2RenderingContext.prototype.drawArrays = function draw(mode, first, count): void {
-  drawArrays.call(this, mode, first, mode === this.POINTS ? budget.take(count, frameTime()) : count);
+/** The worker of viser's client, once it has a connection. */
+let client: Worker | null = null;
+let isAsked = false;
+
+/** Have viser's client draw another frame while the picture lacks points: as after a message that does nothing. */
+function goOn(): void {
+  isAsked = false;
+  const messages = [{ type: "RunJavascriptMessage", source: "" }];
+  if (client && budget.lacks) client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+}
+
+/** A frame that only adds points to the picture draws nothing else on the canvas, and does not clear it. */
+const gl = WebGL2RenderingContext.prototype;
+const { clear, drawArrays, drawArraysInstanced, drawElements, drawElementsInstanced } = gl;
+let size = "";
+function skips(context: WebGL2RenderingContext): boolean {
+  if (context.getParameter(context.FRAMEBUFFER_BINDING)) return false;
+  const now = `${context.drawingBufferWidth} ${context.drawingBufferHeight}`;
+  if (now !== size) budget.changed(); // a canvas of another size is empty
+  size = now;
+  return budget.adds(frameTime());
+}
+gl.clear = function clearAll(mask): void {
+  if (!skips(this)) clear.call(this, mask);
+};
+// Three.js draws a cloud by one call.
+gl.drawArrays = function draw(mode, first, count): void {
+  if (mode === this.POINTS) {
+    isAsked ||= requestAnimationFrame(goOn) > 0;
+    const slice = budget.take(count, frameTime());
+    return drawArrays.call(this, mode, first + slice.first, slice.count);
+  }
+  budget.note(count, frameTime());
+  if (!skips(this)) drawArrays.call(this, mode, first, count);
+};
+gl.drawArraysInstanced = function draw(mode, first, count, instances): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawArraysInstanced.call(this, mode, first, count, instances);
+};
+gl.drawElements = function draw(mode, count, type, offset): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawElements.call(this, mode, count, type, offset);
+};
+gl.drawElementsInstanced = function draw(mode, count, type, offset, instances): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawElementsInstanced.call(this, mode, count, type, offset, instances);
 };
 
-function expand({ data }: MessageEvent<{ readonly type?: string; readonly messages?: SceneMessage[] }>): void {
-  if (data?.type === "connected") camera.connected();
+type WorkerMessage = MessageEvent<{ readonly type?: string; readonly messages?: SceneMessage[] }>;
+
+function expand({ data, currentTarget }: WorkerMessage): void {
+  if (data?.type === "connected") {
+    client = currentTarget as Worker;
+    camera.connected();
+  }
+  if (data?.messages?.some(({ type }) => !type?.startsWith("Gui"))) budget.changed();
   camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
   clouds.take(data?.messages ?? []);

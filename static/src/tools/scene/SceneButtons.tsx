@@ -34,7 +34,7 @@ interface SceneButtonsProps {
 export function SceneButtons({ store, session }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
   if (!now) return null; // all of them come at once, so that none moves when others come
-  const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
+  const change = (wanted: SceneSettings): void => void changeScene(session, store, wanted);
   return (
     <>
       <fieldset class="actions" aria-label="Camera">
