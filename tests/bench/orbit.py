@@ -67,6 +67,7 @@ def _turned(browser: Browser, server: str, *, draws_all: bool) -> tuple[float, f
     many seconds, and the longest frame until then, ms.
     """
     page = new_page(browser)
+    page.set_default_timeout(300_000)  # the file is read first
     page.add_init_script(f"if (location.pathname.startsWith('/scenes/')) ({_COUNTING})({str(draws_all).lower()})")
     page.goto(f"{server}/logs.html")
     page.locator(".log-card").get_by_role("button", name="Open in 3D").click()

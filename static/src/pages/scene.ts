@@ -17,7 +17,7 @@ import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 import { FirstCamera, keptCamera, keptQuery, MovedCamera } from "./sceneCamera";
-import { addGestures } from "./sceneGestures";
+import { addGestures, zoomAtCursor } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
@@ -39,7 +39,8 @@ let isAsked = false;
 function goOn(): void {
   isAsked = false;
   const messages = [{ type: "RunJavascriptMessage", source: "" }];
-  if (client && budget.lacks) client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+  if (client && budget.lacks)
+    client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
 }
 
 /** A frame that only adds points to the picture draws nothing else on the canvas, and does not clear it. */
@@ -133,6 +134,7 @@ addEventListener("wheel", () => budget.moved(), { capture: true, passive: true }
 addEventListener("pointermove", ({ buttons }) => buttons !== 0 && camera.acted(), true);
 for (const type of ["wheel", "keydown"]) addEventListener(type, () => camera.acted(), { capture: true, passive: true });
 addGestures(window);
+zoomAtCursor(Object.prototype);
 
 const WITHOUT_WEBGL =
   "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +

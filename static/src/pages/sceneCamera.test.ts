@@ -7,7 +7,12 @@ const at = (pathname: string, search = ""): Location => ({ pathname, search }) a
 
 beforeEach(() => sessionStorage.clear());
 
-const reported = (x: number) => ({ type: "ViewerCameraMessage", position: [x, -2, 3], look_at: [0, 0.25, 0], fov: 0.8 });
+const reported = (x: number) => ({
+  type: "ViewerCameraMessage",
+  position: [x, -2, 3],
+  look_at: [0, 0.25, 0],
+  fov: 0.8,
+});
 const TOLD = [{ type: "SetCameraPositionMessage", initial: false }];
 
 test("a view begins where a person has moved the camera of its session, in any page of the tab", () => {
