@@ -34,7 +34,11 @@ def map_limits(limits: Limits) -> Limits:
 def bounds_of(source: ScanSequence | OctreeFile) -> tuple[Float64Array, Float64Array]:
     """Return the least and greatest coordinates (3,), metres, of nearly all points, or of an octree's leaves."""
     if isinstance(source, ScanSequence):
-        points = source.points[:: max(1, -(-len(source.points) // MOST_LOOKED_AT))].astype(np.float64)
+        points = source.points
+        if len(points) > MOST_LOOKED_AT:
+            # By chance: every n-th point may be one of the same ring of a lidar.
+            points = points[np.random.default_rng(0).integers(0, len(points), MOST_LOOKED_AT)]
+        points = points.astype(np.float64)
         low, high = np.percentile(points, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
         # Outliers may be anywhere: what is a little outside of most points is not one.
         margin = 0.25 * (high - low) + 1e-6

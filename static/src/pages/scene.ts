@@ -33,11 +33,9 @@ const frameTime = (): number => Number(document.timeline.currentTime ?? performa
 
 /** The worker of viser's client, once it has a connection. */
 let client: Worker | null = null;
-let isAsked = false;
 
 /** Have viser's client draw another frame while the picture lacks points: as after a message that does nothing. */
 function goOn(): void {
-  isAsked = false;
   const messages = [{ type: "RunJavascriptMessage", source: "" }];
   if (client && budget.lacks)
     client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
@@ -60,9 +58,10 @@ gl.clear = function clearAll(mask): void {
 // Three.js draws a cloud by one call.
 gl.drawArrays = function draw(mode, first, count): void {
   if (mode === this.POINTS) {
-    isAsked ||= requestAnimationFrame(goOn) > 0;
     const slice = budget.take(count, frameTime());
-    return drawArrays.call(this, mode, first + slice.first, slice.count);
+    if (budget.lacks) requestAnimationFrame(goOn);
+    drawArrays.call(this, mode, first + slice.first, slice.count);
+    return;
   }
   budget.note(count, frameTime());
   if (!skips(this)) drawArrays.call(this, mode, first, count);

@@ -4,8 +4,10 @@
  * that the first of their points are a sample of all.
  */
 
-/** A frame is to take this long, ms. */
+/** A frame is to take this long while the camera moves, ms. */
 const TARGET_MS = 50;
+/** And at most so many times as long while it rests. */
+const AT_REST = 4;
 /** The camera rests if it has not moved for this long, ms. */
 const REST_MS = 300;
 const FIRST = 250_000;
@@ -77,7 +79,8 @@ export class PointBudget {
   take(count: number, frame: number): Slice {
     if (frame !== this.#frame) this.#begin(frame);
     this.#asked += count;
-    this.#to = Math.min(1, this.#from + this.#budget / Math.max(this.#asked, this.#askedBefore));
+    const most = this.#isMoving ? this.#budget : AT_REST * this.#budget;
+    this.#to = Math.min(1, this.#from + most / Math.max(this.#asked, this.#askedBefore));
     const first = Math.floor(count * this.#from);
     return { first, count: Math.floor(count * this.#to) - first };
   }
