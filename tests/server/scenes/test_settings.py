@@ -101,7 +101,7 @@ async def test_a_view_that_connects_again_has_the_camera_that_it_had(service: Se
             service.port, session.id, "visitor=ann", page * 32, is_moved, position=begins, image_width=width
         ) as client:
             if not is_moved:
-                await client.until(lambda m: m["type"] == "SetCameraLookAtMessage" and not m["initial"])
+                await client.aimed()
             if then is not None:
                 await client.send(type="CameraMovedMessage")
                 await client.send(**CAMERA | {"position": then, "look_at": aim, "image_width": width})

@@ -87,6 +87,10 @@ class Client:
         """Messages of this type that were seen."""
         return [message for message in self.seen if message["type"] == kind]
 
+    async def aimed(self) -> dict[str, Any]:
+        """The message on what the camera is to look at, for the shape of its picture, which each view is sent once."""
+        return await self.until(lambda m: m["type"] == "SetCameraLookAtMessage" and not m["initial"])
+
     async def control(self, label: str) -> dict[str, Any]:
         """The message that made the control with this label."""
         return await self.until(lambda m: "uuid" in m and m.get("props", {}).get("label") == label)

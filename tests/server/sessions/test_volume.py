@@ -23,7 +23,6 @@ from mapper.volume.scans.sources import Insertion, insert_all, open_source
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.library.packs.volume import read_volume_pack, write_volume_pack
 from server.parts.volume.cloud_points import CloudPoints
-from server.parts.volume.start import bounds_of
 from server.parts.wire import command_of
 from server.sessions.tick import TickResult
 from tests.mapper.io.logs.recorded import written
@@ -254,16 +253,3 @@ def test_the_classes_of_a_file_are_the_truth_of_its_ground() -> None:
     assert (known.truth, ground.tolist()) == ("the file’s classes", [k < 60 for k in range(100)])
     unclassified = of(np.zeros(100, dtype=np.int64))
     assert (unclassified.truth, unclassified.read()[2]) == (None, None)
-
-
-def test_the_bounds_of_a_large_cloud_are_those_of_all_rings_of_its_lidar() -> None:
-    rings, columns = 16, 50_000
-    azimuths = np.repeat(np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False), rings)
-    heights = np.tile(np.linspace(0.0, 3.0, rings), columns)
-    points = np.column_stack([5.0 * np.cos(azimuths), 5.0 * np.sin(azimuths), heights]).astype(np.float32)
-    none = np.full((1, 3), np.nan)
-    # Of 1.6 million points every fourth one is of four rings alone.
-    cloud = np.concatenate([points, points])
-    scans = ScanSequence("pcd", cloud, np.array([0, len(cloud)]), none, np.zeros(1, np.int64), np.zeros(3))
-    low, high = bounds_of(scans)
-    np.testing.assert_allclose([low, high], [[-5.0, -5.0, 0.0], [5.0, 5.0, 3.0]], atol=0.01)
