@@ -1241,8 +1241,8 @@ export interface ShownScene {
   readonly layers: Readonly<Record<string, boolean>>;
   /** Height of the map's columns by that at first. */
   readonly height: number;
-  /** The camera that moves with the robot, if it does. */
-  readonly following: "follow" | "first person" | null;
+  /** The camera that was chosen, unless it was moved elsewhere then; null: as at first. */
+  readonly chosen: "overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person" | null;
   /** Values of the table of the clouds' look, such as point_size. */
   readonly look: Readonly<Record<string, boolean | number | string>>;
 }

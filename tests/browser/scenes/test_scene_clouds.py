@@ -57,7 +57,7 @@ def test_the_clouds_of_a_log_are_on_its_stage_and_in_its_links(
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
     seen = page.request.get(address.replace("/shared/", "/api/shared/")).json()["shown"]["scene"]
     assert seen["clouds"]
-    assert seen["following"] is None
+    assert seen["chosen"] is None
     watched = WatchedPage(visitor, server)
     guest = watched.page
     guest.goto(address)

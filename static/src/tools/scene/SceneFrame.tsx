@@ -17,8 +17,8 @@ declare global {
 
 class First {
   camera: ShownCamera | null = null;
-  /** The camera that was chosen last by a button, and so the one that moves with the robot, if it does. */
-  chosen: SceneSettings["camera"] = null;
+  /** The camera that was chosen last by a button; null: none yet. */
+  chosen: NonNullable<SceneSettings["camera"]> | null = null;
 }
 
 /** From where the 3D views of a session are seen at first; null: from where all of it is in sight. */

@@ -59,7 +59,7 @@ export class Solid {
       if (isDone || !given || !store.part("scene").message.value) return;
       isDone = true;
       if (Object.keys(given.look).length > 0) store.sendSoon({ type: "volume_look", values: given.look });
-      void changeScene(session, store, { layers: given.layers, height: given.height, camera: given.following });
+      void changeScene(session, store, { layers: given.layers, height: given.height, camera: given.chosen });
     });
   }
 
@@ -69,12 +69,14 @@ export class Solid {
     const now = store.part("scene").message.peek();
     if (!now) return null;
     const clouds = this.#shown !== this.#map;
+    const camera = sceneCamera(session);
     const { chosen } = firstOf(store);
+    const isFollowing = chosen === "follow" || chosen === "first person";
     return {
       clouds,
-      following: chosen === "follow" || chosen === "first person" ? chosen : null,
+      chosen: camera && !isFollowing ? null : chosen,
       look: clouds ? lookOf(store).values.peek() : {},
-      camera: sceneCamera(session),
+      camera,
       layers: now.layers,
       height: now.height,
     };
