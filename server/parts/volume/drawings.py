@@ -183,7 +183,7 @@ class VolumeDrawings:
             return []
         scans, end = self._scans, int(self._scans.starts[index])
         most = MOST_POINTS if index == len(scans) else MOST_WHILE_CHANGING
-        some = np.arange(end) if end <= IN_ORDER else np.random.default_rng(0).permutation(end)[:most]
+        some = np.arange(end) if end <= min(most, IN_ORDER) else np.random.default_rng(0).permutation(end)[:most]
         points = np.ascontiguousarray(scans.points[some])
         colors: NDArray[np.uint8]
         if look.colour == "own colour" and "rgb" in scans.fields:
