@@ -145,6 +145,32 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     assert watched.problems == []
 
 
+def test_a_link_opens_with_the_camera_that_follows_the_robot(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
+) -> None:
+    (tmp_path / "ours.log").write_bytes(carmen(30))
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "ours.log")
+    await_true(page, SHOWN)
+    page.get_by_label("Layout", exact=True).select_option(label="Map and 3D")
+    solid = page.get_by_role("region", name="3D", exact=True)
+    follow = solid.get_by_role("button", name="Follow", exact=True)
+    solid.get_by_role("button", name="Controls").wait_for()
+    if not follow.is_visible():
+        solid.get_by_role("button", name="Controls").click()
+    follow.click()
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+    watched = WatchedPage(visitor, server)
+    guest = watched.page
+    with guest.expect_response(lambda answer: answer.url.endswith("/settings")) as answered:
+        guest.goto(address)
+    assert answered.value.ok
+    assert answered.value.request.post_data_json["camera"] == "follow"
+    assert watched.problems == []
+
+
 def test_whoever_has_the_address_of_a_session_shares_it_and_sees_notes_come(
     page: Page, visitor: BrowserContext, server: str, tmp_path: Path
 ) -> None:
