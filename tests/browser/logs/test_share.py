@@ -167,7 +167,7 @@ def test_a_link_opens_with_the_camera_that_follows_the_robot(
     with guest.expect_response(lambda answer: answer.url.endswith("/settings")) as answered:
         guest.goto(address)
     assert answered.value.ok
-    assert answered.value.request.post_data_json["camera"] == "follow"
+    assert (answered.value.request.post_data_json or {})["camera"] == "follow"
     assert watched.problems == []
 
 

@@ -171,10 +171,18 @@ async def test_a_camera_is_aimed_for_each_shape_of_its_picture_until_a_person_mo
         assert cameras_set(client) == []
 
 
-async def test_a_camera_is_aimed_at_another_world(service: Service) -> None:
+async def test_a_camera_is_aimed_at_another_world_unless_it_was_moved_or_follows_the_robot(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
-    async with viser_client(service.port, session.id, "visitor=ann") as client:
+    address = f"http://127.0.0.1:{service.port}/scenes/{session.id}/settings"
+    async with (
+        httpx.AsyncClient(cookies={"visitor": "carol"}) as carol,
+        viser_client(service.port, session.id, "visitor=ann") as client,
+        viser_client(service.port, session.id, "visitor=bob", is_moved=True) as moved,
+        viser_client(service.port, session.id, "visitor=carol") as following,
+    ):
         first = place_of("overview", session, 800 / 600)
+        await following.aimed()
+        assert (await carol.post(address, json={"camera": "follow"})).status_code == 200
         await client.until(lambda m: m["type"] == "SetCameraPositionMessage" and m["position"] == pytest.approx(first))
         session.post(WorldCommand("office"))
         await eventually(lambda: place_of("overview", session, 800 / 600) != first)
@@ -184,6 +192,14 @@ async def test_a_camera_is_aimed_at_another_world(service: Service) -> None:
                 m["type"] == "SetCameraPositionMessage" and not m["initial"] and m["position"] == pytest.approx(wanted)
             )
         )
+        # What is switched after that is carried out after it.
+        beams = await moved.control("Beams")
+        await moved.send(type="GuiUpdateMessage", uuid=beams["uuid"], updates={"value": False})
+        for one in (moved, following):
+            await one.until(lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and not m["visible"])
+        assert cameras_set(moved) == []
+        assert cameras_set(following)[0] == pytest.approx(first)
+        assert pytest.approx(wanted) not in cameras_set(following)
 
 
 @pytest.mark.parametrize("name", CAMERAS)
