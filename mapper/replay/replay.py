@@ -231,6 +231,11 @@ class Replay:
         return self._replay.grid
 
     @property
+    def bounds(self) -> Bounds:
+        """The least and the greatest x, y (2,), metres, of all that the log sees with the present parameters."""
+        return self._bounds(self.log, self.config, self.trajectory)
+
+    @property
     def index(self) -> int:
         """Scans in the map."""
         return self._replay.index

@@ -31,6 +31,10 @@ class _Camera(msgspec.Struct, tag_field="type", tag="ViewerCameraMessage", forbi
     up_direction: _Point
 
 
+class _Moved(msgspec.Struct, tag_field="type", tag="CameraMovedMessage", forbid_unknown_fields=True):
+    """:class:`server.scenes.viser_server.CameraMovedMessage`."""
+
+
 class _Click(msgspec.Struct, tag_field="type", tag="ScenePointerMessage", forbid_unknown_fields=True):
     """viser's message on a click into the scene."""
 
@@ -83,7 +87,7 @@ class _GizmoDragEnd(
     owner: _Owner = ""
 
 
-_passed = msgspec.msgpack.Decoder(_Camera | _Click | _Update | _GizmoMove | _GizmoDragStart | _GizmoDragEnd)
+_passed = msgspec.msgpack.Decoder(_Camera | _Moved | _Click | _Update | _GizmoMove | _GizmoDragStart | _GizmoDragEnd)
 
 
 def passes(message: bytes) -> bool:

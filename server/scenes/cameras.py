@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from server.sessions.scene_controls import Bounds, Sight
+from server.sessions.scene_controls import Bounds, Heights, Sight
 from server.stream.message_parts import CameraName, RobotCameraName
 
 Vector = tuple[float, float, float]
 
-#: Name → direction from the centre of the bounds to the camera, in sizes of the bounds, which is its least distance.
-#: From straight above, the camera is a little to the south, so that north is up.
+#: Name → direction from the centre of the bounds to the camera, of any length. From straight above, the camera is a
+#: little to the south, so that north is up.
 CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
     {
         "overview": (0.0, -0.75, 0.95),
@@ -48,27 +48,31 @@ class Aim(NamedTuple):
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)  #: metres, where a model states none
 FOV = 0.8  #: vertical field of view of all cameras, radians
 MARGIN = 1.03  #: by which a box is seen smaller than the picture
-ASPECT = 1.3  #: aspect ratio from which the distances of :data:`CAMERAS` are meant
+LEAST_SIDE = 0.1  #: of a box from above, metres
 
 
-def camera_at(
-    name: CameraName, bounds: Bounds, aspect: float, heights: tuple[float, float] | None = None
-) -> tuple[Vector, Vector]:
-    """Return where the camera ``name`` is and what it looks at, metres; in a narrow picture it is farther away.
+def camera_at(name: CameraName, bounds: Bounds, aspect: float, heights: Heights) -> tuple[Vector, Vector]:
+    """Return where the camera ``name`` is and what it looks at, metres: the box of the bounds and the heights fills
+    a picture of the aspect ratio ``aspect``, in width or in height.
 
-    It looks at the floor, or at the middle of ``heights``, from where the whole box of the bounds and the heights is in
-    the picture.
+    With u, r, d a corner's coordinates upwards and to the right in the picture and towards the camera, and t the
+    tangent of half of the field of view, a camera at the distance f that is moved by c upwards sees the corner if
+    |u - c| ≤ (f - d) t. So c is between max(u + d t) - f t and min(u - d t) + f t, which leaves one c at the least f;
+    to the right likewise.
     """
-    x0, y0, x1, y1 = bounds
-    x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
-    z0, z1 = heights or (0.0, 0.0)
-    if heights is not None:
-        size = max(x1 - x0, y1 - y0, 1.3 * (z1 - z0), 0.1)
-    centre, direction = np.array([x, y, (z0 + z1) / 2]), np.array(CAMERAS[name])
-    far = size * farther(aspect) * float(np.linalg.norm(direction))
-    far = max(far, _least_distance(direction, np.array([x1 - x0, y1 - y0, z1 - z0]), aspect))
-    place = centre + far * direction / np.linalg.norm(direction)
-    return _vector(place), _vector(centre)
+    low, high = (np.array([*bounds[at : at + 2], heights[at // 2]]) for at in (0, 2))
+    sides = np.maximum(high - low, (LEAST_SIDE, LEAST_SIDE, 0.0))
+    d = np.array(CAMERAS[name]) / np.linalg.norm(CAMERAS[name])
+    right = np.cross([0.0, 0.0, 1.0], d)
+    right /= np.linalg.norm(right)
+    corners = 0.5 * sides * np.array(list(product((-1.0, 1.0), repeat=3)))
+    slope = math.tan(FOV / 2) / MARGIN
+    look_at, far = 0.5 * (low + high), 0.0
+    for axis, t in ((np.cross(d, right), slope), (right, slope * aspect)):
+        most, least = np.max(corners @ axis + corners @ d * t), np.min(corners @ axis - corners @ d * t)
+        look_at += 0.5 * (most + least) * axis
+        far = max(far, float(most - least) / (2.0 * t))
+    return _vector(look_at + far * d), _vector(look_at)
 
 
 def robot_camera_at(name: RobotCameraName, sight: Sight) -> tuple[Vector, Vector]:
@@ -96,25 +100,5 @@ def _turn(sight: Sight) -> NDArray[np.float64]:
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _least_distance(direction: NDArray[np.float64], sides: NDArray[np.float64], aspect: float) -> float:
-    """Return how far away along ``direction`` (3,) a camera sees a box of ``sides`` (3,) about its aim, metres.
-
-    A corner c that is c · d nearer to the camera than its aim is in the picture if |c · up| ≤ (far − c · d) tan(FOV/2),
-    and to the sides likewise, times the aspect ratio.
-    """
-    d = direction / np.linalg.norm(direction)
-    right = np.cross([0.0, 0.0, 1.0], d)
-    right /= np.linalg.norm(right)
-    corners = 0.5 * sides * np.array(list(product((-1.0, 1.0), repeat=3)))
-    slope = math.tan(FOV / 2) / MARGIN
-    off = np.maximum(np.abs(corners @ np.cross(d, right)), np.abs(corners @ right) / aspect)
-    return float(np.max(corners @ d + off / slope))
-
-
 def _vector(place: NDArray[np.float64]) -> Vector:
     return float(place[0]), float(place[1]), float(place[2])
-
-
-def farther(aspect: float) -> float:
-    """Return how many times farther away the camera is in a picture of this aspect ratio."""
-    return min(max(ASPECT / aspect, 1.0), 4.0)

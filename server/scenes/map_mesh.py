@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.grid import OCCUPIED_THRESHOLD, TILE, GridGeometry, log_odds
 from server.scenes.shapes import Mesh, boxes
+from server.sessions.drawings import COLUMN_M
 
 MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
 STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
-HEIGHTS = np.array([0.0, 0.2, 0.35, 0.45, 0.5])  #: metres of a column of level 0 … 4
+HEIGHTS = COLUMN_M * np.array([0.0, 0.4, 0.7, 0.9, 1.0])  #: metres of a column of level 0 … 4
 # The floor at p_occ = 0, 0.5 and 1, free, undecided, occupied: its colours on a light page, and how opaque it is. One
 # scene serves pages of both schemes, so what is free lets the page's background through and is dark on a dark page.
 _FLOOR_P = (0.0, 0.5, 1.0)

@@ -46,8 +46,7 @@ async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Draw
     async with session.locked():
         read_at = time.monotonic()
         drawings, controls = session.model.drawings(), session.model.controls()
-        floor = 0.0 if controls.heights is None else controls.heights[0]
-        drawings = [*drawings, *axes_and_grid(controls.bounds or DEFAULT_BOUNDS, floor)]
+        drawings = [*drawings, *axes_and_grid(controls.bounds or DEFAULT_BOUNDS, controls.heights[0])]
         if len({drawing.name for drawing in drawings}) < len(drawings):
             raise ValueError(f"two drawings have one name: {sorted(drawing.name for drawing in drawings)}")
         wanted = [drawing for drawing in drawings if due(drawing)]

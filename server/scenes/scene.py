@@ -11,7 +11,6 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -25,13 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 from server.logging import short_hash
 from server.scenes.axes_and_grid import spacing_of
 from server.scenes.cameras import (
-    ASPECT,
     CAMERAS,
     DEFAULT_BOUNDS,
     FOV,
     ROBOT_CAMERAS,
     Aim,
-    Vector,
     camera_at,
 )
 from server.scenes.contents import SceneContents
@@ -46,7 +43,7 @@ from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
 from server.sessions.rays import MeasureRay
-from server.sessions.scene_controls import Bounds, Sight
+from server.sessions.scene_controls import Bounds, Heights, Sight
 from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.messages import SceneMessage
 
@@ -54,8 +51,8 @@ MAX_HZ = 15.0
 SHARE = 0.2
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
-VISERS_FIRST = (3.0, 3.0, 3.0)  #: where a browser's camera is until it has read the first one of the scene, metres
 MOST_LEFT = 64  #: views that have disconnected, whose cameras are kept
+ASPECT = 1.3  #: aspect ratio for which the camera is that a browser has until it is told its own
 
 _log = structlog.get_logger(__name__)
 
@@ -67,10 +64,8 @@ class View:
     viewer: Viewer
     position: NDArray[np.float64]
     look_at: NDArray[np.float64]
-    aim: Aim | None = None
+    aim: Aim | None = None  #: until a person moves it
     following: Following | None = None  #: while its camera moves with the robot
-    #: Where its browser may go though it was told another place, m: nobody has moved it there.
-    begins: Sequence[Vector] = ()
 
     def is_at(self, position: ArrayLike) -> bool:
         """Return whether its camera is at ``position`` (3,)."""
@@ -90,9 +85,11 @@ class Scene:
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
-        self._heights: tuple[float, float] | None = None
+        self._heights: Heights = (0.0, 0.0)
         self._sight: Sight | None = None
         self._views: dict[int, View] = {}  #: of each of viser's clients
+        self._chosen: dict[str, CameraName | RobotCameraName] = {}  #: the camera that each visitor has chosen last
+        self._moved: set[int] = set()  #: clients whose cameras persons have moved, before they are among the views
         self._left: deque[View] = deque(maxlen=MOST_LEFT)  #: of those that have disconnected
         self._marks = Marks(server)
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
@@ -167,11 +164,12 @@ class Scene:
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._sight = state.controls.sight
         scene.on_click()(self._clicked)
+        self._server.on_camera_moved(self._note_moved)
         self._server.on_client_connect(self._welcome)
         self._server.on_client_disconnect(self._dismiss)
 
-    def _aim(self, bounds: Bounds, heights: tuple[float, float] | None) -> None:
-        """Set the initial camera: from the south and above, at the centre of ``bounds`` and ``heights``."""
+    def _aim(self, bounds: Bounds, heights: Heights) -> None:
+        """Have cameras that nobody has moved show ``bounds`` and ``heights``, at first from the south and above."""
         if (bounds, heights) == (self._bounds, self._heights):
             return
         self._bounds, self._heights = bounds, heights
@@ -180,37 +178,52 @@ class Scene:
         camera.fov = FOV
         camera.position, camera.look_at = camera_at("overview", bounds, ASPECT, heights)
         camera.far = max(1000.0, 10.0 * max(bounds[2] - bounds[0], bounds[3] - bounds[1]))
+        for client_id, client in self._server.get_clients().items():
+            view = self._views.get(client_id)
+            if view is not None and view.aim is not None:
+                self._aim_client(client, view.aim.name)
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
-        """Move the camera back on a narrow screen, so that all of its bounds are in view.
+        """Aim the camera of a view, which begins with that of the scene, for the shape of its picture.
 
         In a view that its page had before, the camera comes to where it was: viser's client begins with the first
-        camera again after a lost connection. After a reload it begins where the tab has kept its camera
-        (``static/src/pages/sceneCamera.ts``), and is left there.
+        camera again after a lost connection. Where a person had moved it before the page was loaded again, it begins
+        where the tab has kept it (``static/src/pages/sceneCamera.ts``), and is left there, as one that a link states.
         """
         view = View(viewer_of_connection.get(), client.camera.position, client.camera.look_at)
         before = self._last_of(view.viewer)
-        view.begins = [self._first_place, *([before.aim.position] if before and before.aim else [])]
         self._views[client.client_id] = view
         if before is not None and before.following is not None:
             before.following.forget_told()
             view.following = before.following
-        elif before is not None and not before.is_at(before.aim.position if before.aim else self._first_place):
+        elif before is not None and before.aim is None:
             client.camera.position, client.camera.look_at = before.position, before.look_at
             view.position, view.look_at = before.position, before.look_at
-        elif before is not None and before.aim is not None:
-            self._aim_client(client, before.aim.name)
-        elif view.is_at(self._first_place) or view.is_at(VISERS_FIRST):
-            view.aim = Aim("overview", ASPECT, self._first_place)
-            if client.camera.aspect < ASPECT:
-                self._aim_client(client, "overview")
+        elif client.client_id not in self._moved:
+            self._go(client, view, before.aim.name if before and before.aim else self._first_of(view.viewer))
+        self._moved.discard(client.client_id)
         client.camera.on_update(self._fit)
         self._note_change()  # its page may have selected a place
 
-    @property
-    def _first_place(self) -> Vector:
-        x, y, z = self._server.initial_camera.position
-        return float(x), float(y), float(z)
+    def _first_of(self, viewer: Viewer) -> CameraName | RobotCameraName:
+        return self._chosen.get(viewer.visitor, "overview")
+
+    def _go(self, client: viser.ClientHandle, view: View, name: CameraName | RobotCameraName) -> None:
+        """Move a view's camera to one of :attr:`cameras`."""
+        if name == "follow" or name == "first person":  # noqa: PLR1714 - narrows the type
+            view.aim, view.following = None, Following(name)
+            self._note_change()
+        else:
+            view.following = None
+            self._aim_client(client, name)
+
+    def _note_moved(self, client_id: int) -> None:
+        """Leave a camera where a person has moved it."""
+        view = self._views.get(client_id)
+        if view is None:
+            self._moved.add(client_id)
+        else:
+            view.aim = None
 
     def _last_of(self, viewer: Viewer) -> View | None:
         """Return the last view of a page; None: it had none.
@@ -234,10 +247,10 @@ class Scene:
         client.camera.look_at = look_at  # viser moves it along with the position
 
     async def _fit(self, camera: viser.CameraHandle) -> None:
-        """Aim a camera again that nobody has moved since, once its picture has another aspect ratio.
+        """Aim a camera again that no person has moved since, if it is elsewhere or its picture has another shape.
 
-        A page lays its views out after they have connected. A busy browser goes to the first camera of the scene, or
-        to the one that its tab has kept, only after it was told another one.
+        A page lays its views out after they have connected, and viser's client goes to the first camera of the scene
+        when it is ready for that, perhaps after it was told another one.
         """
         view = self._views.get(camera.client.client_id)
         if view is None:
@@ -248,9 +261,7 @@ class Scene:
             return
         if aim is None:
             return
-        is_reshaped = aim.aspect != camera.aspect and view.is_at(aim.position)
-        is_late = not view.is_at(aim.position) and any(view.is_at(place) for place in view.begins)
-        if is_reshaped or is_late:
+        if aim.aspect != camera.aspect or not view.is_at(aim.position):
             self._aim_client(camera.client, aim.name)
 
     # -- from the page's own controls ---------------------------------------------------------------------------
@@ -261,17 +272,12 @@ class Scene:
         return [*CAMERAS, *(ROBOT_CAMERAS if self._sight is not None else ())]
 
     def aim(self, visitor: str, name: CameraName | RobotCameraName) -> None:
-        """Move the cameras of a visitor's views of this scene to one of :attr:`cameras`."""
+        """Move the cameras of a visitor's views of this scene, also of those to come, to one of :attr:`cameras`."""
+        self._chosen[visitor] = name
         for client_id, client in self._server.get_clients().items():
             view = self._views.get(client_id)
-            if view is None or view.viewer.visitor != visitor:
-                continue
-            if name == "follow" or name == "first person":  # noqa: PLR1714 - narrows the type
-                view.following = Following(name)
-                self._note_change()
-            else:
-                view.following = None
-                self._aim_client(client, name)
+            if view is not None and view.viewer.visitor == visitor:
+                self._go(client, view, name)
 
     @property
     def layers(self) -> dict[str, bool]:

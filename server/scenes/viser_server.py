@@ -14,7 +14,7 @@ import socket
 import tempfile
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,12 +28,19 @@ import websockets.datastructures
 import websockets.exceptions
 import zstandard
 from viser import _assignable_props_api as _props
+from viser import _messages as viser_messages
 from viser.infra import Message, _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
 from server.process_folder import process_folder
 from server.scenes.visitors import PAGE_HEADER, VISITOR_HEADER, Viewer, viewer_of_connection
+
+
+@dataclass
+class CameraMovedMessage(viser_messages.Message, include_in_scene_serialization=False):
+    """Our own message from a browser: its camera, of which the next message tells, is where a person has moved it."""
+
 
 MAX_TOGETHER = 4 << 20  #: bytes of messages that are sent at once; a larger message is sent alone
 
@@ -165,6 +172,10 @@ class ViserServer(viser.ViserServer):
     def queued(self) -> int:
         """Number of messages for all browsers that were queued since the start."""
         return self._websock_server.get_message_buffer().message_counter
+
+    def on_camera_moved(self, callback: Callable[[int], None]) -> None:
+        """Have ``callback`` called with the number of each client whose camera a person has moved (viser's loop)."""
+        self._websock_server.register_handler(CameraMovedMessage, lambda client_id, _: callback(client_id))
 
     def request_share_url(self, verbose: bool = True) -> None:
         """Open no public tunnel."""

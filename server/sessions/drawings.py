@@ -216,6 +216,9 @@ class Gizmo(PlacedDrawing):
     turns: bool = True
 
 
+COLUMN_M = 0.5  #: height of the highest columns of a grid
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridColumns(Drawing):
     """An occupancy grid: a floor coloured by p_occ, and a column on each occupied cell.

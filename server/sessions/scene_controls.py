@@ -11,6 +11,7 @@ from msgspec import Struct
 from mapper.core.parameter import Parameter
 
 Bounds = tuple[float, float, float, float]  #: x_min, y_min, x_max, y_max in metres
+Heights = tuple[float, float]  #: z_min, z_max in metres
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +53,8 @@ class SceneControls:
     ``hint`` describes the effect of a click into the scene, "" for none. Titles of ``tables`` and labels of ``choices``
     do not change during a session. ``count`` is the number of scans that "seek" can reach, None if the session cannot
     seek; ``index`` is how many of them are in the map. ``bounds`` is what the initial camera shows, None for 20 m
-    around the origin; ``heights`` are its least and greatest z, where it is no plane. ``sight`` is what cameras follow
-    that move with the robot, None where there is none.
+    around the origin; ``heights`` are its least and greatest z. ``sight`` is what cameras follow that move with the
+    robot, None where there is none.
     """
 
     playing: bool
@@ -64,5 +65,5 @@ class SceneControls:
     count: int | None = None
     can_restart: bool = False
     bounds: Bounds | None = None
-    heights: tuple[float, float] | None = None
+    heights: Heights = (0.0, 0.0)
     sight: Sight | None = None

@@ -22,13 +22,13 @@ from mapper.sensors.scan import ScanLog
 from server.parts import parts_of
 from server.parts.comparison.part import LogComparison
 from server.parts.mapping.part import MappingParameters
-from server.sessions.drawings import Drawing, Path, Point
+from server.sessions.drawings import COLUMN_M, Drawing, Path, Point
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.part import ExplainedMap, Offers, Robot
 from server.sessions.parts import Graphed
-from server.sessions.scene_controls import Bounds, Choice, SceneControls
+from server.sessions.scene_controls import Choice, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView, Playback
 from server.sources.log_recording import LogRecording
@@ -58,7 +58,6 @@ from server.stream.protocol import ProtocolError, type_of
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
 MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
 DEFAULT_GAP_S = 0.1  #: between two scans if all stamps are equal
-PATH_MARGIN = 5.0  #: metres around the path that the initial camera of the 3D view shows
 MAX_PATH_POINTS = 20_000  #: of the trajectory message
 SHOWN_EVERY_S = 0.25  #: a seek that takes longer shows the map on the way, at this interval,
 LEAST_SLICE_S = 0.1  #: but not before so much processor time, of a thread, that showing it is a small part of the work
@@ -76,12 +75,6 @@ def play_times(stamps_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     if not gaps.any():
         gaps = np.full(len(gaps), DEFAULT_GAP_S)
     return np.concatenate([[0.0], np.cumsum(gaps)])
-
-
-def bounds_of(poses: NDArray[np.float64]) -> Bounds:
-    """Return the box around ``poses`` (n, 3), with a margin of :data:`PATH_MARGIN` metres."""
-    (x0, y0), (x1, y1) = poses[:, :2].min(axis=0) - PATH_MARGIN, poses[:, :2].max(axis=0) + PATH_MARGIN
-    return (float(x0), float(y0), float(x1), float(y1))
 
 
 def slice_is_over() -> Callable[[], bool]:
@@ -234,6 +227,7 @@ class LogModel(SessionModel):
         """Return the parameters of the map, the index in the log, and the trajectories if there are several."""
         index, count = self.progress
         names, current = tuple(self.recording.log.trajectories), self.recording.trajectory
+        (x0, y0), (x1, y1) = (corner.tolist() for corner in self.recording.replay.bounds)
         return SceneControls(
             playing=self.playback.playing,
             hint="Click the path to go to that scan, a loop or a wall to ask about it.",
@@ -242,7 +236,8 @@ class LogModel(SessionModel):
             index=index,
             count=count,
             can_restart=True,
-            bounds=bounds_of(self._poses),
+            bounds=(x0, y0, x1, y1),
+            heights=(0.0, COLUMN_M),
             sight=sight_of(self.recording.robot_state()),
         )
 

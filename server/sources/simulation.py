@@ -24,7 +24,7 @@ from mapper.simulation.plan_map import plan_map
 from mapper.simulation.second_map import Vanishing
 from server.parts import parts_of
 from server.parts.mapping.part import MappingParameters
-from server.sessions.drawings import Drawing, Walls
+from server.sessions.drawings import COLUMN_M, Drawing, Walls
 from server.sessions.hosting import ModelHost
 from server.sessions.messages import ScanReport, set_robot
 from server.sessions.model import Footprint, SessionModel
@@ -221,6 +221,7 @@ class SimulationModel(SessionModel):
             choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
             can_restart=True,
             bounds=self.world.bounds,
+            heights=(0.0, COLUMN_M),
             sight=sight_of(self.robot_state()),
         )
 

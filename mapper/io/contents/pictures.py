@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError, ReadError
+from mapper.core.sampling import sample_rows
 from mapper.io.logs.ros.cloud_messages import point_cloud
 from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 
@@ -112,8 +113,9 @@ def _cloud(data: bytes, *, cdr: bool) -> tuple[bytes, str]:
     cloud = point_cloud(data, cdr=cdr)
     height, width = cloud.axes[0].shape
     _check_size(width, height)
-    every = max(1, height * width // 400_000)
-    xyz = np.concatenate([part[::every] for part in cloud.parts()] or [np.zeros((0, 3))])
+    share = min(1.0, 400_000 / (height * width))
+    parts = (part[sample_rows(len(part), round(share * len(part)))] for part in cloud.parts())
+    xyz = np.concatenate([*parts] or [np.zeros((0, 3))])
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     shown = np.full((CLOUD_SIDE, CLOUD_SIDE), 0, dtype=np.uint8)
     if len(xyz):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array
+from mapper.core.sampling import sample_rows
 from mapper.grid.occupancy_grid import OccupancyGrid
 from mapper.volume.placed_scan import PlacedScan
 
@@ -23,7 +24,7 @@ OFFSET_STEP_M = 100.0
 
 def offset_of(points: NDArray[np.floating[Any]]) -> Float64Array:
     """Return by how much points (n, 3) are moved towards 0: in steps of 100 m, and only where they are far from it."""
-    middle = np.median(points[:: max(1, len(points) // 10_000)], axis=0).astype(np.float64)
+    middle = np.median(points[sample_rows(len(points), 10_000)], axis=0).astype(np.float64)
     return np.where(np.abs(middle) > FAR_M, np.round(middle / OFFSET_STEP_M) * OFFSET_STEP_M, 0.0)
 
 

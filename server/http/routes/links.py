@@ -33,6 +33,7 @@ from server.sessions.commands import ShowReferenceMap, UseCosts, UseTerrain
 from server.sessions.kind import Resources
 from server.sessions.parts import Recording
 from server.sources import costmaps_plan, log_plan, volume_plan
+from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.protocol import fields_of
 
 if TYPE_CHECKING:
@@ -119,6 +120,12 @@ class ShownScene(BaseModel):
     camera: ShownCamera | None = Field(None, description="Null: as at first.")
     layers: dict[str, bool] = Field(default_factory=dict, max_length=100, description="Whether each layer is visible.")
     height: FiniteFloat = Field(1.0, ge=0.1, le=10.0, description="Height of the map's columns by that at first.")
+    chosen: CameraName | RobotCameraName | None = Field(
+        None, description="The camera that was chosen, unless it was moved elsewhere then; null: as at first."
+    )
+    look: dict[str, bool | FiniteFloat | Annotated[str, Field(max_length=40)]] = Field(
+        default_factory=dict, max_length=40, description="Values of the table of the clouds' look, such as point_size."
+    )
 
 
 class Shown(BaseModel):

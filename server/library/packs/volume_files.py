@@ -12,6 +12,7 @@ import numpy as np
 from mapper.core.array_types import Float32Array
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
+from mapper.core.sampling import sample_rows
 from mapper.io.clouds.content import content
 from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
 from mapper.io.clouds.depth_folder import is_depth_folder
@@ -123,10 +124,10 @@ def write_volume_picture(source: VolumeSource, path: Path) -> bool:
 def _points(source: VolumeSource) -> Float32Array:
     """Return at most :data:`MOST_POINTS` points (n, 3), or centres of an octree's occupied leaves, metres."""
     if isinstance(source, ScanSequence):
-        points = source.points[:: -(-len(source.points) // MOST_POINTS)]
+        points = source.points[sample_rows(len(source.points), MOST_POINTS)]
         return np.asarray(points @ np.array(UPS[source.first_up], dtype=np.float32).T)
     keys, depths, values = source.tree.leaves()
     sides = np.int64(1) << (16 - depths.astype(np.int64))
     occupied = values >= 0.0
     middles = keys[occupied] + sides[occupied, None] // 2
-    return centres_of(middles[:: max(1, -(-len(middles) // MOST_POINTS))], source.tree.resolution)
+    return centres_of(middles[sample_rows(len(middles), MOST_POINTS)], source.tree.resolution)

@@ -9,6 +9,7 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError
+from mapper.core.sampling import sample_rows
 from mapper.terrain.patches import UNSAFE
 from server.parts.terrain.messages import TerrainPatch
 from server.sessions.drawings import CHOSEN, Segments
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from server.parts.terrain.assessment import Assessed
 
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-MOST_SENT = 400  #: points of a patch; of more every second one is sent, or fewer
+MOST_SENT = 400  #: points of a patch; of more a sample is sent
 
 
 def first_asked(assessment: Assessed) -> tuple[float, float] | None:
@@ -59,7 +60,7 @@ def patch_at(assessment: Assessed, x: float, y: float) -> TerrainPatch:
     base = float(np.round(local[:, 2].min())) if len(inside) else 0.0
     mine = local - (*((np.array([col, row]) + 0.5) * patches.size), base)
     used = mine[assessment.is_fitted[inside]]
-    sent = mine[:: max(1, -(-len(mine) // MOST_SENT))]
+    sent = mine[sample_rows(len(mine), MOST_SENT)]
     return TerrainPatch(
         x=round(x, 4),
         y=round(y, 4),

@@ -9,12 +9,13 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from mapper.core.array_types import BoolArray, Float64Array, Int64Array
+from mapper.core.sampling import sample_rows
 from mapper.volume.scans.scan_sequence import ScanSequence
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
 
-MOST_POINTS = 2_000_000  #: of a larger cloud every second point is taken, or fewer
+MOST_POINTS = 2_000_000  #: of a larger cloud a sample is taken
 SAME_M = 0.002  #: two points so near are one: float32 in two files has other last digits
 LEAST_SHARE = 0.9  #: of the other cloud's points that must be this one's, for the other to be its ground
 GROUND_CLASS = 2  #: of the ASPRS LAS specification
@@ -60,12 +61,12 @@ class CloudPoints:
         """Return the points (n, 3) within the bounds, at most :data:`MOST_POINTS`, and their indices (n,)."""
         if self._scans is None:
             return np.empty((0, 3)), np.empty(0, np.int64)
-        step = max(1, -(-len(self._scans.points) // MOST_POINTS))
-        points = self._scans.points[::step]
+        some = sample_rows(len(self._scans.points), MOST_POINTS)
+        points = self._scans.points[some]
         x0, y0, x1, y1 = self._bounds
         x, y = points[:, 0], points[:, 1]
         kept = np.flatnonzero((x >= x0) & (x <= x1) & (y >= y0) & (y <= y1))
-        return points[kept].astype(np.float64), kept * step
+        return points[kept].astype(np.float64), some[kept]
 
     @cached_property
     def _known_ground(self) -> tuple[str | None, BoolArray | None]:

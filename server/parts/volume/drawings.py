@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int32Array, Int64Array
+from mapper.core.sampling import sample_rows
 from mapper.volume import OccupancyVolume, OctreeFile, VolumeConfig
 from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
@@ -38,7 +39,7 @@ MOST_POINTS = 5_000_000  #: that are drawn,
 MOST_WHILE_CHANGING = 1_000_000  #: and before the last scan is in the map: all are sent again with each scan
 IN_A_DRAWING = 1_000_000  #: points of one drawing: 15 MB in one message
 IN_ORDER = 100_000  #: points from which on they are in random order, so that a browser may draw the first of them alone
-MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
+MOST_CLASSED = 2_000_000  #: whose classes are counted
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 DRAWN = ("show", "colour", "band", "whole", "point_size", *CUTS)  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
@@ -152,7 +153,7 @@ class VolumeDrawings:
             return {}
         end = int(self._scans.starts[index]) if colour == "time" else len(self._scans.points)
         if self._painted is None or self._painted[0] != (resolution, colour, end):
-            some = slice(0, end, max(1, -(-end // MOST_CLASSED)))
+            some = sample_rows(end, MOST_CLASSED)
             is_class = colour == "class"
             numbers = self._scans.fields["class"].reshape(-1) if is_class else self._values.bands(colour)
             most = len(CLASS_COLOURS) if is_class else COLOURS
@@ -165,7 +166,7 @@ class VolumeDrawings:
         if self._scans is None or index == 0:
             return
         points = self._scans.points[self._scans.starts[index - 1] : self._scans.starts[index]]
-        points = points[:: max(1, -(-len(points) // MOST_MOVING))]
+        points = points[sample_rows(len(points), MOST_MOVING)]
         points = points[look.shows(points)]
         size = self._point_size(look)
         self._newest = Points(name="newest", points=np.ascontiguousarray(points), colors=HIT, size=size)
@@ -182,9 +183,7 @@ class VolumeDrawings:
             return []
         scans, end = self._scans, int(self._scans.starts[index])
         most = MOST_POINTS if index == len(scans) else MOST_WHILE_CHANGING
-        some = np.arange(0, end, max(1, -(-end // most)))
-        if len(some) > IN_ORDER:
-            some = np.random.default_rng(0).permutation(some)
+        some = np.arange(end) if end <= min(most, IN_ORDER) else np.random.default_rng(0).permutation(end)[:most]
         points = np.ascontiguousarray(scans.points[some])
         colors: NDArray[np.uint8]
         if look.colour == "own colour" and "rgb" in scans.fields:

@@ -7,6 +7,7 @@ from msgspec import Struct
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError
+from mapper.core.sampling import sample_rows
 from mapper.grid import OccupancyGrid
 from mapper.io.clouds.ply import points_ply
 from mapper.simulation.live_map import LiveMap
@@ -392,7 +393,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
         if made.scans:
             scan = made.scans[-1]
             points = scan.ends()[0][np.isfinite(scan.ranges)]
-            some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
+            some = points[sample_rows(len(points), MOST_POINTS)].astype(np.float32)
             drawings.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
         return [*drawings, *self._chosen.drawings]
 

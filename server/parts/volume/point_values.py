@@ -8,11 +8,12 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.sampling import sample_rows
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.look import COLOURS
 from server.stream.message_parts import ColourScale
 
-MOST_COMPARED = 2_000_000  #: points of either cloud; of a larger one every second point is taken, or fewer
+MOST_COMPARED = 2_000_000  #: points of either cloud; of a larger one a sample is taken
 LEAST_DIFFERENCE_M = 0.01  #: at the end of the scale, at least
 UNITS = {"intensity": "", "time": "s", "difference": "m"}
 
@@ -76,16 +77,18 @@ class PointValues:
         return np.repeat(times, np.diff(scans.starts)), float(times.min()), float(times.max())
 
     def _difference(self) -> tuple[Float64Array, float, float]:
-        """Return how far the nearest point of the other cloud is, metres; of few among many points, of the one before.
+        """Return how far the nearest point of the other cloud is, metres.
 
-        The scale ends where one in a hundred points is farther away.
+        Of a point that is not in the sample it is that of the one before. The scale ends where one in a hundred points
+        is farther away.
         """
         scans, other = self._given, self._other
         if other is None:
             raise ValueError("there is no other cloud")
-        its = other.points[:: max(1, -(-len(other.points) // MOST_COMPARED))]
+        its = other.points[sample_rows(len(other.points), MOST_COMPARED)]
         tree = KDTree(its.astype(np.float64) + (other.offset - scans.offset))
-        step = max(1, -(-len(scans.points) // MOST_COMPARED))
-        far, _ = tree.query(scans.points[::step].astype(np.float64))
+        some = sample_rows(len(scans.points), MOST_COMPARED)
+        far, _ = tree.query(scans.points[some].astype(np.float64))
         high = float(np.percentile(far, 99.0)) if len(far) else 0.0
-        return np.repeat(far, step)[: len(scans.points)], 0.0, max(high, LEAST_DIFFERENCE_M)
+        before = np.searchsorted(some, np.arange(len(scans.points)), side="right") - 1
+        return far[np.maximum(before, 0)], 0.0, max(high, LEAST_DIFFERENCE_M)

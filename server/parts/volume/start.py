@@ -9,6 +9,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.sampling import sample_rows
 from mapper.volume import OctreeFile
 from mapper.volume.blocks import BLOCK
 from mapper.volume.mesh.faces import CENTRE
@@ -22,7 +23,8 @@ POINTS_A_VOXEL = 1.5  #: on average, at least, at the first resolution
 VOXELS_ACROSS = 250  #: that a map has at most along its longest side at the first resolution
 UNTIMED_S = 0.5  #: between two scans without times
 OUTLIERS = 1.0  #: per cent of the points at each end of an axis that may lie outside the bounds
-MOST_LOOKED_AT = 500_000  #: points
+MOST_LOOKED_AT = 500_000  #: points of which the bounds are estimated,
+MOST_COUNTED = 100_000  #: and the first resolution
 
 
 def map_limits(limits: Limits) -> Limits:
@@ -34,7 +36,7 @@ def map_limits(limits: Limits) -> Limits:
 def bounds_of(source: ScanSequence | OctreeFile) -> tuple[Float64Array, Float64Array]:
     """Return the least and greatest coordinates (3,), metres, of nearly all points, or of an octree's leaves."""
     if isinstance(source, ScanSequence):
-        points = source.points[:: max(1, -(-len(source.points) // MOST_LOOKED_AT))].astype(np.float64)
+        points = source.points[sample_rows(len(source.points), MOST_LOOKED_AT)].astype(np.float64)
         low, high = np.percentile(points, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
         # Outliers may be anywhere: what is a little outside of most points is not one.
         margin = 0.25 * (high - low) + 1e-6
@@ -67,7 +69,7 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
     if not isinstance(source, ScanSequence):
         return source.tree.resolution
     longest, reach = float((high - low).max()), float(np.abs(np.stack([low, high])).max())
-    some = source.points[:: max(1, -(-len(source.points) // 100_000))]
+    some = source.points[sample_rows(len(source.points), MOST_COUNTED)]
     some = some[((some >= low) & (some <= high)).all(axis=1)]
     for resolution in RESOLUTIONS:
         if longest > VOXELS_ACROSS * resolution or reach > 30_000.0 * resolution:

@@ -1,11 +1,13 @@
 /**
  * Script of the 3D view, inserted by server/scenes/proxy.py before those of viser's client: it makes glTF files of the
  * chunks of voxels, and clips point clouds, before the client reads the messages that they are in. The client begins
- * with the camera that the tab has kept, which viser takes from the query of the address.
+ * with the camera that the tab has kept, which viser takes from the query of the address. Before the first camera that a
+ * person has moved the server is told that this one is not to be aimed again (server/scenes/scene.py).
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
- * While the camera moves, clouds are drawn with as many points as the browser draws quickly enough.
+ * A frame draws as many points of clouds as the browser draws quickly enough; while the camera rests, further frames add
+ * the others to the picture.
  *
  * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
@@ -14,8 +16,8 @@ import { ClippedClouds, type NodeMessage } from "../render/voxels/clippedClouds"
 import { PointBudget } from "../render/voxels/pointBudget";
 import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
-import { FirstCamera, keepCamera, keptCamera, keptQuery } from "./sceneCamera";
-import { addGestures } from "./sceneGestures";
+import { FirstCamera, keptCamera, keptQuery, MovedCamera } from "./sceneCamera";
+import { addGestures, zoomAtCursor } from "./sceneGestures";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
@@ -29,13 +31,63 @@ const budget = new PointBudget();
 /** When the present animation frame began, ms: the same in all of it. */
 const frameTime = (): number => Number(document.timeline.currentTime ?? performance.now());
 
-// Three.js draws a cloud by one call, which draws the first of its points alone while the camera moves.
-const { drawArrays } = WebGL2RenderingContext.prototype;
-WebGL2RenderingContext.prototype.drawArrays = function draw(mode, first, count): void {
-  drawArrays.call(this, mode, first, mode === this.POINTS ? budget.take(count, frameTime()) : count);
+/** The worker of viser's client, once it has a connection. */
+let client: Worker | null = null;
+
+/** Have viser's client draw another frame while the picture lacks points: as after a message that does nothing. */
+function goOn(): void {
+  const messages = [{ type: "RunJavascriptMessage", source: "" }];
+  if (client && budget.lacks)
+    client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+}
+
+/** A frame that only adds points to the picture draws nothing else on the canvas, and does not clear it. */
+const gl = WebGL2RenderingContext.prototype;
+const { clear, drawArrays, drawArraysInstanced, drawElements, drawElementsInstanced } = gl;
+let size = "";
+function skips(context: WebGL2RenderingContext): boolean {
+  if (context.getParameter(context.FRAMEBUFFER_BINDING)) return false;
+  const now = `${context.drawingBufferWidth} ${context.drawingBufferHeight}`;
+  if (now !== size) budget.changed(); // a canvas of another size is empty
+  size = now;
+  return budget.adds(frameTime());
+}
+gl.clear = function clearAll(mask): void {
+  if (!skips(this)) clear.call(this, mask);
+};
+// Three.js draws a cloud by one call.
+gl.drawArrays = function draw(mode, first, count): void {
+  if (mode === this.POINTS) {
+    const slice = budget.take(count, frameTime());
+    if (budget.lacks) requestAnimationFrame(goOn);
+    drawArrays.call(this, mode, first + slice.first, slice.count);
+    return;
+  }
+  budget.note(count, frameTime());
+  if (!skips(this)) drawArrays.call(this, mode, first, count);
+};
+gl.drawArraysInstanced = function draw(mode, first, count, instances): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawArraysInstanced.call(this, mode, first, count, instances);
+};
+gl.drawElements = function draw(mode, count, type, offset): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawElements.call(this, mode, count, type, offset);
+};
+gl.drawElementsInstanced = function draw(mode, count, type, offset, instances): void {
+  budget.note(count, frameTime());
+  if (!skips(this)) drawElementsInstanced.call(this, mode, count, type, offset, instances);
 };
 
-function expand({ data }: MessageEvent<{ readonly messages?: SceneMessage[] }>): void {
+type WorkerMessage = MessageEvent<{ readonly type?: string; readonly messages?: SceneMessage[] }>;
+
+function expand({ data, currentTarget }: WorkerMessage): void {
+  if (data?.type === "connected") {
+    client = currentTarget as Worker;
+    camera.connected();
+  }
+  if (data?.messages?.some(({ type }) => !type?.startsWith("Gui"))) budget.changed();
+  camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
   clouds.take(data?.messages ?? []);
   for (const { props } of data?.messages ?? []) {
@@ -53,6 +105,10 @@ const storage = (() => {
   }
 })();
 
+const query = storage && keptQuery(storage, location);
+if (query !== null) history.replaceState(null, "", query);
+const camera = new MovedCamera(storage, location.pathname, location.search.includes("initialCameraPosition="));
+
 window.sceneCamera = () => storage && keptCamera(storage, location.pathname);
 
 window.Worker = class extends window.Worker {
@@ -63,7 +119,9 @@ window.Worker = class extends window.Worker {
 
   override postMessage(posted: { readonly message?: { readonly type?: string } }, ...more: unknown[]): void {
     if (posted?.message?.type === "ViewerCameraMessage") budget.moved();
-    if (storage) keepCamera(storage, location.pathname, posted?.message);
+    if (camera.reports(posted?.message)) {
+      super.postMessage({ type: "send", message: { type: "CameraMovedMessage" } });
+    }
     super.postMessage(posted, ...(more as [Transferable[]]));
   }
 };
@@ -72,10 +130,10 @@ window.Worker = class extends window.Worker {
 addEventListener("pointerdown", () => budget.hold(true), true);
 for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, () => budget.hold(false), true);
 addEventListener("wheel", () => budget.moved(), { capture: true, passive: true });
+addEventListener("pointermove", ({ buttons }) => buttons !== 0 && camera.acted(), true);
+for (const type of ["wheel", "keydown"]) addEventListener(type, () => camera.acted(), { capture: true, passive: true });
 addGestures(window);
-
-const query = storage && keptQuery(storage, location);
-if (query !== null) history.replaceState(null, "", query);
+zoomAtCursor(Object.prototype);
 
 const WITHOUT_WEBGL =
   "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +

@@ -1,4 +1,4 @@
-/** The camera of a 3D view, which this tab keeps for each session: a reload begins where it was. */
+/** The camera of a 3D view: whether a person has moved it, and where, which this tab keeps for each session. */
 
 import type { ShownCamera as Camera } from "../wire/http";
 
@@ -19,7 +19,7 @@ export function keptQuery(storage: Storage, { pathname, search }: Location): str
   return `?${query}`;
 }
 
-/** The camera of the session of a 3D view at an address; null if that is not known. */
+/** Where a person has moved the camera of the session of a 3D view at an address; null if nobody has. */
 export function keptCamera(storage: Storage, path: string): Camera | null {
   try {
     const { position, look_at } = (JSON.parse(storage.getItem(keyOf(path)) ?? "{}") ?? {}) as Partial<Camera>;
@@ -29,20 +29,66 @@ export function keptCamera(storage: Storage, path: string): Camera | null {
   }
 }
 
-/** Keep the camera that a message of viser's client to its server is about; other messages have none. */
-export function keepCamera(storage: Storage, path: string, message: unknown): void {
-  const { type, position, look_at } = (message ?? {}) as Partial<Camera> & { readonly type?: string };
-  if (type !== "ViewerCameraMessage" || !isVector(position) || !isVector(look_at)) return;
-  storage.setItem(keyOf(path), JSON.stringify({ position, look_at }));
-}
-
-/** The messages of viser's server that say where a camera is at first. */
-const FIRST = ["SetCameraPositionMessage", "SetCameraLookAtMessage", "SetCameraUpDirectionMessage"];
-
 interface CameraMessage {
   readonly type?: string;
   readonly initial?: boolean;
 }
+
+/**
+ * Tells apart a camera that a person has moved from one that is where the server told it to be: the server aims only the
+ * latter again, for another shape of the picture or other bounds, and the tab keeps only the former.
+ */
+export class MovedCamera {
+  readonly #storage: Storage | null;
+  readonly #path: string;
+  #isMoved: boolean;
+  /** Whether the server knows, in the present connection, that it is moved. */
+  #isReported = false;
+  /** Whether a person has dragged, turned the wheel or pressed a key since the server told a place. */
+  #hasActed = false;
+  #last = "";
+
+  /** `isMoved`: the view begins with a camera of its own. `storage` is null where the browser forbids it. */
+  constructor(storage: Storage | null, path: string, isMoved: boolean) {
+    this.#storage = storage;
+    this.#path = path;
+    this.#isMoved = isMoved;
+  }
+
+  /** A person does what may move the camera. */
+  acted(): void {
+    this.#hasActed = true;
+  }
+
+  /** The client has a connection, which may be another one. */
+  connected(): void {
+    this.#isReported = false;
+  }
+
+  /** Messages of viser's server, which may tell the camera a place. */
+  take(messages: readonly CameraMessage[]): void {
+    if (!messages.some(({ type, initial }) => type === "SetCameraPositionMessage" && !initial)) return;
+    this.#isMoved = this.#isReported = this.#hasActed = false;
+    this.#storage?.removeItem(keyOf(this.#path));
+  }
+
+  /** Whether to report, before a message of viser's client to its server, that a person has moved the camera. */
+  reports(message: unknown): boolean {
+    const { type, position, look_at } = (message ?? {}) as Partial<Camera> & CameraMessage;
+    if (type !== "ViewerCameraMessage" || !isVector(position) || !isVector(look_at)) return false;
+    const now = JSON.stringify({ position, look_at });
+    this.#isMoved ||= this.#hasActed && now !== this.#last;
+    this.#last = now;
+    if (!this.#isMoved) return false;
+    this.#storage?.setItem(keyOf(this.#path), now);
+    const isNews = !this.#isReported;
+    this.#isReported = true;
+    return isNews;
+  }
+}
+
+/** The messages of viser's server that say where a camera is at first. */
+const FIRST = ["SetCameraPositionMessage", "SetCameraLookAtMessage", "SetCameraUpDirectionMessage"];
 
 /**
  * Gives viser's client the messages about its first camera together. It moves the camera there when the first of them

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
-import { addGestures } from "./sceneGestures";
+import { addGestures, zoomAtCursor } from "./sceneGestures";
 
 /** What a canvas hears of a press, a movement and a release. */
 function heard(init: PointerEventInit): (readonly [type: string, button: number, buttons: number])[] {
@@ -35,4 +35,21 @@ test("the left button alone, the right one and fingers stay as they are", () => 
   expect(heard({ ...MOUSE, button: 0, buttons: 1 })[0]).toEqual(["pointerdown", 0, 1]);
   expect(heard({ ...MOUSE, button: 2, buttons: 2 })[0]).toEqual(["pointerdown", 2, 2]);
   expect(heard({ pointerType: "touch", button: 0, buttons: 1, shiftKey: true })[0]).toEqual(["pointerdown", 0, 1]);
+});
+
+test("controls of a camera zoom at the cursor, unless that is turned off later", () => {
+  class Base {}
+  class Controls extends Base {
+    declare dollyToCursor: boolean;
+    constructor() {
+      super();
+      this.dollyToCursor = false;
+    }
+  }
+  zoomAtCursor(Base.prototype);
+  const controls = new Controls();
+  expect(controls.dollyToCursor).toBe(true);
+  controls.dollyToCursor = false;
+  expect(controls.dollyToCursor).toBe(false);
+  expect("dollyToCursor" in {}).toBe(false);
 });

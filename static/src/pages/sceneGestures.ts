@@ -1,4 +1,7 @@
-/** Gestures that a 3D view has beside those of viser's client: with Shift or the middle button a drag moves the view. */
+/**
+ * Gestures that a 3D view has beside those of viser's client: with Shift or the middle button a drag moves the view, and
+ * the wheel and two fingers zoom at where they are.
+ */
 
 const [LEFT, MIDDLE, RIGHT] = [0, 1, 2] as const;
 /** `buttons` of an event while the right button alone is pressed. */
@@ -29,4 +32,18 @@ export function addGestures(target: EventTarget): void {
       moves = false;
     });
   }
+}
+
+/**
+ * Have the objects that are made with a property `dollyToCursor` begin with it on. Those are the controls of the camera
+ * in viser's client (camera-controls), which has no setting for it and zooms at the middle of the picture.
+ */
+export function zoomAtCursor(prototype: object): void {
+  Object.defineProperty(prototype, "dollyToCursor", {
+    configurable: true,
+    set(this: object) {
+      const value = { value: true, writable: true, enumerable: true, configurable: true };
+      Object.defineProperty(this, "dollyToCursor", value);
+    },
+  });
 }

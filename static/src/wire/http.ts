@@ -1262,6 +1262,10 @@ export interface ShownScene {
   readonly layers: Readonly<Record<string, boolean>>;
   /** Height of the map's columns by that at first. */
   readonly height: number;
+  /** The camera that was chosen, unless it was moved elsewhere then; null: as at first. */
+  readonly chosen: "overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person" | null;
+  /** Values of the table of the clouds' look, such as point_size. */
+  readonly look: Readonly<Record<string, boolean | number | string>>;
 }
 
 /** The history of a simulation, and the world and the seed that it begins with. */

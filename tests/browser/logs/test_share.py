@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import pytest
@@ -14,12 +13,16 @@ from tests.browser.pages.test_axe import violations
 from tests.browser.visits import WatchedPage
 from tests.server.library.small_logs import carmen, tum
 
-#: The camera of the 3D view; null before it has come to where all is in sight: viser's client begins at (3, 3, 3).
-CAMERA = """() => {
-  const camera = document.querySelector("iframe")?.contentWindow.sceneCamera?.();
-  return camera?.position.every((one) => Math.abs(one - 3) < 1e-6) ? null : camera;
-}"""
+#: Where a person has moved the camera of the 3D view; null before that.
+CAMERA = """() => document.querySelector("iframe")?.contentWindow.sceneCamera?.() ?? null"""
 SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
+
+
+def scrolled(page: Page) -> dict[str, list[float]] | None:
+    """Scroll in the view under the pointer, and return the camera: none while the view loads."""
+    page.mouse.wheel(0, 400)
+    camera: dict[str, list[float]] | None = page.evaluate(CAMERA)
+    return camera
 
 
 def test_a_link_opens_exactly_this_view_until_it_is_revoked(
@@ -95,10 +98,8 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     for n, title in enumerate(["Map", "3D", "Messages", "Plots"]):
         page.get_by_label(f"View {n + 1}").select_option(title)
     # The camera of the 3D view is moved, and its grid shown.
-    first = until("the 3D view has its camera", lambda: page.evaluate(CAMERA))
     views.nth(1).locator("iframe").hover()
-    page.mouse.wheel(0, 400)
-    until("the camera moves", lambda: math.dist(page.evaluate(CAMERA)["position"], first["position"]) > 0.5)
+    until("the camera moves", lambda: scrolled(page))
     if not views.nth(1).get_by_role("group", name="Layers").is_visible():
         views.nth(1).get_by_role("button", name="Controls").click()
     views.nth(1).get_by_role("button", name="Grid of").click()
@@ -120,7 +121,7 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     shared.get_by_role("button", name="Create link").click()
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
     seen = page.request.get(address.replace("/shared/", "/api/shared/")).json()["shown"]["scene"]["camera"]
-    assert math.dist(seen["position"], first["position"]) > 0.5
+    assert seen == page.evaluate(CAMERA)
 
     watched = WatchedPage(visitor, server)
     guest = watched.page
@@ -141,6 +142,32 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     rows = open_group(guest, "Log lines").locator(".log-line")
     expect(rows).to_have_count(1)
     expect(rows).to_contain_text("Wheel slips")
+    assert watched.problems == []
+
+
+def test_a_link_opens_with_the_camera_that_follows_the_robot(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
+) -> None:
+    (tmp_path / "ours.log").write_bytes(carmen(30))
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "ours.log")
+    await_true(page, SHOWN)
+    page.get_by_label("Layout", exact=True).select_option(label="Map and 3D")
+    solid = page.get_by_role("region", name="3D", exact=True)
+    follow = solid.get_by_role("button", name="Follow", exact=True)
+    solid.get_by_role("button", name="Controls").wait_for()
+    if not follow.is_visible():
+        solid.get_by_role("button", name="Controls").click()
+    follow.click()
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+    watched = WatchedPage(visitor, server)
+    guest = watched.page
+    with guest.expect_response(lambda answer: answer.url.endswith("/settings")) as answered:
+        guest.goto(address)
+    assert answered.value.ok
+    assert (answered.value.request.post_data_json or {})["camera"] == "follow"
     assert watched.problems == []
 
 

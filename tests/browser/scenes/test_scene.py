@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 from playwright.sync_api import Browser, expect
 
-from server.sessions.drawings import Drawing, Gizmo, Point, Quaternion
+from server.scenes.cameras import FOV, camera_at
+from server.sessions.drawings import COLUMN_M, Drawing, Gizmo, Point, Quaternion
 from server.sources.simulation import SimulationModel
 from tests.browser.looking import drag_along, until
 from tests.browser.visits import visiting
 from tests.server.service import running, settings_for
+
+SCALE = 3.0  #: of the gizmo: the length of its arrows, metres
 
 
 def centre_of(model: SimulationModel) -> Point:
@@ -19,11 +24,21 @@ def centre_of(model: SimulationModel) -> Point:
     return ((x0 + x1) / 2, (y0 + y1) / 2, 0.0)
 
 
+def seen(model: SimulationModel, place: NDArray[np.float64], aspect: float) -> tuple[float, float]:
+    """Where a place is in the picture of the first camera: from -1 at the left to 1, and from -1 at the lower edge."""
+    camera, look_at = camera_at("overview", model.world.bounds, aspect, (0.0, COLUMN_M))
+    ahead = np.subtract(look_at, camera)
+    ahead /= np.linalg.norm(ahead)
+    right = np.array([1.0, 0.0, 0.0])
+    half = (place - camera) @ ahead * np.tan(FOV / 2)  # of the height that the picture shows at that depth
+    return float((place - camera) @ right / (aspect * half)), float((place - camera) @ np.cross(right, ahead) / half)
+
+
 def test_a_dragged_gizmo_reaches_the_session(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     positions: list[Point] = []
 
     def drawings(model: SimulationModel) -> list[Drawing]:
-        return [Gizmo(name="goal", label="Goal", position=centre_of(model), scale=3.0, turns=False)]
+        return [Gizmo(name="goal", label="Goal", position=centre_of(model), scale=SCALE, turns=False)]
 
     def moved(_model: SimulationModel, name: str, position: Point, _wxyz: Quaternion) -> None:
         assert name == "goal"
@@ -39,17 +54,20 @@ def test_a_dragged_gizmo_reaches_the_session(browser: Browser, tmp_path: Path, m
         canvas = page.locator("canvas").first
         expect(canvas).to_be_visible()
 
+        model = service.state.sessions.get(session_id).model
+        assert isinstance(model, SimulationModel)
+
         def dragged() -> bool:
-            # The camera looks at the centre from the south: the arrow along x points to the right.
+            # The camera looks to the north: the arrow along x points to the right.
             box = canvas.bounding_box()
             assert box is not None
-            x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"]
+            across, up = seen(model, centre_of(model) + np.array([0.9 * SCALE, 0.0, 0.0]), box["width"] / box["height"])
+            x = box["x"] + 0.5 * (1.0 + across) * box["width"]
+            y = box["y"] + 0.5 * (1.0 - up) * box["height"]
             drag_along(page, (x, y), (x + 30, y), steps=5)
             return bool(positions)
 
         until("the session to be told of the move", dragged)
-        model = service.state.sessions.get(session_id).model
-        assert isinstance(model, SimulationModel)
         x, y, z = centre_of(model)
         assert positions[-1][0] > x
         assert positions[-1][1:] == pytest.approx((y, z), abs=1e-6)

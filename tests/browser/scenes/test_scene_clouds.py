@@ -7,17 +7,13 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.browser.logs.test_share import CAMERA, scrolled
 from tests.browser.looking import await_map, await_true, open_group, until
 from tests.browser.visits import WatchedPage
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 
 DRAWN = "() => window.gridbloom?.clouds?.store.part('volume').message.peek()?.chunks > 0"
-#: The camera of the 3D view; null before it has come to where all is in sight: viser's client begins at (3, 3, 3).
-CAMERA = """() => {
-  const camera = document.querySelector("iframe")?.contentWindow.sceneCamera?.();
-  return camera?.position.every((one) => Math.abs(one - 3) < 1e-6) ? null : camera;
-}"""
 
 
 def recording() -> bytes:
@@ -48,11 +44,11 @@ def test_the_clouds_of_a_log_are_on_its_stage_and_in_its_links(
     solid = page.get_by_role("region", name="3D", exact=True)
     expect(solid.get_by_role("switch", name="Point clouds")).to_have_attribute("aria-checked", "true")
     await_true(page, DRAWN)
-    first = until("the view has its camera", lambda: page.evaluate(CAMERA))["position"]
     solid.locator("iframe").hover()
-    page.mouse.wheel(0, 400)
-    until("the camera moves", lambda: not np.allclose(page.evaluate(CAMERA)["position"], first, atol=0.2))
+    until("the camera moves", lambda: scrolled(page))
     solid.get_by_text("Colours and clip box").click()
+    solid.get_by_role("combobox", name="Colour by").select_option("time")
+    await_true(page, "() => gridbloom.clouds.store.part('volume').message.peek().look.values.colour === 'time'")
     solid.get_by_role("slider", name="Cut above").press("PageDown")
     await_true(page, "() => gridbloom.clouds.store.part('volume').message.peek().look.values.cut_high < 10")
 
@@ -61,10 +57,13 @@ def test_the_clouds_of_a_log_are_on_its_stage_and_in_its_links(
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()
     seen = page.request.get(address.replace("/shared/", "/api/shared/")).json()["shown"]["scene"]
     assert seen["clouds"]
+    assert seen["chosen"] is None
     watched = WatchedPage(visitor, server)
     guest = watched.page
     guest.goto(address)
     await_true(guest, DRAWN)
     until("the guest's view has a camera", lambda: guest.evaluate(CAMERA) is not None)
     np.testing.assert_allclose(guest.evaluate(CAMERA)["position"], seen["camera"]["position"], atol=0.01)
+    await_true(guest, "() => gridbloom.clouds.store.part('volume').message.peek().look.values.colour === 'time'")
+    await_true(guest, "() => gridbloom.clouds.store.part('volume').message.peek().look.values.cut_high < 10")
     assert watched.problems == []

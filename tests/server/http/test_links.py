@@ -133,6 +133,8 @@ def test_a_link_keeps_what_its_page_shows_and_what_was_found_out_about_the_log(
             "camera": {"position": [1.0, 2.0, 3.0], "look_at": [0.0, 0.0, 0.5]},
             "layers": {"Grid": False},
             "height": 2.0,
+            "chosen": "first person",
+            "look": {"colour": "time", "point_size": 2.5, "cut_handles": True},
         },
         "utc": True,
         "comparison": None,
@@ -149,6 +151,8 @@ def test_a_link_keeps_what_its_page_shows_and_what_was_found_out_about_the_log(
         {"place": [1.0]},
         {"measured": {"tool": "area", "points": [[1.0]]}},
         {"scene": {"clouds": False, "height": 100.0}},
+        {"scene": {"clouds": False, "chosen": "below"}},
+        {"scene": {"clouds": True, "look": {"colour": ["time"]}}},
         {"plots": {"fields": []}},
         {"other": 1},
     )

@@ -9,6 +9,7 @@ import pytest
 from viser._messages import Message
 
 from server.scenes.browser_messages import passes
+from server.scenes.viser_server import CameraMovedMessage
 from tests.server.scenes.viser_client import CAMERA
 
 CLICK = {
@@ -57,6 +58,8 @@ GRIP = {"type": "TransformControlsDragStartMessage", "name": "/goal/handles", "o
         ({"type": "GuiUpdateMessage", "uuid": "x"}, False),
         ({"type": "RunJavascriptMessage", "source": "alert(1)"}, False),
         ({"type": "GetRenderResponseMessage"}, False),
+        ({"type": CameraMovedMessage.__name__}, True),
+        ({"type": "CameraMovedMessage", "position": (1.0, 2.0, 3.0)}, False),
         (MOVE, True),
         (MOVE | {"wxyz": (0, 0, 0, -1)}, True),
         (MOVE | {"wxyz": (0.0, 0.0, 0.0, 0.0)}, False),

@@ -72,6 +72,7 @@ async def showing(
     shown = Shown(session, *drawings)
     patch.setattr(session.model, "drawings", lambda: shown.drawings)
     async with viser_client(service.port, session.id) as client:
+        await client.aimed()
         await shown.drawn(client)
         yield shown, client
 

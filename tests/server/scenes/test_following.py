@@ -84,7 +84,7 @@ def test_a_cloud_without_a_place_or_a_way_is_not_looked_at_from_its_sensor() -> 
 async def told(client: Client) -> tuple[list[float], list[float]]:
     """Where the camera is told to be, and what it is to look at."""
     place = await client.until(lambda m: m["type"] == "SetCameraPositionMessage" and not m["initial"])
-    await client.until(lambda m: m["type"] == "SetCameraLookAtMessage" and not m["initial"])
+    await client.aimed()
     looks = [message["look_at"] for message in client.of_type("SetCameraLookAtMessage") if not message["initial"]]
     return place["position"], looks[-1]
 
@@ -98,7 +98,8 @@ async def test_a_view_follows_the_robot_until_another_camera_is_chosen(service: 
         httpx.AsyncClient(cookies={"visitor": "ann"}) as ann,
         viser_client(service.port, session.id, "visitor=ann") as client,
     ):
-        await client.control("Beams")
+        await client.aimed()
+        client.forget()
         cameras = (await ann.get(address)).json()["cameras"]
         assert cameras == [*CAMERAS, "follow", "first person"]
         assert json.loads(session.hub.slots["scene"])["cameras"] == cameras

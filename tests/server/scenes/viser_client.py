@@ -87,6 +87,10 @@ class Client:
         """Messages of this type that were seen."""
         return [message for message in self.seen if message["type"] == kind]
 
+    async def aimed(self) -> dict[str, Any]:
+        """The message on what the camera is to look at, for the shape of its picture, which each view is sent once."""
+        return await self.until(lambda m: m["type"] == "SetCameraLookAtMessage" and not m["initial"])
+
     async def control(self, label: str) -> dict[str, Any]:
         """The message that made the control with this label."""
         return await self.until(lambda m: "uuid" in m and m.get("props", {}).get("label") == label)
@@ -94,9 +98,9 @@ class Client:
 
 @asynccontextmanager
 async def viser_client(
-    port: int, session_id: str, cookies: str = "", page: str = "", **camera: Any
+    port: int, session_id: str, cookies: str = "", page: str = "", is_moved: bool = False, **camera: Any
 ) -> AsyncIterator[Client]:
-    """A browser's view, which tells its camera first: :data:`CAMERA` with the given fields."""
+    """A browser's view, which tells its camera first: :data:`CAMERA` with the given fields, moved or not."""
     protocol = Subprotocol(f"viser-v{viser.__version__}")
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}" + (f"/plain/{page}/" if page else "")
     headers = {"Cookie": cookies} if cookies else {}
@@ -109,5 +113,7 @@ async def viser_client(
         open_timeout=PATIENCE_S,
     ) as socket:
         client = Client(socket)
+        if is_moved:
+            await client.send(type="CameraMovedMessage")
         await client.send(**CAMERA | camera)
         yield client

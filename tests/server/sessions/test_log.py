@@ -32,7 +32,7 @@ from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.computation import hello_message
 from server.sessions.tick import TickResult
-from server.sources.log import MAX_GAP_S, PATH_MARGIN, play_times
+from server.sources.log import MAX_GAP_S, play_times
 from server.sources.log_recording import first_replay
 from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError
@@ -199,8 +199,20 @@ async def test_another_trajectory_makes_another_map(
     np.testing.assert_array_equal(view_of(session).log_odds, grid.log_odds)
     odometry = office_log.trajectory("odometry").poses
     assert view_of(session).pose == pytest.approx(tuple(odometry[99]))
-    box = (*(odometry[:, :2].min(axis=0) - PATH_MARGIN), *(odometry[:, :2].max(axis=0) + PATH_MARGIN))
-    assert session.model.controls().bounds == pytest.approx(box)
+
+
+async def test_the_3d_view_frames_all_cells_that_the_whole_log_sees(
+    registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog
+) -> None:
+    session = await new_log(registry, "me", office_log)
+    await obey(session, type="pause")
+    await obey(session, type="seek", index=office_log.n_scans)
+    view = view_of(session)
+    cells = np.argwhere(view.observed)
+    low, high = (view.geometry.cell_to_world(corner) for corner in (cells.min(axis=0), cells.max(axis=0)))
+    assert session.model.controls().bounds == pytest.approx((*low, *high), abs=2 * view.geometry.resolution)
+    await obey(session, type="seek", index=1)
+    assert session.model.controls().bounds == pytest.approx((*low, *high), abs=2 * view.geometry.resolution)
 
 
 @pytest.mark.parametrize(

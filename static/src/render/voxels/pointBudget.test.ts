@@ -10,7 +10,7 @@ function orbit(budget: PointBudget, msPerMillion: number, frames: number, start 
   let now = start;
   for (let n = 0; n < frames; n++) {
     budget.moved();
-    const count = CLOUDS.reduce((sum, cloud) => sum + budget.take(cloud, now), 0);
+    const count = drawAll(budget, now);
     drawn.push(count);
     now += Math.max(16, (count / 1e6) * msPerMillion);
   }
@@ -18,7 +18,20 @@ function orbit(budget: PointBudget, msPerMillion: number, frames: number, start 
 }
 
 const drawAll = (budget: PointBudget, now: number): number =>
-  CLOUDS.reduce((sum, cloud) => sum + budget.take(cloud, now), 0);
+  CLOUDS.reduce((sum, cloud) => sum + budget.take(cloud, now).count, 0);
+
+/** The first and the next number of the points of the first cloud that a frame draws. */
+function span(budget: PointBudget, now: number): [number, number] {
+  const [{ first, count }] = CLOUDS.map((cloud) => budget.take(cloud, now)) as [{ first: number; count: number }];
+  return [first, first + count];
+}
+
+/** Frames from the moment that the camera rests; the picture has all points after the last of them. */
+function rest(budget: PointBudget, now: number): [number, number][] {
+  const spans: [number, number][] = [];
+  for (let n = 0; n === 0 || (budget.lacks && n < 1000); n++) spans.push(span(budget, now + 50 * n));
+  return spans;
+}
 
 test("while the camera moves, a slow browser soon draws as many points as take 50 ms", () => {
   const budget = new PointBudget();
@@ -36,19 +49,50 @@ test("a quick browser comes to draw all of them, and no more is asked for than t
   expect(slower.at(-1)).toBeLessThan(ALL / 10);
 });
 
-test("once the camera rests, all are drawn", () => {
+test("while the camera rests, frames add the next points until all are in the picture", () => {
   const budget = new PointBudget();
-  const { now } = orbit(budget, 100, 20);
-  expect(drawAll(budget, now + 100)).toBeLessThan(ALL);
-  expect(drawAll(budget, now + 1000)).toBe(ALL);
+  const { now } = orbit(budget, 200, 20);
+  expect(budget.adds(now + 100)).toBe(false);
+  expect(drawAll(budget, now + 100)).toBeLessThan(ALL / 4);
+  const spans = rest(budget, now + 1000);
+  const [[begin]] = spans as [[number, number]];
+  expect(begin).toBeGreaterThan(0); // it goes on with the picture of the last frame before
+  expect(spans.slice(1).map(([first]) => first)).toEqual(spans.slice(0, -1).map(([, end]) => end));
+  expect(spans.at(-1)?.[1]).toBe(CLOUDS[0]);
+  for (const [first, end] of spans) expect((5 * (end - first) * 200) / 1e6).toBeLessThan(300);
+  expect(drawAll(budget, now + 60_000)).toBe(0);
+  expect(budget.adds(now + 60_000)).toBe(true);
 });
 
-test("where all take seconds, as many as take a second are drawn at rest", () => {
+test("the picture begins again where the camera moves, a message comes or something else is drawn", () => {
   const budget = new PointBudget();
-  const { now } = orbit(budget, 2000, 20);
-  const drawn = drawAll(budget, now + 1000);
-  expect((drawn / 1e6) * 2000).toBeGreaterThan(500);
-  expect((drawn / 1e6) * 2000).toBeLessThan(1500);
+  const { now } = orbit(budget, 200, 20);
+  let later = now;
+  const changes = [
+    () => budget.moved(),
+    () => budget.hold(true),
+    () => budget.hold(false),
+    () => budget.changed(),
+    () => budget.note(36, later),
+  ];
+  for (const change of changes) {
+    later += 10_000;
+    drawAll(budget, later - 2000);
+    drawAll(budget, later - 1000);
+    drawAll(budget, later);
+    change();
+    expect(span(budget, later + 50)[0]).toBe(0);
+    expect(budget.adds(later + 50)).toBe(false);
+  }
+});
+
+test("a quick browser draws all of them again in each frame at rest", () => {
+  const budget = new PointBudget();
+  const { now } = orbit(budget, 5, 60);
+  for (const later of [1000, 2000]) {
+    expect(drawAll(budget, now + later)).toBe(ALL);
+    expect(budget.adds(now + later)).toBe(false);
+  }
 });
 
 test("a frame that takes longer than the rest is no rest", () => {
@@ -65,7 +109,7 @@ test("as long as the camera is held it does not rest", () => {
   for (const later of [1000, 2000, 3000]) expect(drawAll(budget, now + later)).toBeLessThan(ALL);
   budget.hold(false);
   drawAll(budget, now + 4000); // it may have moved until then
-  expect(drawAll(budget, now + 5000)).toBe(ALL);
+  expect(rest(budget, now + 5000).at(-1)?.[1]).toBe(CLOUDS[0]);
 });
 
 test("each cloud has its share, also a small one", () => {
@@ -73,7 +117,7 @@ test("each cloud has its share, also a small one", () => {
   budget.take(4_000_000, -1000);
   budget.take(1000, -1000);
   budget.moved();
-  expect(budget.take(4_000_000, 0) / 4_000_000).toBeCloseTo(budget.take(1000, 0) / 1000, 2);
+  expect(budget.take(4_000_000, 0).count / 4_000_000).toBeCloseTo(budget.take(1000, 0).count / 1000, 2);
 });
 
 test("a pause between two movements does not lower the number", () => {

@@ -135,7 +135,7 @@ function Unfolded({
           low={0.2}
           high={5}
           step={0.1}
-          onInput={(value) => void changeScene(session, { height: value })}
+          onInput={(value) => void changeScene(session, store, { height: value })}
         />
       )}
       <div class="actions">

@@ -1,9 +1,11 @@
 /** The buttons of a 3D view's cameras and layers. */
 
+import { useId } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { saveAs } from "../../ui/files/saveAs";
 import { toast } from "../../ui/Toast";
+import { Tooltip } from "../../ui/Tooltip";
 import type { SceneSettings } from "../../wire/http";
 import { scaleText } from "../measure/model";
 import { changeScene } from "./SceneFrame";
@@ -26,6 +28,10 @@ export function savePicture(part: HTMLElement | null): void {
   picture.toBlob((png) => png && saveAs("view.png", png));
 }
 
+const GESTURES =
+  "Drag to turn. Drag with the right or the middle button, or with Shift, to move. The wheel zooms at the pointer. " +
+  "W, A, S, D, Q and E move, the arrows turn. By touch: one finger turns, two zoom and move.";
+
 interface SceneButtonsProps {
   readonly store: Store;
   readonly session: string;
@@ -33,8 +39,9 @@ interface SceneButtonsProps {
 
 export function SceneButtons({ store, session }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
+  const id = useId();
   if (!now) return null; // all of them come at once, so that none moves when others come
-  const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
+  const change = (wanted: SceneSettings): void => void changeScene(session, store, wanted);
   return (
     <>
       <fieldset class="actions" aria-label="Camera">
@@ -43,6 +50,7 @@ export function SceneButtons({ store, session }: SceneButtonsProps) {
             {camera.charAt(0).toUpperCase() + camera.slice(1)}
           </Button>
         ))}
+        <Tooltip id={id} about="the gestures" text={GESTURES} />
       </fieldset>
       <fieldset class="actions" aria-label="Layers">
         {Object.entries(now.layers).map(([label, isShown]) => (

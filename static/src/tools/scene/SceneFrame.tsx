@@ -17,6 +17,8 @@ declare global {
 
 class First {
   camera: ShownCamera | null = null;
+  /** The camera that was chosen last by a button; null: none yet. */
+  chosen: NonNullable<SceneSettings["camera"]> | null = null;
 }
 
 /** From where the 3D views of a session are seen at first; null: from where all of it is in sight. */
@@ -40,8 +42,9 @@ export function sceneCamera(session: string): ShownCamera | null {
   return view?.contentWindow?.sceneCamera?.() ?? null;
 }
 
-/** Change some settings of a session's 3D view. */
-export async function changeScene(session: string, body: SceneSettings): Promise<void> {
+/** Change some settings of the 3D view of a session, whose store is `store`. */
+export async function changeScene(session: string, store: Store, body: SceneSettings): Promise<void> {
+  if (body.camera) firstOf(store).chosen = body.camera;
   try {
     await ask("POST /scenes/{session_id}/settings", { session_id: session }, { body });
   } catch {

@@ -3,6 +3,7 @@
 import { effect, type Signal, signal } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import { changeScene, firstOf, sceneCamera } from "../../../tools/scene/SceneFrame";
+import { lookOf } from "../../../tools/volume/useLook";
 import type { SessionAnswer, ShownScene } from "../../../wire/http";
 import type { ContentsState } from "../contents/useContents";
 import { isCloud } from "../library/describeLog";
@@ -57,7 +58,8 @@ export class Solid {
     return effect(() => {
       if (isDone || !given || !store.part("scene").message.value) return;
       isDone = true;
-      void changeScene(session, { layers: given.layers, height: given.height });
+      if (Object.keys(given.look).length > 0) store.sendSoon({ type: "volume_look", values: given.look });
+      void changeScene(session, store, { layers: given.layers, height: given.height, camera: given.chosen });
     });
   }
 
@@ -66,9 +68,15 @@ export class Solid {
     const { session, store } = this.#shown;
     const now = store.part("scene").message.peek();
     if (!now) return null;
+    const clouds = this.#shown !== this.#map;
+    const camera = sceneCamera(session);
+    const { chosen } = firstOf(store);
+    const isFollowing = chosen === "follow" || chosen === "first person";
     return {
-      clouds: this.#shown !== this.#map,
-      camera: sceneCamera(session),
+      clouds,
+      chosen: camera && !isFollowing ? null : chosen,
+      look: clouds ? lookOf(store).values.peek() : {},
+      camera,
       layers: now.layers,
       height: now.height,
     };
