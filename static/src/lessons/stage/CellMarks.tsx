@@ -1,6 +1,6 @@
 /** What is drawn into the cells that are in view: their borders, numbers, values. */
 
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { indexOf } from "../../grid/occupancyGrid";
 import { evidenceOfBeam } from "../../grid/textbook";
 import { signed, written } from "../../ui/numbers";

@@ -1,4 +1,4 @@
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import {
   beamModel,
   cellIndexAt,
