@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
 import { around, type Bounds, type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
+import type { MappingConfig } from "../grid/occupancyGrid";
 import type { MapPicture } from "../render/map/mapPicture";
 import type { Size, View } from "../render/view";
 import type { Work } from "../ui/Working";
@@ -14,6 +15,7 @@ import type {
   Compared,
   Contribution,
   Frame,
+  Geometry,
   Hello,
   Point,
   Pose,
@@ -28,7 +30,40 @@ import type { DisplayedMap } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
-import type { Stepping } from "./stepping";
+
+/** The faults that are on, in the order in which they were switched on, and the parameters before. */
+export interface ActiveFaults {
+  readonly on: readonly string[];
+  readonly before: Values;
+}
+
+export const NO_ACTIVE_FAULTS: ActiveFaults = { on: [], before: {} };
+
+export interface Step {
+  readonly beam: number;
+  /** Index of the cell on the beam, from 0, and the number of the beam's cells. */
+  readonly place: number;
+  readonly of: number;
+  readonly cell: Cell;
+  readonly evidence: number;
+  readonly isHit: boolean;
+  /** Bresenham's error term in this cell; null in the last. */
+  readonly nabla: number | null;
+}
+
+/** A scan that is stepped through: the map does not contain it yet. */
+export interface Stepping {
+  readonly frame: Frame;
+  /** The sensor's pose at the scan in the map frame. */
+  readonly pose: Pose;
+  readonly geometry: Geometry;
+  readonly config: MappingConfig;
+  readonly steps: readonly Step[];
+  /** Number of steps done. */
+  readonly done: number;
+  /** Number of scans in the map; when it changes, the stepping ends. */
+  readonly index: number;
+}
 
 /**
  * Run a task after the next frame is painted: the user's own change is displayed first, and a server on the same machine

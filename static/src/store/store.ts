@@ -16,12 +16,11 @@ import type {
   Value,
   Values,
 } from "../wire/protocol";
-import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
 import type { OnCellChange } from "./displayedMap";
 import { NO_EDITS } from "./editing";
 import { History } from "./history";
 import { MAP, SECOND_MAP } from "./layers";
-import { SessionSignals } from "./sessionSignals";
+import { type ActiveFaults, NO_ACTIVE_FAULTS, SessionSignals } from "./sessionSignals";
 import type { Receiver } from "./stream";
 
 /** State of the session that a page displays, and of its view. */
