@@ -15,8 +15,7 @@ from mapper.diagnosis.several import of_sensors, share_of
 from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.integrate import grid_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import MappingConfig, recorded_defaults
 from mapper.sensors.corrections import corrected_log
 from mapper.sensors.joint_log import by_sensor
 from mapper.sensors.scan import ScanLog

@@ -274,7 +274,7 @@ def _readings(ranges: NDArray[np.float32], plan: UpdatePlan) -> NDArray[np.float
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedScan:
+class PosedScan:
     """A scan, and the poses (3,) that it is seen from: ``T_map_base`` and ``T_map_laser``.
 
     Neither pose includes the correction of the mount in the parameters. Of a deskewed scan each beam ends where it ends
@@ -286,7 +286,7 @@ class PlacedScan:
     scan: RangeScan
 
 
-def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, index: int) -> PlacedScan:
+def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, index: int) -> PosedScan:
     """Return scan ``index`` as ``config`` has it in the map. Raises :class:`ConfigError` for an unknown trajectory."""
     if isinstance(log, JointLog):
         part = log.parts[int(log.part_of_scan[index])]
@@ -299,7 +299,7 @@ def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, ind
         if plan.upside_down:
             angles = -angles
         scan = SonarScan(ranges, angles, scan.beam_width, scan.range_min, scan.range_max, scan.stamp_ns)
-    return PlacedScan(base, sensor, scan)
+    return PosedScan(base, sensor, scan)
 
 
 def base_pose(log: ScanLog, plan: UpdatePlan, trajectory: str | None, index: int) -> NDArray[np.float64]:

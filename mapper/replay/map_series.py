@@ -17,7 +17,7 @@ from mapper.io.contents.scan_series import plot_stamps
 from mapper.mapping.custom_model import crossed_cells
 from mapper.mapping.integrate import grid_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.scan_batch import PlacedScan, placed_scan, scan_batch_of_scan
+from mapper.mapping.scan_batch import PosedScan, placed_scan, scan_batch_of_scan
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.scan import ScanLog, SonarScan
 
@@ -90,7 +90,7 @@ def _contradicted(
     states: NDArray[np.int8],
     walls: NDArray[np.bool_],
     geometry: GridGeometry,
-    placed: PlacedScan,
+    placed: PosedScan,
     config: MappingConfig,
 ) -> float:
     """Return the share of a scan's readings that the map of ``states`` contradicts, per cent; NaN without readings."""

@@ -15,8 +15,7 @@ from mapper.core.limits import Limits
 from mapper.core.se2 import compose, compose_one, inverse, pose_tuple
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.mapping.parameters import MappingConfig, sensor_defaults
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 from mapper.simulation.edits import Edits, edited
 from mapper.simulation.faults import Faults, lengthened, with_lengthened

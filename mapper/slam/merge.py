@@ -18,8 +18,7 @@ from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_log, grid_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import RECORDED
+from mapper.mapping.parameters import RECORDED, MappingConfig
 from mapper.matching.maps import place_map
 from mapper.sensors.joint_log import sensor_numbers, sensors_of
 from mapper.sensors.motion import seconds

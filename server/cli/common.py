@@ -15,8 +15,7 @@ import typer
 
 from mapper.core.errors import LimitError, MapperError
 from mapper.core.parameter import Parameter
-from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.mapping.sensor_defaults import RECORDED
+from mapper.mapping.parameters import BY_NAME, RECORDED, MappingConfig
 from mapper.sensors.planar.options import BY_NAME as CUT_BY_NAME
 from mapper.sensors.planar.options import PlanarCut
 

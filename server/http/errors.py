@@ -24,7 +24,7 @@ from server.library.annotations.added import TrajectoryNotFoundError
 from server.library.annotations.links import LinkGoneError
 from server.library.annotations.notes import NoteNotFoundError, NoteReadOnlyError
 from server.library.annotations.puzzles import PuzzleGoneError
-from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
+from server.library.logs.records import LogNotFoundError, LogReadOnlyError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.storage import StorageError
 from server.stream.close_codes import REFUSED

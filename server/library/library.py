@@ -25,12 +25,10 @@ from server.library.annotations.notes import Notes
 from server.library.annotations.puzzles import MadePuzzles
 from server.library.annotations.tags import Tags
 from server.library.annotations.trajectories import NewTrajectory, Trajectories, text_of
-from server.library.limits import LibraryLimits
-from server.library.loading import Loading
+from server.library.loading import LibraryLimits, Loading, VisibleLogs
 from server.library.logs.cache import LogCache
 from server.library.logs.catalogue import Catalogue
-from server.library.logs.errors import LogReadOnlyError
-from server.library.logs.records import Record
+from server.library.logs.records import LogReadOnlyError, Record
 from server.library.logs.rows import LogRows
 from server.library.logs.sample import SAMPLE_ID, Sample
 from server.library.packs.reference_map import ReferenceMap
@@ -61,7 +59,6 @@ from server.library.store.sign_in_ends import SignInEnds
 from server.library.uploads.receiver import Part, UploadReceiver
 from server.library.uploads.slots import UploadSlots
 from server.library.uploads.uploads import Declared, Places, Sender, Uploads
-from server.library.visible_logs import VisibleLogs
 from server.settings import Settings
 from server.storage import private_folder
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -12,21 +12,24 @@ from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.scan import ScanLog
-from server.library.limits import DAY_S
 from server.library.logs.cache import LogCache
 from server.library.logs.catalogue import Catalogue
-from server.library.logs.records import Record
-from server.library.logs.sample import Sample
+from server.library.logs.records import LogNotFoundError, Record
+from server.library.logs.sample import SAMPLE_ID, Sample
 from server.library.packs.costmaps import read_costmap_pack
 from server.library.packs.log import StalePackError
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.reader import Readers
 from server.library.processing.reading_jobs import Jobs, unstored
 from server.library.scans import Scans
+from server.library.shared_folder import SharedFolder
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
+    from server.library.annotations.tags import Tags
+    from server.library.annotations.trajectories import Trajectories
     from server.library.packs.volume import VolumeSource
+
 
 MAX_TOGETHER = 32  #: sensors of one log that are mapped together
 SONAR = "sensor_msgs/Range"
@@ -190,3 +193,102 @@ def _cut_topic(record: Record, topic: str | None) -> str | None:
         if is_cut(one.type) and (one.chosen if topic is None else one.name == topic):
             return one.name
     return None
+
+
+DAY_S = 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryLimits:
+    """Limits on uploads, stored bytes and reading."""
+
+    max_logs_per_owner: int = 50
+    max_total_bytes: int = 20 << 30  #: bytes of all uploads together, and of what was read of them
+    max_owner_bytes: int = 10 << 30  #: bytes of one visitor's
+    max_uploads_at_once: int = 8
+    max_uploads_of_owner: int = 4  #: at once, so that a slow sender cannot block others
+    keep_s: float = 30 * DAY_S  #: seconds after its last use at which an upload is deleted
+    idle_s: float = 30.0  #: seconds with almost no data after which an upload is cancelled
+    read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.processing.reader.Reader`
+    read_cpu_s: float = 100.0  #: seconds of processor time, likewise
+    read_memory_bytes: int = 6 << 30  #: address space of the reading process
+    lease_s: float = 15.0  #: for which a service that was killed or cut off keeps its jobs from others
+    cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
+
+    def with_room_for(self, upload_bytes: int) -> LibraryLimits:
+        """Return limits with room for two uploads of this size of one visitor, and for four of all visitors."""
+        return replace(
+            self,
+            max_owner_bytes=max(self.max_owner_bytes, 2 * upload_bytes),
+            max_total_bytes=max(self.max_total_bytes, 4 * upload_bytes),
+        )
+
+
+class VisibleLogs:
+    """Own uploads, the logs of the folder, and the sample, each with what its visitor has added to it."""
+
+    def __init__(
+        self,
+        catalogue: Catalogue,
+        folder: SharedFolder,
+        sample: Sample,
+        reading: tuple[Jobs, Readers],
+        added: tuple[Tags, Trajectories],
+    ) -> None:
+        self._catalogue, self._folder, self._sample = catalogue, folder, sample
+        self._jobs, self._readers = reading
+        self._tags, self._trajectories = added
+
+    async def list(self, owner: str) -> Sequence[Record]:
+        """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
+        await self._folder.look()
+        self._folder.begin_survey()
+        self._sample.begin()
+        records = [*self._uploads(owner), *self._folder.records(), self._sample.record]
+        return [self._as_seen_by(owner, record) for record in records]
+
+    def files(self, owner: str) -> Sequence[Record]:
+        """Return the logs with files that ``owner`` may open, as at the last look into the folder."""
+        return [*self._uploads(owner), *self._folder.records()]
+
+    def _uploads(self, owner: str) -> Sequence[Record]:
+        own = (record for record in self._catalogue.uploaded() if record.owner == owner)
+        return sorted(own, key=lambda record: record.created_s, reverse=True)
+
+    def get(self, owner: str, log_id: str) -> Record:
+        """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
+        if log_id == SAMPLE_ID:
+            self._sample.begin()  # of several processes of the service, each makes it
+            return self._as_seen_by(owner, self._sample.record)
+        record = self._catalogue.get(log_id)
+        if log_id in self._catalogue.folder_logs:
+            record = self._folder.record(self._catalogue.folder_logs[log_id])
+        elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
+            record = None
+        if record is None:
+            raise LogNotFoundError("log.not_found", "There is no such log.")
+        return self._as_seen_by(owner, record)
+
+    def _as_seen_by(self, owner: str, record: Record) -> Record:
+        """Return a record with the present progress, and with what ``owner`` has added to the log."""
+        is_read = record.state == "reading"
+        progress = self._jobs.progress(record) if is_read else record.progress
+        reading_s = self._readers.of(record).elapsed_s if is_read else None
+        added = tuple(one.public() for one in self._trajectories.of(owner, record.id))
+        has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
+        tags = self._tags.of(owner, record.id)
+        return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)
+
+    async def picture(self, owner: str, log_id: str, *, dark: bool = False) -> bytes:
+        """Return the picture of a log's map as PNG, in the colours of a light or a dark page.
+
+        Raises :class:`LogNotFoundError`, also where there is no picture.
+        """
+        from server.library.packs.picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
+
+        record = self.get(owner, log_id)
+        await self._catalogue.fetch(record.id)
+        try:
+            return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)
+        except OSError:
+            raise LogNotFoundError("log.no_picture", "There is no picture of this log’s map yet.") from None

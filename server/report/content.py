@@ -14,8 +14,7 @@ from mapper.core.array_types import Float64Array
 from mapper.diagnosis.figures import MapFigures, map_figures
 from mapper.diagnosis.verdict import map_of
 from mapper.io.logs.summary import path_length, recorded_seconds, start_s
-from mapper.mapping.parameters import PARAMETERS, MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import PARAMETERS, MappingConfig, recorded_defaults
 from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog

@@ -41,8 +41,8 @@ from server.scenes.reading import SceneState, read_state
 from server.scenes.viser_server import ViserServer
 from server.scenes.visitors import Viewer, viewer_of_connection
 from server.sessions import SessionHost
+from server.sessions.commands import MeasureRay
 from server.sessions.drawings import Point, Quaternion
-from server.sessions.rays import MeasureRay
 from server.sessions.scene_controls import Bounds, Heights, Sight
 from server.stream.message_parts import CameraName, RobotCameraName
 from server.stream.messages import SceneMessage

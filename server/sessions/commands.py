@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+
+from server.sessions.drawings import Point
 
 if TYPE_CHECKING:
     import numpy as np
@@ -77,3 +80,24 @@ class UseCosts(Struct):
     """Take the costs of an upload for a layer of the costmap; None for none."""
 
     costs: UploadedCosts | None
+
+
+class MeasureRay(Struct):
+    """A click into the 3D view of a page that measures, which only the service sends.
+
+    Its line of sight goes from ``origin`` along ``direction``, and ends at ``met`` on a column of the map, map metres;
+    None: it meets none.
+    """
+
+    origin: Point
+    direction: Point
+    met: Point | None
+
+
+def on_floor(origin: Point, direction: Point) -> tuple[float, float] | None:
+    """Return where a line of sight comes down (or up) to the floor, x and y, metres; None: nowhere."""
+    (ox, oy, oz), (dx, dy, dz) = origin, direction
+    if dz * oz >= 0.0:
+        return None
+    x, y = ox - dx * oz / dz, oy - dy * oz / dz
+    return (x, y) if math.isfinite(x) and math.isfinite(y) else None

@@ -17,9 +17,9 @@ from msgspec import Struct
 from mapper.grid import OccupancyGrid
 from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
+from server.sessions.commands import MeasureRay, on_floor
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.parts import Volumetric
-from server.sessions.rays import MeasureRay, on_floor
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback

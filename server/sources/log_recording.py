@@ -5,20 +5,21 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 
+from mapper import diagnosis
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.se2 import pose_tuple
 from mapper.evaluation.same_path import first_pair, stated_before
 from mapper.io.export import GrowingMap
 from mapper.io.logs.summary import recorded_seconds
-from mapper.mapping.parameters import BY_NAME, MappingConfig
+from mapper.mapping.parameters import BY_NAME, MappingConfig, recorded_defaults
 from mapper.mapping.scan_batch import placed_scan
-from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.replay import Replay
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
@@ -28,8 +29,10 @@ from server.sessions.hosting import ModelHost
 from server.sessions.part import MappedScans
 from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState
-from server.sources.diagnosing import examination, in_turn
 from server.stream.message_parts import Table, rows_of
+from server.work.priority import lower_priority
+from server.work.scheduler import Scheduler
+from server.work.waiting_turns import JobOwner
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
@@ -322,3 +325,40 @@ class LogRecording(Recording, Viewed):
             lambda done: done.cancelled() or done.exception()
         )  # its exception is then not logged as never retrieved
         return one
+
+
+T = TypeVar("T")
+
+AT_ONCE = 2  #: logs that the whole service examines at the same time
+
+_TURNS = Scheduler(AT_ONCE)
+_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=lower_priority)
+
+
+async def in_turn(scheduler: Scheduler, job_owner: JobOwner, job: Callable[[], T]) -> T:
+    """Return what ``job`` returns, on a thread that it gets in the order of the scheduler. Raises as ``job``."""
+    turn = _TURNS.request(job_owner, interactive=False)
+    try:
+        await asyncio.wrap_future(turn.granted)
+        return await scheduler.run(_EXAMINERS, job_owner, job, interactive=False)
+    finally:
+        _TURNS.release(turn)
+
+
+async def examination(
+    log: ScanLog,
+    trajectory: str,
+    scheduler: Scheduler,
+    job_owner: JobOwner,
+    wanted: Callable[[], bool],
+    progress: Callable[[float], None],
+) -> Diagnosis:
+    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.diagnose`, which checks ``wanted``.
+
+    ``progress`` is called with the share that is done, on a worker thread.
+    """
+
+    def examined() -> Diagnosis:
+        return diagnosis.diagnose(log, trajectory, progress, wanted=wanted)
+
+    return await in_turn(scheduler, job_owner, examined)

@@ -8,9 +8,9 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from server.sessions.commands import on_floor
 from server.sessions.drawings import Point
 from server.sessions.parts import ShownLoops
-from server.sessions.rays import on_floor
 from server.stream.messages import PickedMessage
 
 REACH = math.radians(1.0)  #: largest angle from a line of sight at which a thin thing is meant

@@ -10,9 +10,6 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.grid import TILE
-from server.stream.protocol import ProtocolError
-
 FLAG_COMPLETE = 1
 HEADER = struct.Struct("<BBHIII")
 TILE_HEADER = struct.Struct("<hhII")
@@ -60,27 +57,13 @@ class Graph:
 
 @dataclass(frozen=True, slots=True)
 class Codec(Generic[C]):
-    """Encoder and decoder of one kind of content for the body of a frame.
+    """Encoder of one kind of content for the body of a frame.
 
-    ``encode`` returns the header's ``count`` and the pieces of the body, ``decode`` takes the count and the body and
-    raises :class:`ProtocolError` for a body that is too short or too long.
+    ``encode`` returns the header's ``count`` and the pieces of the body.
     """
 
     kind: int
     encode: Callable[[C], tuple[int, list[bytes]]]
-    decode: Callable[[int, bytes], C]
-
-
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """A decoded binary frame; ``content`` is what the codec of its ``kind`` returns."""
-
-    kind: int
-    layer: int
-    epoch: int
-    seq: int
-    complete: bool
-    content: Any
 
 
 def _encode_tiles(tiles: Sequence[TilePayload]) -> tuple[int, list[bytes]]:
@@ -88,23 +71,6 @@ def _encode_tiles(tiles: Sequence[TilePayload]) -> tuple[int, list[bytes]]:
     for tx, ty, revision, data in tiles:
         parts += [TILE_HEADER.pack(tx, ty, revision, len(data)), data]
     return len(tiles), parts
-
-
-def _decode_tiles(count: int, body: bytes) -> Sequence[TilePayload]:
-    at = 0
-    tiles: list[TilePayload] = []
-    for _ in range(count):
-        if at + TILE_HEADER.size > len(body):
-            raise ProtocolError("frame.cut", f"The frame states {count} tiles and ends after {len(tiles)}.")
-        tx, ty, revision, nbytes = TILE_HEADER.unpack_from(body, at)
-        at += TILE_HEADER.size
-        if at + nbytes > len(body):
-            raise ProtocolError("frame.cut", f"Tile ({tx}, {ty}) states {nbytes} bytes; {len(body) - at} are left.")
-        tiles.append(TilePayload(tx, ty, revision, body[at : at + nbytes]))
-        at += nbytes
-    if at != len(body):
-        raise ProtocolError("frame.rest", f"{len(body) - at} bytes follow the last tile.")
-    return tiles
 
 
 def _encode_changes(changes: CellChanges) -> tuple[int, list[bytes]]:
@@ -117,28 +83,8 @@ def _encode_changes(changes: CellChanges) -> tuple[int, list[bytes]]:
     ]
 
 
-def _decode_changes(count: int, body: bytes) -> CellChanges:
-    _check_size(body, CHANGES_HEADER.size + 8 * count)
-    (revision,) = CHANGES_HEADER.unpack_from(body)
-    tiles = np.frombuffer(body, "<i2", 4 * count, CHANGES_HEADER.size).reshape(count, 4)
-    at = CHANGES_HEADER.size + 8 * count
-    n_cells = int(tiles[:, 2].view(np.uint16).sum(dtype=np.int64))
-    _check_size(body, at, 3 * n_cells)
-    places = np.frombuffer(body, "<u2", n_cells, at)
-    if np.any(places >= TILE * TILE):
-        raise ProtocolError("frame.cell", f"A tile has {TILE * TILE} cells.")
-    return CellChanges(revision, tiles, places, np.frombuffer(body, np.int8, n_cells, at + 2 * n_cells))
-
-
 def _encode_table(table: Columns) -> tuple[int, list[bytes]]:
     return table.shape[1], [TABLE_HEADER.pack(len(table), 0), table.astype("<f4", copy=False).tobytes()]
-
-
-def _decode_table(count: int, body: bytes) -> Columns:
-    _check_size(body, TABLE_HEADER.size)
-    columns, _ = TABLE_HEADER.unpack_from(body)
-    _check_size(body, TABLE_HEADER.size, 4 * columns * count)
-    return np.frombuffer(body, "<f4", columns * count, TABLE_HEADER.size).reshape(columns, count)
 
 
 def _encode_graph(graph: Graph) -> tuple[int, list[bytes]]:
@@ -151,33 +97,12 @@ def _encode_graph(graph: Graph) -> tuple[int, list[bytes]]:
     ]
 
 
-def _decode_graph(count: int, body: bytes) -> Graph:
-    _check_size(body, GRAPH_HEADER.size)
-    columns, _, n_edges = GRAPH_HEADER.unpack_from(body)
-    _check_size(body, GRAPH_HEADER.size, 4 * columns * count + 12 * n_edges)
-    at = GRAPH_HEADER.size
-    nodes = np.frombuffer(body, "<f4", columns * count, at).reshape(columns, count)
-    edges = np.frombuffer(body, "<u4", 2 * n_edges, at + nodes.nbytes).reshape(n_edges, 2)
-    if n_edges and int(edges.max()) >= count:
-        raise ProtocolError("frame.edge", f"An edge ends at node {int(edges.max())} of {count}.")
-    return Graph(nodes, edges, np.frombuffer(body, "<f4", n_edges, at + nodes.nbytes + edges.nbytes))
-
-
-def _check_size(body: bytes, header: int, rest: int | None = None) -> None:
-    """Raise :class:`ProtocolError` unless a body has ``header`` + ``rest`` bytes, or more if ``rest`` is None."""
-    if len(body) < header + (rest or 0):
-        raise ProtocolError("frame.cut", f"The frame states {header + (rest or 0)} bytes and has {len(body)}.")
-    if rest is not None and len(body) > header + rest:
-        raise ProtocolError("frame.rest", f"{len(body) - header - rest} bytes follow the content.")
-
-
-TILES: Codec[Sequence[TilePayload]] = Codec(1, _encode_tiles, _decode_tiles)
-TABLE: Codec[Columns] = Codec(2, _encode_table, _decode_table)
-GRAPH: Codec[Graph] = Codec(3, _encode_graph, _decode_graph)
-CHANGES: Codec[CellChanges] = Codec(4, _encode_changes, _decode_changes)
+TILES: Codec[Sequence[TilePayload]] = Codec(1, _encode_tiles)
+TABLE: Codec[Columns] = Codec(2, _encode_table)
+GRAPH: Codec[Graph] = Codec(3, _encode_graph)
+CHANGES: Codec[CellChanges] = Codec(4, _encode_changes)
 #: Of whole content, by the ``kind`` of a layer.
 CODECS: dict[str, Codec[Any]] = {"grid": TILES, "points": TABLE, "path": TABLE, "graph": GRAPH}
-_BY_NUMBER: dict[int, Codec[Any]] = {codec.kind: codec for codec in (TILES, TABLE, GRAPH, CHANGES)}
 
 
 def join_frame(
@@ -185,20 +110,3 @@ def join_frame(
 ) -> bytes:
     """Return a binary frame made of the ``count`` and the ``parts`` of a body that a codec has encoded."""
     return b"".join((HEADER.pack(kind, FLAG_COMPLETE if complete else 0, layer, epoch, seq, count), *parts))
-
-
-def encode_frame(codec: Codec[C], content: C, *, layer: int, epoch: int, seq: int, complete: bool = False) -> bytes:
-    """Return the binary frame that carries ``content``."""
-    count, parts = codec.encode(content)
-    return join_frame(codec.kind, layer, epoch, seq, count, parts, complete=complete)
-
-
-def decode_frame(frame: bytes) -> Frame:
-    """Decode a binary frame. Raises :class:`ProtocolError` if it is truncated or of an unknown kind."""
-    if len(frame) < HEADER.size:
-        raise ProtocolError("frame.cut", f"A binary frame has at least {HEADER.size} bytes, this one {len(frame)}.")
-    kind, flags, layer, epoch, seq, count = HEADER.unpack_from(frame)
-    codec = _BY_NUMBER.get(kind)
-    if codec is None:
-        raise ProtocolError("frame.kind", f"There are no binary frames of kind {kind}.")
-    return Frame(kind, layer, epoch, seq, bool(flags & FLAG_COMPLETE), codec.decode(count, frame[HEADER.size :]))

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from mapper.simulation import World, textbook
 from mapper.simulation.blocks import Block, ramp, slab
+from mapper.simulation.sensors_3d import cast, prisms
 from mapper.simulation.shapes import box, disc, star
-from mapper.simulation.space import cast, prisms
 
 
 @dataclass(frozen=True)

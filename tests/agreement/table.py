@@ -380,7 +380,7 @@ SHARED: dict[str, tuple[str, ...]] = {
     "mapper.matching.beams": _MATCHED,  # the scans of a case
     "mapper.matching.fields": _MATCHED,
     "mapper.simulation.plan_map": ("rays in a world in 3D",),  # the heights of the world's things
-    "mapper.simulation.space": ("rays in a world in 3D",),
+    "mapper.simulation.sensors_3d": ("rays in a world in 3D",),
     "mapper.simulation.worlds": ("relaxed paths of the explorer",),
     "mapper.terrain.ground": ("planes of patches",),
     "mapper.terrain.patches": ("planes of patches",),

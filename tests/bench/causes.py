@@ -15,8 +15,7 @@ from mapper.core.errors import MapperError
 from mapper.core.se2 import compose
 from mapper.diagnosis import diagnose, first_cause
 from mapper.io.logs import open_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import RECORDED
+from mapper.mapping.parameters import RECORDED, MappingConfig
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, sample_log
 from mapper.simulation.odometry import WORN_ALPHAS, WORN_TURN_BIAS, drifting_odometry

@@ -22,12 +22,13 @@ from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.io.export.recording import write_mcap
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.stream.codecs import TILES, decode_frame, encode_frame
+from server.stream.codecs import TILES
 from server.stream.tiles import TilePicture, picture_range
 from tests.bench.feel import new_page
 from tests.bench.stopwatch import Laps, laps
 from tests.browser.looking import frame, settled_digest, until
 from tests.browser.running import free_port, running_chromium, running_server
+from tests.server.stream.frame_decoding import decode_frame, encode_frame
 
 SIDE = 2048
 SEEKS = 40

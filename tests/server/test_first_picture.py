@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import zstandard
 
-from server.stream.codecs import decode_frame
 from tests.server.service import PATIENCE_S, Service, running, settings_for
+from tests.server.stream.frame_decoding import decode_frame
 
 FILE = Path(__file__).parents[2] / "static" / "src" / "store" / "firstPicture.json"
 SEED = 4  #: of the robot's noise and of its choices: from here it sees the corridor and several rooms

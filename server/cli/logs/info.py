@@ -22,7 +22,7 @@ from mapper.io.contents.report import excerpt
 from mapper.io.logs import is_log, open_robot_log
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.summary import TimeSummary, summarise
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import recorded_defaults
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
 from server.cli.clouds.map3d import describe_octree

@@ -15,8 +15,7 @@ from mapper.io.contents.inspection import inspect
 from mapper.io.contents.model import CAMERAS
 from mapper.io.contents.pictures import picture_of
 from mapper.io.contents.seeking import message_at
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import MappingConfig, recorded_defaults
 from mapper.sensors.scan import ScanLog
 from mapper.slam import SlamProgress, slam_log
 from server.cli.commands import app

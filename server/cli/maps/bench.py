@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import recorded_defaults
 from mapper.tools.bench import bench_map
 from server.cli.commands import app
 from server.cli.common import (

@@ -10,8 +10,7 @@ import typer
 from mapper.grid.compare import STATES, difference
 from mapper.grid.compare import compare as compare_maps
 from mapper.mapping.integrate import grid_for, integrate_log
-from mapper.mapping.parameters import BY_NAME, PARAMETERS
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import BY_NAME, PARAMETERS, recorded_defaults
 from server.cli.commands import app
 from server.cli.common import (
     MOUNT,

@@ -14,9 +14,8 @@ from mapper.core.atomic_file import atomic_write
 from mapper.diagnosis import Finding, first_cause
 from mapper.io.export import GrowingMap, tum_text, write_mcap
 from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log, integrate_logs
-from mapper.mapping.parameters import PARAMETERS, MappingConfig
+from mapper.mapping.parameters import PARAMETERS, MappingConfig, recorded_defaults
 from mapper.mapping.scan_batch import covered_scans, deskewed_scans
-from mapper.mapping.sensor_defaults import recorded_defaults
 from mapper.mapping.update_plan import plan_update
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS

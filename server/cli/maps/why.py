@@ -6,8 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.mapping.parameters import PARAMETERS
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import PARAMETERS, recorded_defaults
 from mapper.replay import Replay
 from server.cli.commands import app
 from server.cli.common import (

@@ -18,8 +18,7 @@ from mapper.grid import OccupancyGrid
 from mapper.io.logs import is_log
 from mapper.io.maps import load_map
 from mapper.mapping.integrate import grid_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import MappingConfig, recorded_defaults
 from mapper.matching import Match, match_maps, match_scan, prepare_scans, scan_target
 from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
 from mapper.sensors.scan import ScanLog

@@ -16,8 +16,7 @@ from mapper.diagnosis.figures import MapFigures, map_figures
 from mapper.diagnosis.verdict import map_of
 from mapper.io.export import tum_text
 from mapper.io.graphs import g2o_lines
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import MappingConfig, recorded_defaults
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import SLAM_PARAMETERS, SlamConfig, SlamProgress, SlamResult, slam_log

@@ -23,7 +23,7 @@ from server.http.services import FileDownloads, Logs, ServiceSettings, Sessions,
 from server.http.session_access import shareable_session
 from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.parts.costmap.messages import CostmapCommand
 from server.parts.doctor.routes import DoctorAnswer, doctor_answer
 from server.parts.terrain.routes import uploaded_terrain

@@ -9,6 +9,7 @@ from typing import Any, Literal, Protocol
 
 import msgspec
 
+from mapper.core.errors import MapperError
 from mapper.io.logs.summary import LogSummary, MapSummary, TimeSummary
 from mapper.sensors.scan import Topic
 from server.jobs.record import Failure
@@ -192,3 +193,11 @@ def display_name(name: str) -> str:
     if len(clean) > MAX_NAME:
         clean = clean[: MAX_NAME - 1].rstrip() + "…"
     return clean or "log"
+
+
+class LogNotFoundError(MapperError):
+    """There is no such log for this visitor: it never existed, was deleted, or belongs to another visitor."""
+
+
+class LogReadOnlyError(MapperError):
+    """The log is not the visitor's to delete."""

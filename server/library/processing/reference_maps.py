@@ -16,8 +16,7 @@ from typing import Protocol
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.io import maps
-from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.mapping.sensor_defaults import recorded_defaults
+from mapper.mapping.parameters import BY_NAME, MappingConfig, recorded_defaults
 from server.jobs import process
 from server.jobs.outcome import outcome_of
 from server.jobs.process import BoundedJob, JobLimits

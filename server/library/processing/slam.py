@@ -21,8 +21,7 @@ from mapper import diagnosis, slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.io import export
-from mapper.mapping.parameters import MappingConfig, as_mapped
-from mapper.mapping.sensor_defaults import RECORDED
+from mapper.mapping.parameters import RECORDED, MappingConfig, as_mapped
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import Trajectory
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig

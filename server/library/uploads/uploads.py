@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, replace
 
 from mapper.core.errors import LimitError, ReadError
-from server.library.limits import LibraryLimits
+from server.library.loading import LibraryLimits
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.records import Record, display_name
 from server.library.processing.reading_jobs import Jobs, full

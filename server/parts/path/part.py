@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
 from msgspec import Struct
 
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedLimit
+from mapper.grid import GridGeometry
+from mapper.planning import GoalPlanner, Path, follow_path
+from mapper.planning.parameters import PursuitConfig
+from mapper.planning.plan import travel_time
+from mapper.simulation.robot import PoseTuple
 from server.parts.path.messages import GoalCommand, PathMessage
-from server.parts.path.path import PathToGoal
 from server.sessions.part import Offers, Part, Robot
 from server.sessions.parts import Costing, Costs
 from server.sessions.tick import TickResult
 from server.stream.commands import AutoCommand, DriveCommand
-from server.stream.layers import Layer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, place_of
+from server.stream.whole_layers import TableLayer
 
 CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a path
 
@@ -141,3 +152,154 @@ class PathPart(Part):
 
 
 part_of = PathPart.of
+
+
+ARRIVED_M = 0.12  #: distance of the end of the path at which the robot has arrived
+PASSABLE = INSCRIBED - 1
+Goal = tuple[float, float]
+
+
+class PathToGoal:
+    """The goal, the path to it, and whether the robot drives along it. ``message`` is what the page shows of it."""
+
+    def __init__(self) -> None:
+        self.goal: Goal | None = None
+        self.drives = False
+        self._path: Path | None = None
+        self._planner: GoalPlanner | None = None
+        self._shown: Float64Array | None = None  #: the potential in the layer
+        self._reason: str | None = None
+        self._travel_s: float | None = None
+        self._carrot: Goal | None = None
+        self._plan_ms = 0.0
+        self._limit: SpeedLimit | None = None
+        self._limit_words: str | None = None
+        self._line = TableLayer("plan", "Path", "plan", ("x", "y"), "path")
+        self._potential = GridLayer("potential", "Potential", "potential")
+        self._potential.is_on_demand = True
+        self._geometry: GridGeometry | None = None  #: of the costs in which there was a path first; None before
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The path, and the potential while there is one."""
+        return (self._line,) if self._geometry is None else (self._line, self._potential)
+
+    def head_for(self, goal: Goal | None, *, drives: bool) -> None:
+        """Set the goal in map metres; None for no goal."""
+        self.goal, self.drives = goal, drives and goal is not None
+        self._carrot = None
+
+    def limit(self, limit: SpeedLimit | None, greatest: float | None) -> bool:
+        """Take the speed limit of the robot's place; return whether its words have changed.
+
+        ``greatest`` is the robot's speed without a limit, m/s, None where nothing drives.
+        """
+        before, self._limit = self._limit_words, limit
+        if limit is None or limit.limit is None:
+            self._limit_words = None
+        else:
+            unit = "%" if limit.percentage else "m/s"
+            resulting = f": {limit.of(greatest):.2f} m/s" if limit.percentage and greatest is not None else ""
+            self._limit_words = f"{limit.limit:g} {unit}{resulting}"
+        return before != self._limit_words
+
+    def plan(self, costs: Costs, pose: PoseTuple, *, are_new: bool = True) -> None:
+        """Plan the path from the robot's pose, and keep the reason where there is none.
+
+        Without ``are_new`` the costs are those of the last call: where the
+        robot and the planner's parameters are the same too, a goal that moved has its path traced in the cost to come
+        that is known.
+        """
+        self._path = self._reason = self._travel_s = None
+        started = time.perf_counter()
+        if self.goal is None:
+            self._planner = None
+        else:
+            try:
+                planner = self._planner
+                if are_new or planner is None or planner.config != costs.planner or not planner.begins_at(pose[:2]):
+                    own = costs.costs
+                    begun = _with_room(own, costs.geometry, pose, costs.radius)
+                    begun = begun.copy() if begun is own else begun  # the costmap goes on writing its own
+                    self._planner = planner = GoalPlanner(begun, costs.geometry, pose[:2], costs.planner)
+                self._path = planner.plan(pose[:2], self.goal)
+                greatest = costs.pursuit.desired_linear_vel
+                self._travel_s = travel_time(self._path.points, greatest, costs.speed_filters)
+                if not self._path.reaches_goal:
+                    away = math.dist(self._path.points[-1], self.goal)
+                    self._reason = f"The robot cannot be at the goal itself: the path ends {away:.2f} m before it."
+            except ConfigError as error:
+                self._reason = error.message
+        self._plan_ms = 1e3 * (time.perf_counter() - started)
+        path = self._path
+        self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
+        if path is not None or self._geometry is not None:
+            self._geometry = costs.geometry
+
+    def draw(self) -> bool:
+        """Write a new potential into its layer if the layer is watched; return whether it was written."""
+        potential = None if self._path is None else self._path.potential
+        if self._geometry is None or not self._potential.is_watched or potential is self._shown:
+            return False
+        self._shown = potential
+        shares = np.full(self._geometry.shape, 255, dtype=np.uint8)
+        if potential is not None:
+            known = potential < math.inf
+            scale = 254.0 / max(float(potential.max(where=known, initial=0.0)), 1.0)
+            np.multiply(potential, scale, out=shares, where=known, casting="unsafe")
+        self._potential.set_bytes(self._geometry, shares)
+        return True
+
+    def control(self, pose: PoseTuple, pursuit: PursuitConfig) -> tuple[float, float] | None:
+        """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""
+        path = self._path
+        if not self.drives or path is None:
+            self._carrot = None
+            return None
+        if math.dist(path.points[-1], pose[:2]) < ARRIVED_M:
+            self.drives, self._carrot = False, None
+            return (0.0, 0.0)
+        if self._limit is not None:
+            pursuit = replace(pursuit, desired_linear_vel=self._limit.of(pursuit.desired_linear_vel))
+        command = follow_path(path.points, pose, pursuit)
+        self._carrot = command.carrot
+        return command.linear, command.angular
+
+    def message(self) -> PathMessage:
+        """Return the message ``path``."""
+        path = self._path
+        return PathMessage(
+            goal=_rounded(self.goal),
+            drives=self.drives,
+            length=None if path is None else round(path.length, 3),
+            cost=None if path is None else round(path.cost, 1),
+            travel_s=None if path is None or self._travel_s is None else round(self._travel_s, 2),
+            reaches_goal=path is not None and path.reaches_goal,
+            reason=self._reason,
+            carrot=_rounded(self._carrot),
+            plan_ms=round(self._plan_ms, 2),
+            speed_limit=self._limit_words,
+        )
+
+
+def _rounded(place: Goal | None) -> Goal | None:
+    return None if place is None else (round(place[0], 3), round(place[1], 3))
+
+
+def _with_room(costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, radius: float) -> UInt8Array:
+    """Return the costs with a way out for a robot that stands where its costmap says that it cannot.
+
+    Where its cell is blocked, the blocked cells within ``radius`` m are passable; NavFn frees the start's cell only.
+    """
+    row, col = (int(k) for k in geometry.world_to_cell(pose[:2]))
+    if not geometry.contains((row, col)) or costs[row, col] < INSCRIBED:
+        return costs
+    reach = math.ceil(radius / geometry.resolution)
+    top, left = max(row - reach, 0), max(col - reach, 0)
+    out = costs.copy()
+    near = out[top : row + reach + 1, left : col + reach + 1]
+    rows, cols = np.indices(near.shape)
+    within = np.hypot(rows + top - row, cols + left - col) <= reach
+    blocked = (near == INSCRIBED) | (near == LETHAL) | (near == NO_INFORMATION)
+    near[within & blocked] = PASSABLE
+    return out

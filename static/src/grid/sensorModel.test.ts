@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { probability } from "./logOdds";
+import { probability } from "./cellValues";
 import {
   type CellEvent,
   type CellParameters,

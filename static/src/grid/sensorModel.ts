@@ -7,7 +7,7 @@
  */
 
 import { SENSOR_MODEL_INITIAL } from "../wire/constants";
-import { logOdds, probability } from "./logOdds";
+import { logOdds, probability } from "./cellValues";
 
 export type CellEvent = "hit" | "miss";
 

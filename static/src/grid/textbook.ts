@@ -5,8 +5,8 @@
 
 import type { Point, Pose } from "../wire/protocol";
 import { bresenham } from "./bresenham";
+import { probability } from "./cellValues";
 import { type Cell, toLattice } from "./lattice";
-import { probability } from "./logOdds";
 import {
   type GridGeometry,
   indexOf,

@@ -3,7 +3,7 @@ import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
-import { logOdds } from "../grid/logOdds";
+import { logOdds } from "../grid/cellValues";
 import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
 import { Cell } from "../lessons/cell/Cell";
 import type { Picture } from "../render/picture/Picture";

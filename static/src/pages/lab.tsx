@@ -22,7 +22,7 @@ import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { profileReading } from "../tools/profile/reading";
 import { useOpenGroup } from "../tools/why/useOpenGroup";
-import { watchVisibility } from "../ui/browser/visibility";
+import { watchVisibility } from "../ui/browser/whenIdle";
 import { Dock } from "../ui/dock/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { LayoutChoice } from "../ui/stage/LayoutChoice";

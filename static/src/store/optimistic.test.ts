@@ -2,7 +2,7 @@ import { effect } from "@preact/signals";
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { Command, Hello, ServerMessage, Value } from "../wire/protocol";
 import { Optimistic } from "./optimistic";
-import { Outbox } from "./outbox";
+import { Outbox } from "./sessionSignals";
 import { Store } from "./store";
 
 beforeEach(() => void vi.useFakeTimers());

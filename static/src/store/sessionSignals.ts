@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
 import { around, type Bounds, type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
+import type { MappingConfig } from "../grid/occupancyGrid";
 import type { MapPicture } from "../render/map/mapPicture";
 import type { Size, View } from "../render/view";
 import type { Work } from "../ui/Working";
@@ -14,11 +15,13 @@ import type {
   Compared,
   Contribution,
   Frame,
+  Geometry,
   Hello,
   Point,
   Pose,
   ServerMessage,
   Trajectory,
+  Value,
   Values,
   WhyMessage,
   WorldMessage,
@@ -27,8 +30,94 @@ import type { DisplayedMap } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Optimistic } from "./optimistic";
-import { Outbox } from "./outbox";
-import type { Stepping } from "./stepping";
+
+/** The faults that are on, in the order in which they were switched on, and the parameters before. */
+export interface ActiveFaults {
+  readonly on: readonly string[];
+  readonly before: Values;
+}
+
+export const NO_ACTIVE_FAULTS: ActiveFaults = { on: [], before: {} };
+
+export interface Step {
+  readonly beam: number;
+  /** Index of the cell on the beam, from 0, and the number of the beam's cells. */
+  readonly place: number;
+  readonly of: number;
+  readonly cell: Cell;
+  readonly evidence: number;
+  readonly isHit: boolean;
+  /** Bresenham's error term in this cell; null in the last. */
+  readonly nabla: number | null;
+}
+
+/** A scan that is stepped through: the map does not contain it yet. */
+export interface Stepping {
+  readonly frame: Frame;
+  /** The sensor's pose at the scan in the map frame. */
+  readonly pose: Pose;
+  readonly geometry: Geometry;
+  readonly config: MappingConfig;
+  readonly steps: readonly Step[];
+  /** Number of steps done. */
+  readonly done: number;
+  /** Number of scans in the map; when it changes, the stepping ends. */
+  readonly index: number;
+}
+
+/**
+ * Run a task after the next frame is painted: the user's own change is displayed first, and a server on the same machine
+ * takes no time from that frame.
+ */
+const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
+
+const valuesOf = (command: Command): Values => ("values" in command && command.values) || {};
+
+function joined(before: Command, command: Command): Command {
+  const values = { ...valuesOf(before), ...valuesOf(command) };
+  return { ...before, ...command, ...(Object.keys(values).length > 0 && { values }) } as Command;
+}
+
+/** Waiting commands: of each kind only the newest is sent, once per animation frame. */
+export class Outbox {
+  readonly #waiting = new Map<string, Command>();
+  readonly #joined = new Set<string>();
+  readonly #send: (command: Command) => void;
+  readonly #schedule: (task: () => void) => void;
+
+  constructor(send: (command: Command) => void, schedule: (task: () => void) => void = afterFrame) {
+    this.#send = send;
+    this.#schedule = schedule;
+  }
+
+  /** Join the commands of a type: of a change in several fields, such as that of the costmap, the newest of each is sent. */
+  join(type: string): void {
+    this.#joined.add(type);
+  }
+
+  put(command: Command): void {
+    const isFirst = this.#waiting.size === 0;
+    // Of requests about two layers the newest for each is sent.
+    const about = "layer" in command ? ` ${command.layer}` : "";
+    const key = command.type + about;
+    const before = this.#waiting.get(key);
+    this.#waiting.set(key, before && this.#joined.has(command.type) ? joined(before, command) : command);
+    if (isFirst) this.#schedule(() => this.flush());
+  }
+
+  /** Add one value to the waiting `parameters` or `sensor` command. */
+  putValue(type: "parameters" | "sensor", name: string, value: Value): void {
+    const waiting = this.#waiting.get(type);
+    const before = waiting ? valuesOf(waiting) : {};
+    this.put({ type, values: { ...before, [name]: value } });
+  }
+
+  flush(): void {
+    const commands = [...this.#waiting.values()];
+    this.#waiting.clear();
+    for (const command of commands) this.#send(command);
+  }
+}
 
 class PartState<M extends ServerMessage = ServerMessage> {
   /** Null before the first message. */

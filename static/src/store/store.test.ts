@@ -3,7 +3,7 @@ import { beamAt, beamToward } from "../grid/beams";
 import { decodeFrame, type TilesFrame } from "../wire/decodeFrame";
 import type { Command, Frame, Geometry, Hello, ServerMessage } from "../wire/protocol";
 import vectors from "../wire/protocol.vectors.json";
-import { Outbox } from "./outbox";
+import { Outbox } from "./sessionSignals";
 import { Store } from "./store";
 
 test("the outbox sends the newest of each kind, once per frame, with all values that were set", () => {

@@ -1,5 +1,5 @@
 import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "./browser/zoom";
+import { zoomOf } from "./browser/useSize";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
 

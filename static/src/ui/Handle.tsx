@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "./browser/zoom";
+import { zoomOf } from "./browser/useSize";
 import "./handle.css";
 
 interface HandleProps {

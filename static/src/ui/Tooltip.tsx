@@ -1,5 +1,5 @@
 import { useRef } from "preact/hooks";
-import { zoomOf } from "./browser/zoom";
+import { zoomOf } from "./browser/useSize";
 import { Icon } from "./Icon";
 
 interface TooltipProps {

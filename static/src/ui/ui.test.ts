@@ -1,8 +1,7 @@
 import { signal } from "@preact/signals";
 import { describe, expect, it } from "vitest";
 import { showAnswer } from "./browser/attempts";
-import { sectionsOf } from "./dock/Dock";
-import { keyedTab } from "./dock/Tabs";
+import { keyedTab, sectionsOf } from "./dock/Dock";
 import { clock, decimals, fromFraction, keyed, numberOf, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
 

@@ -15,9 +15,9 @@ from scipy import ndimage
 
 from mapper.core.errors import ConfigError, LimitError, ReadError, WorkCancelledError
 from mapper.editing import EditedMap, areas, edited_map, operation_dict, parse_operation
+from mapper.editing.edited_map import without_specks
 from mapper.editing.files import apply_edits, edits_text, parse_edits, save_edited
 from mapper.editing.operations import Paint
-from mapper.editing.specks import without_specks
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 

@@ -7,8 +7,7 @@ import pytest
 
 from mapper.grid import FREE, OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.mapping.parameters import MappingConfig, sensor_defaults
 from mapper.simulation import WORLDS, Recording, SensorConfig, Simulation, World
 from mapper.simulation.lidar import measure, true_ranges
 

@@ -12,9 +12,8 @@ from mapper.simulation import WORLDS, SensorConfig, World
 from mapper.simulation.blocks import Block, lintels, ramp, slab, stairs
 from mapper.simulation.lidar import true_ranges
 from mapper.simulation.plan_map import plan_map
-from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, Scan3D, Sensor3D, measure_3d
+from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, WALL_HEIGHT, Scan3D, Sensor3D, cast, measure_3d
 from mapper.simulation.shapes import outer_walls, rect, wall
-from mapper.simulation.space import WALL_HEIGHT, cast
 from mapper.simulation.worlds import LASER_HEIGHT
 
 LEVELS = WORLDS["levels"]

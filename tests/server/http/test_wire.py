@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from server.parts.wire import ServerMessage
-from server.sessions.rays import MeasureRay
+from server.sessions.commands import MeasureRay
 from tests.server.service import Service, Watcher, once_read
 
 

@@ -12,7 +12,7 @@ import pytest_asyncio
 
 from mapper.simulation import sample_log
 from server.library.library import Library
-from server.library.limits import LibraryLimits
+from server.library.loading import LibraryLimits
 from server.library.processing.reader import Reader, Readers
 from server.settings import Settings
 from tests.server.library.postgresql import Cluster, running_postgresql

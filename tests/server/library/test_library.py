@@ -15,7 +15,7 @@ import pytest
 
 from mapper.core.errors import LimitError, ReadError
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.settings import Settings
 from tests.server.library.kept import files, settled
 from tests.server.library.processing import bad_readers

@@ -23,7 +23,7 @@ from server.jobs import leases as leasing
 from server.jobs.leases import Lease, LeaseLostError, Leases, Once
 from server.jobs.record import JobRecord
 from server.library.library import Library
-from server.library.limits import LibraryLimits
+from server.library.loading import LibraryLimits
 from server.library.packs.map_files import archived
 from server.library.packs.reference_map import ReferenceMap, read_reference_map
 from server.library.processing.fleet.fleet_job import FleetJob

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from mapper.core.errors import LimitError, ReadError
 from mapper.sensors.joint_log import JointLog
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.settings import Settings
 from tests.mapper.io.logs import recorded
 from tests.server.library.small_logs import in_pieces

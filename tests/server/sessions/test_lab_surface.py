@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from mapper.core.errors import ConfigError
-from mapper.simulation.space import cast
+from mapper.simulation.sensors_3d import cast
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from server.parts.volume import live_volume as lab_volume
 from server.sessions import SessionRegistry

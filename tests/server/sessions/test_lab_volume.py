@@ -18,7 +18,7 @@ from PIL import Image
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.sensors.scan import LaserScan
-from mapper.simulation.space import cast
+from mapper.simulation.sensors_3d import cast
 from mapper.volume.mesh.faces import triangles_of
 from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.parts.costmap.part import CostmapPart

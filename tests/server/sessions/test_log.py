@@ -27,7 +27,7 @@ from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
-from server.parts.why.explanation import CellAsked, why_message
+from server.parts.why.part import CellAsked, why_message
 from server.parts.wire import command_of
 from server.sessions import LogView, SessionRegistry
 from server.sessions.computation import hello_message

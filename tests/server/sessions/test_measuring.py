@@ -13,7 +13,7 @@ from mapper.volume.mesh.faces import FaceRule, face_rule
 from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.parts.volume.voxel_questions import place_met
-from server.sessions.rays import on_floor
+from server.sessions.commands import on_floor
 
 SIDE = 0.1
 WALL = np.array([[2.05, y, z] for y in np.arange(-0.95, 1.0, SIDE) for z in np.arange(0.05, 1.0, SIDE)])

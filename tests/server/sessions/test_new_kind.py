@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from server.sessions.computation import publish_frame
 from server.sources import KINDS
-from server.stream.codecs import decode_frame
 from server.stream.hub import Hub
 from tests.server.scenes.viser_client import viser_client
 from tests.server.service import Service, running, settings_for
 from tests.server.sessions.waves_kind import AMPLITUDE, GEOMETRY, STEP_S, WAVES, WavesModel
+from tests.server.stream.frame_decoding import decode_frame
 
 RECORDED = Path(__file__).parents[3] / "static" / "src" / "tools" / "example" / "waves.vectors.json"
 

@@ -12,7 +12,7 @@ import pytest
 from mapper.core.se2 import compose
 from mapper.mapping import textbook, textbook_deskew
 from mapper.sensors.scan import ScanLog
-from server.parts.why.explanation import MAX_CONTRIBUTIONS, STRETCHES, thinned
+from server.parts.why.part import MAX_CONTRIBUTIONS, STRETCHES, thinned
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from tests.mapper.mapping.sweeping import swept

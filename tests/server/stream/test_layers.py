@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
-from server.stream.codecs import CHANGES, GRAPH, TABLE, TILES, decode_frame
+from server.stream.codecs import CHANGES, GRAPH, TILES
 from server.stream.hub import MIN_BATCH_BYTES, Hub
 from server.stream.layers import GridLayer, Layer
 from server.stream.messages import ScanFields
 from server.stream.whole_layers import GraphLayer, TableLayer
 from tests.server.stream.applied_frames import apply_frame
+from tests.server.stream.frame_decoding import decode_frame, decode_table
 from tests.server.stream.simulated_browser import Clock, frame_message
 
 SHAPE = (128, 192)
@@ -203,7 +204,7 @@ def test_in_the_end_a_client_has_all_that_it_wants_as_it_is(actions: list[tuple[
     page.catch_up()
     assert all(same(page, layer) for layer in grids.values())
     count, parts = dots.body
-    np.testing.assert_array_equal(page.contents["particles"], TABLE.decode(count, b"".join(parts)))
+    np.testing.assert_array_equal(page.contents["particles"], decode_table(count, b"".join(parts)))
     assert page.client.dirty_tiles == 0
 
 

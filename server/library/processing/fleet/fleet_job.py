@@ -11,8 +11,7 @@ from pathlib import Path
 from mapper import diagnosis
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.io import logs, maps
-from mapper.mapping.parameters import MappingConfig, as_mapped
-from mapper.mapping.sensor_defaults import RECORDED
+from mapper.mapping.parameters import RECORDED, MappingConfig, as_mapped
 from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.scan import ScanLog
 from server.jobs import process

@@ -21,8 +21,7 @@ from server.jobs.queue import JobQueue, Key, Running
 from server.jobs.record import Failure, JobKind, JobRecord, JobRows
 from server.jobs.workers import Worker
 from server.library.logs.catalogue import Catalogue
-from server.library.logs.errors import LogNotFoundError
-from server.library.logs.records import Record
+from server.library.logs.records import LogNotFoundError, Record
 from server.library.processing.fleet.cluster import Cluster, ClusterState
 from server.library.processing.fleet.cluster_worker import ClusterWorker
 from server.library.processing.fleet.fleet_job import (

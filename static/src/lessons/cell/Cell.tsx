@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";

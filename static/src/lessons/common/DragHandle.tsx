@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
-import { zoomOf } from "../../ui/browser/zoom";
+import { zoomOf } from "../../ui/browser/useSize";
 import type { Point } from "../../wire/protocol";
 import type { StageTransform } from "./Stage";
 

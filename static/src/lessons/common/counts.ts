@@ -1,7 +1,7 @@
 /** Cells of a map by state, and the occupied cells where no wall is. */
 
+import { logOdds } from "../../grid/cellValues";
 import { type Cell, centreOf } from "../../grid/lattice";
-import { logOdds } from "../../grid/logOdds";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import { distanceTo, type Wall } from "./world";

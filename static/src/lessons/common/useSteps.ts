@@ -1,7 +1,7 @@
 import { computed, type ReadonlySignal, type Signal, untracked, useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { watchVisibility } from "../../ui/browser/visibility";
+import { watchVisibility } from "../../ui/browser/whenIdle";
 
 /**
  * What a figure shows, where that takes long to compute, for example from a map. While the figure is out of sight it

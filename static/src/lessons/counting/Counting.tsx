@@ -1,7 +1,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
+import { probability } from "../../grid/cellValues";
 import { cellAt } from "../../grid/lattice";
-import { probability } from "../../grid/logOdds";
 import { INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
 import { linePath } from "../../render/chart/scale";
 import { bound } from "../../ui/bound";

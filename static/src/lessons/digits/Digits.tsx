@@ -1,6 +1,6 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { asLogOdds, bayesStep, run, saturatedAt } from "./model";
 
 const READINGS = { hits: 60, misses: 60, pHit: 0.7, pMiss: 0.3 };

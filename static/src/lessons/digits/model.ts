@@ -3,7 +3,7 @@
  * probability, as odds, and as log-odds. Every step is rounded to 24 bits by Math.fround. Nothing is clamped.
  */
 
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 
 const f32 = Math.fround;
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { simulateRemoval } from "./model";
 
 const CLAMP = { on: true, low: -2, high: 3.5 };

@@ -1,7 +1,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { Fragment } from "preact";
 import { useMemo } from "preact/hooks";
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import "./independence.css";

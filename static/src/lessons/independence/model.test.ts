@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { logOdds, probability } from "../../grid/logOdds";
+import { logOdds, probability } from "../../grid/cellValues";
 import { type BeamResult, gridMap, joint, likeliest, productOf, type SensorParameters } from "./model";
 
 const SENSOR: SensorParameters = { prior: 0.2, sonarError: 0.05, beamError: 0.1 };

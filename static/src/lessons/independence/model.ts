@@ -4,7 +4,7 @@
  * first. Source: Probabilistic Robotics, chapter 9 (inverse and forward models).
  */
 
-import { logOdds, probability } from "../../grid/logOdds";
+import { logOdds, probability } from "../../grid/cellValues";
 
 /** What a narrow beam measured in a cell. */
 export type BeamResult = "none" | "passed" | "ended";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { densityCharacter, stateCharacter } from "./Pipeline";
 
 // @vitest-environment happy-dom

@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { indexOf } from "../../grid/occupancyGrid";
 import { bayesFilter } from "../../grid/textbook";
 import { Button } from "../../ui/Button";

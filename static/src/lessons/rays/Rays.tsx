@@ -13,7 +13,7 @@ import { DragHandle } from "../common/DragHandle";
 import { PlayButton } from "../common/PlayButton";
 import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
-import { rayFrom as from, rayTo as to } from "./ends";
+import { rayFrom as from, rayTo as to } from "./Worked";
 import "./rays.css";
 
 /** Cells of one unit: the figure counts in cells, not in metres. */

@@ -2,7 +2,11 @@ import { useRef } from "preact/hooks";
 import { bresenhamSteps } from "../../grid/bresenham";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
-import { rayFrom, rayTo } from "./ends";
+import type { Point } from "../../wire/protocol";
+import { onPath } from "../stage/path";
+
+export const rayFrom = onPath<Point>([4.4, 3.5]);
+export const rayTo = onPath<Point>([22.6, 10.7]);
 
 const [DX, DY] = [4, 3];
 const LINE = bresenhamSteps({ row: 0, col: 0 }, { row: DY, col: DX }, { direction: true, steep: true });

@@ -1,7 +1,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
+import { probability } from "../../grid/cellValues";
 import { cellAt } from "../../grid/lattice";
-import { probability } from "../../grid/logOdds";
 import { emptyGrid, emptyStatistics, indexOf, type OccupancyGrid } from "../../grid/occupancyGrid";
 import { bound } from "../../ui/bound";
 import { Choice } from "../../ui/Choice";

@@ -4,8 +4,8 @@
  * (sonar.vectors.json). Source: Moravec & Elfes 1985; Elfes 1989; Probabilistic Robotics, table 9.2.
  */
 
+import { logOdds } from "../../grid/cellValues";
 import { toLattice } from "../../grid/lattice";
-import { logOdds } from "../../grid/logOdds";
 import {
   type GridGeometry,
   INITIAL_CONFIG,

@@ -1,6 +1,6 @@
-import { effect, type ReadonlySignal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useId, useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
 import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import {
@@ -13,6 +13,7 @@ import {
 } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
 import { mapColours, palette } from "../../render/map/palettes";
+import { reducedMotion } from "../../ui/browser/media";
 import { isDark } from "../../ui/browser/theme";
 import { useSize } from "../../ui/browser/useSize";
 import { signed, written } from "../../ui/numbers";
@@ -20,16 +21,107 @@ import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
 import { distanceTo } from "../common/world";
-import { type Projection, projection, type Rect } from "./camera";
+import { between, eased, type Projection, projection, type Rect, type View } from "./camera";
 import { ownCell, ownPoses, ownRobot } from "./controls";
 import { FLOOR, POLISHED, TABLE, WALLS } from "./floor";
 import { historyOf } from "./history";
 import { Marks, World } from "./Marks";
-import { planOf, type Scene, type Shown } from "./scene";
-import { useCamera } from "./useCamera";
-import { useStageMap } from "./useStageMap";
+import { planOf, type Scene, type Shown, shownOf } from "./scene";
 import "../common/lesson.css";
 import "./worldStage.css";
+
+/** Processor time of one animation frame that is spent on scans, ms. */
+const SLICE_MS = 7;
+
+/**
+ * The map of a scene. When only the number of scans changes, they are added or taken away one after the other; with
+ * other conditions the former map stays until the new one is complete. `still` and reduced motion show it at once.
+ */
+function useStageMap(scene: ReadonlySignal<Scene>, still: boolean): ReadonlySignal<Shown> {
+  const plan = useMemo(() => computed(() => planOf(scene.value)), [scene]);
+  const first = useMemo(() => {
+    const history = historyOf(plan.peek());
+    history.advance(plan.peek(), () => false);
+    return { history, count: history.count };
+  }, [plan]);
+  const now = useSignal(first);
+  const wanted = plan.value;
+  // Before the paint, so that a picture that is printed or stands still is never that of another scene.
+  const step = (isTimeUp: () => boolean, inSteps: boolean): boolean => {
+    const history = historyOf(wanted);
+    const complete = history.advance(wanted, isTimeUp);
+    const { history: before, count } = now.peek();
+    const target = wanted.poses.length;
+    if (before !== history) {
+      if (complete) now.value = { history, count: target };
+      return complete;
+    }
+    const by = inSteps ? Math.sign(target - count) * Math.ceil(Math.abs(target - count) / 16) : target - count;
+    const next = Math.min(count + by, history.count);
+    if (next !== count || !complete) now.value = { history, count: next };
+    return complete && next === target;
+  };
+  const atOnce = still || reducedMotion.value;
+  useLayoutEffect(() => {
+    if (atOnce) step(() => false, false);
+  }, [wanted, atOnce]);
+  useEffect(() => {
+    if (atOnce) return;
+    let frame = 0;
+    let task: ReturnType<typeof setTimeout>;
+    const run = (): void => {
+      const end = performance.now() + SLICE_MS;
+      if (!step(() => performance.now() > end, true)) next();
+    };
+    // After the paint, so that the handle that changed the scene is painted first.
+    const next = (): void => {
+      frame = requestAnimationFrame(() => {
+        task = setTimeout(run);
+      });
+    };
+    next();
+    return () => {
+      cancelAnimationFrame(frame);
+      clearTimeout(task);
+    };
+  }, [wanted, atOnce]);
+  return useMemo(() => computed(() => shownOf(now.value.history, now.value.count, scene.value)), [now, scene]);
+}
+
+const TRAVEL_MS = 900;
+/** A frame that took longer counts as this long: on a busy machine the way takes more time, and has no jump. */
+const LONGEST_MS = 60;
+
+const isSame = (a: View, b: View): boolean =>
+  a.x === b.x && a.y === b.y && a.width === b.width && a.height === b.height && a.strip === b.strip;
+
+/** The view on its way to a target; `still` and reduced motion go there at once. */
+function useCamera(target: View, still: boolean): ReadonlySignal<View> {
+  const now = useSignal(target);
+  const atOnce = still || reducedMotion.value;
+  const { x, y, width, height, strip } = target;
+  useLayoutEffect(() => {
+    if (atOnce) now.value = target;
+  }, [x, y, width, height, strip, atOnce]);
+  useEffect(() => {
+    const from = now.peek();
+    if (atOnce || isSame(from, target)) return;
+    let last = performance.now();
+    let travelled = 0;
+    let frame = 0;
+    const run = (): void => {
+      const at = performance.now();
+      travelled += Math.min(at - last, LONGEST_MS);
+      last = at;
+      const t = Math.min(1, travelled / TRAVEL_MS);
+      now.value = t < 1 ? between(from, target, eased(t)) : target;
+      if (t < 1) frame = requestAnimationFrame(run);
+    };
+    frame = requestAnimationFrame(run);
+    return () => cancelAnimationFrame(frame);
+  }, [x, y, width, height, strip, atOnce]);
+  return now;
+}
 
 interface LadderProps {
   readonly rect: Rect;

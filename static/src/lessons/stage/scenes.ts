@@ -1,7 +1,7 @@
 /** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
 
 import { computed } from "@preact/signals";
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { statisticsOf } from "../../grid/occupancyGrid";
 import { beamModel, isCone, type SensorModelParameters } from "../../grid/sensorModel";
 import { plural, signed, written } from "../../ui/numbers";

@@ -1,6 +1,6 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { bound } from "../../ui/bound";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";

@@ -4,7 +4,7 @@
  * map_io.cpp, mode trinary.
  */
 
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { emptyGrid, type GridGeometry, INITIAL_CONFIG, type OccupancyGrid } from "../../grid/occupancyGrid";
 import { seeded } from "../../grid/random";
 import { occupancyGridMapping } from "../../grid/textbook";

@@ -6,7 +6,7 @@
  * Source: Hornung and others 2013, OctoMap; Curless and Levoy 1996, section 3; Newcombe and others 2011, section 3.3.
  */
 
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { normal, seeded } from "../../grid/random";
 
 export const RESOLUTION = 0.1;

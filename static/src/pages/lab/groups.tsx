@@ -8,13 +8,16 @@ import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { Toolbar } from "../../tools/editing/Toolbar";
+import { MapFiles } from "../../tools/files/MapFiles";
 import { Sensor3d } from "../../tools/map3d/Sensor3d";
+import { EditMap } from "../../tools/mapediting/EditMap";
 import { ParameterRows } from "../../tools/parameters/ParameterRows";
 import { changedOf } from "../../tools/parameters/parameters";
 import { groupsOfParts } from "../../tools/parts";
 import { PlaceRobot } from "../../tools/placing/Placing";
 import { ProfileText } from "../../tools/profile/Profile";
 import type { ProfileView } from "../../tools/profile/view";
+import { MakePuzzle } from "../../tools/puzzle/MakePuzzle";
 import { Steps } from "../../tools/steps/Steps";
 import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
@@ -23,8 +26,65 @@ import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
 import { LayoutChoice } from "../../ui/stage/LayoutChoice";
 import type { Layout } from "../../ui/stage/layout";
-import { Downloads } from "./Downloads";
+import { toast } from "../../ui/Toast";
+import { liveAddress, snapshotAddress } from "./session";
 import { KINDS, PRESETS } from "./views";
+
+async function copy(text: string, done: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    toast(done);
+  } catch {
+    toast("The browser does not allow copying. Copy the address of the page instead.");
+  }
+}
+
+/** Copy a link to a snapshot of the world and the view. */
+async function share(id: string, store: Store): Promise<void> {
+  try {
+    const link = await snapshotAddress(id, store);
+    await copy(link, "Link copied. It opens a copy of this world, map and settings.");
+  } catch {
+    toast("The server does not answer, so no link could be made.", "error");
+  }
+}
+
+/** Links to this world, and its map as files. */
+export function Downloads({ id, store }: { readonly id: string; readonly store: Store }) {
+  return (
+    <div class="lab-share">
+      <div class="actions">
+        <Button icon="link" onClick={() => void share(id, store)}>
+          Share
+        </Button>
+        <Button
+          icon="link"
+          onClick={() =>
+            void copy(
+              liveAddress(id),
+              "Link copied. Everyone who opens it sees this world live and can drive the robot.",
+            )
+          }
+        >
+          Live link
+        </Button>
+      </div>
+      <p class="quiet">
+        Share makes a link to a copy of this world. Live link makes a link to this world itself: others watch it and
+        drive the robot.
+      </p>
+      <MakePuzzle session={id} />
+      <div class="actions">
+        <MapFiles session={id} />
+        <EditMap session={id} name={store.hello.value?.title ?? "world"} />
+      </div>
+      <p class="quiet">
+        pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.
+        png is an image of the map.
+      </p>
+    </div>
+  );
+}
 
 interface SettingsProps {
   readonly store: Store;

@@ -4,7 +4,7 @@
  */
 
 import type { View } from "../../render/view";
-import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
+import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
 import { filterOf } from "../../tools/localization/state";

@@ -1,6 +1,9 @@
 /** The views that the stage of the lab can show: two maps at first, the true world and what the robot believes. */
 
+import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import { between } from "../../grid/poses";
 import type { Picture } from "../../render/picture/Picture";
 import type { Store } from "../../store/store";
 import { CompareOverlay } from "../../tools/compare/CompareOverlay";
@@ -17,12 +20,115 @@ import { Readout } from "../../tools/readout/Readout";
 import { Button } from "../../ui/Button";
 import { kept } from "../../ui/browser/kept";
 import { lazy } from "../../ui/lazy";
+import { written } from "../../ui/numbers";
 import type { Preset } from "../../ui/stage/LayoutChoice";
 import { type Layout, layoutOf } from "../../ui/stage/layout";
 import type { StageView } from "../../ui/stage/Stage";
+import { addressOf } from "../../wire/ask";
+import type { Pose } from "../../wire/protocol";
 import type { Live } from "../classSession";
-import { Camera } from "./Camera";
-import { LabFrames } from "./LabFrames";
+
+const metres = (value: number): string => written(value, 2);
+const degrees = (value: number): string => written((value * 180) / Math.PI, 1);
+
+function LabFrames({ store }: { readonly store: Store }) {
+  const frame = store.frame.value;
+  if (!frame) return null;
+  const { pose, believed_pose, sensor_pose } = frame;
+  const rows: readonly (readonly [child: string, parent: string, whose: string, pose: Pose])[] = [
+    ["base_link", "map", "as the robot believes", believed_pose ?? pose],
+    ["base_link", "map", "true", pose],
+    ["laser", "base_link", "its mount", between(pose, sensor_pose)],
+  ];
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, which the keyboard can only do with the focus in it
+    <div class="lab-frames" tabIndex={0}>
+      <table>
+        <caption class="quiet">
+          Each transform now. The wheels’ drift, if it is on, is in the pose that is believed.
+        </caption>
+        <thead>
+          <tr>
+            <th scope="col">frame</th>
+            <th scope="col">x, m</th>
+            <th scope="col">y, m</th>
+            <th scope="col">yaw, °</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(([child, parent, whose, [x, y, yaw]]) => (
+            <tr key={whose}>
+              <th scope="row">
+                {child}{" "}
+                <span class="quiet">
+                  in {parent}, {whose}
+                </span>
+              </th>
+              <td class="number">{metres(x)}</td>
+              <td class="number">{metres(y)}</td>
+              <td class="number">{degrees(yaw)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+interface CameraProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+export function Camera({ store, session }: CameraProps) {
+  const map3d = store.part("map3d");
+  const now = map3d.message.value;
+  if (!now?.is_on || now.values.sensor !== "depth_camera") {
+    return (
+      <div class="lab-second">
+        <p>What a depth camera on the robot sees. Its images also make the 3D map.</p>
+        <Button
+          onClick={() => {
+            map3d.isEnded.value = false;
+            store.setPart("map3d", { sensor: "depth_camera" });
+          }}
+        >
+          Give the robot a depth camera
+        </Button>
+      </div>
+    );
+  }
+  return (
+    <figure class="lab-camera">
+      {now.taken > 0 && <DepthImage session={session} taken={now.taken} />}
+      <figcaption class="quiet">
+        White is 0 m, dark grey {written(Number(now.values.reach), 1)} m; black returned nothing.
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The newest image, after so many were taken. The next one is asked for when the last one is there. */
+export function DepthImage({ session, taken }: { readonly session: string; readonly taken: number }) {
+  const shown = useSignal(taken);
+  const isAwaited = useRef(true);
+  const next = (isEnded: boolean): void => {
+    if (isEnded) isAwaited.current = false;
+    if (isAwaited.current || shown.peek() === taken) return;
+    isAwaited.current = true;
+    shown.value = taken;
+  };
+  useEffect(() => next(false), [taken]);
+  const address = addressOf("GET /api/sessions/{session_id}/depth.png", { session_id: session });
+  return (
+    <img
+      src={`${address}?${shown.value}`}
+      alt="Depth image: the nearer the lighter"
+      onLoad={() => next(true)}
+      onError={() => next(true)}
+    />
+  );
+}
 
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 const LabPlots = lazy(async () => (await import("./plots/LabPlots")).LabPlots);

@@ -4,7 +4,7 @@ import { backToPath, isOffPath } from "../../lessons/stage/path";
 import { isScene, SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
 import { Button } from "../../ui/Button";
-import { onScroll } from "../../ui/browser/onScroll";
+import { onScroll } from "../../ui/browser/scrollAnchor";
 import "./lectureStage.css";
 
 const sceneInSight = signal<SceneId>("start");

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
-import { onScroll } from "../../ui/browser/onScroll";
+import { onScroll } from "../../ui/browser/scrollAnchor";
 import { Icon } from "../../ui/Icon";
 import { LECTURE_PARTS, LESSONS } from "./lessons";
 import { sectionInSight } from "./present/state";

@@ -1,15 +1,22 @@
 /** The groups of the log page's dock. A new group is one entry of `GROUPS`. */
 
-import type { Signal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
+import { FileButton } from "../../tools/files/FileButton";
+import { MapFiles } from "../../tools/files/MapFiles";
+import { EditMap } from "../../tools/mapediting/EditMap";
 import { groupsOfParts } from "../../tools/parts";
 import { WhyGroup } from "../../tools/why/Why";
+import { Button } from "../../ui/Button";
+import { useAttempts } from "../../ui/browser/attempts";
 import type { DockGroup } from "../../ui/dock/Dock";
 import { lazy } from "../../ui/lazy";
-import type { TrajectoryErrors } from "../../wire/http";
+import { Panel } from "../../ui/Panel";
+import { ask, fileAddress } from "../../wire/ask";
+import type { MapAnswer, TrajectoryErrors } from "../../wire/http";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
@@ -18,8 +25,8 @@ import { Plots } from "./contents/Plots";
 import type { Span } from "./contents/series";
 import { Topics } from "./contents/Topics";
 import { type DoctorState, findingsBadge } from "./Doctor";
-import { Downloads } from "./Downloads";
 import type { FieldsState } from "./fields/useFields";
+import { type ChosenLog, LogChoice } from "./LogChoice";
 import { Lines } from "./lines/Lines";
 import type { LinesState } from "./lines/lines";
 import { Localize } from "./localize/Localize";
@@ -34,8 +41,94 @@ import type { Shown } from "./share/links";
 import { Share } from "./share/Share";
 import { CorrectPoses } from "./slam/CorrectPoses";
 import type { PoseCorrection } from "./slam/poseCorrection";
-import { TerrainChoice } from "./TerrainChoice";
 import { Trajectories } from "./trajectories/Trajectories";
+
+const HINT =
+  "A cloud in the frame of the log’s poses, z up: its patches are assessed. Or the yaml and pgm of gridbloom terrain: " +
+  "free is safe, occupied is unsafe. Both are dropped on the logs page.";
+
+interface TerrainChoiceProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+function TerrainChoice({ store, session }: TerrainChoiceProps) {
+  const chosen = useSignal<ChosenLog | null>(null);
+  const { isBusy, failure, attempt } = useAttempts();
+  const terrain = useSignal<MapAnswer | null>(null);
+  const choose = (next: ChosenLog | null): Promise<void> =>
+    attempt(async () => {
+      const body = { log: next?.log ?? null };
+      const answer = await ask("PUT /api/sessions/{session_id}/costmap/terrain", { session_id: session }, { body });
+      chosen.value = next;
+      terrain.value = answer.map;
+      store.setPart("costmap", { terrain_layer: next !== null });
+    });
+  const classes = terrain.value?.classes;
+  const patches = classes && `Patches: ${classes.safe} safe, ${classes.unsafe} unsafe, ${classes.unknown} unknown.`;
+  return (
+    <div class="field">
+      <span class="field-label">Terrain</span>
+      <LogChoice
+        onlyTerrains
+        own=""
+        chosen={chosen.value}
+        disabled={isBusy.value}
+        onChoose={(next) => void choose(next)}
+      />
+      {chosen.value && (
+        <Button kind="quiet" disabled={isBusy.value} onClick={() => void choose(null)}>
+          Without terrain
+        </Button>
+      )}
+      <p class="navigation-note" role="status">
+        {isBusy.value ? "Reading and assessing the terrain …" : (failure.value ?? patches ?? HINT)}
+      </p>
+    </div>
+  );
+}
+
+/** The map as files and, except for a guest, the run. */
+export function Downloads({
+  session,
+  title,
+  isGuest,
+}: {
+  readonly session: string;
+  readonly title: string;
+  readonly isGuest: boolean;
+}) {
+  return (
+    <Panel title="Download">
+      <div class="actions downloads">
+        <MapFiles session={session} />
+        {!isGuest && (
+          <>
+            <FileButton session={session} file="run.mcap">
+              mcap
+            </FileButton>
+            <FileButton session={session} file="trajectory.tum">
+              Trajectory (TUM)
+            </FileButton>
+            <Button icon="file" href={fileAddress(session, "report")} target="_blank">
+              Report
+            </Button>
+            <Button icon="file" href={fileAddress(session, "report.pdf")} target="_blank">
+              Report as PDF
+            </Button>
+            <EditMap session={session} name={title} />
+          </>
+        )}
+      </div>
+      <p class="quiet">
+        pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.
+        png is an image of the map.
+        {!isGuest &&
+          " mcap contains the scans, the poses and this map for Rerun and ROS 2, and for Foxglove and Lichtblick, where the topics /map, /scan and /pose are enabled in the 3D panel."}
+      </p>
+    </Panel>
+  );
+}
 
 const PickingScene = lazy(async () => (await import("../../tools/scene/PickingScene")).PickingScene);
 

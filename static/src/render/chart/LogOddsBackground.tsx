@@ -1,6 +1,6 @@
 /** The background of a chart of log-odds: the zones of the three states, the clamp's limits, the axis. */
 
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import { signed } from "../../ui/numbers";
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import { type Scale, toPixel } from "./scale";

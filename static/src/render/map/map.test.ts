@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { logOdds } from "../../grid/logOdds";
+import { logOdds } from "../../grid/cellValues";
 import type { Rgb } from "../../style/colour";
 import { fromLab, toLab } from "../../style/oklab";
 import { Cells } from "./cells";

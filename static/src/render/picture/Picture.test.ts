@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
-import { watchVisibility } from "../../ui/browser/visibility";
+import { watchVisibility } from "../../ui/browser/whenIdle";
 import { Picture } from "./Picture";
 
 type Tell = (...inSight: boolean[]) => void;

@@ -1,6 +1,6 @@
 /** A canvas that is repainted on request, and only while it is visible. */
 
-import { watchVisibility } from "../../ui/browser/visibility";
+import { watchVisibility } from "../../ui/browser/whenIdle";
 import { resizeCanvas } from "../map/surface";
 import type { Size } from "../view";
 

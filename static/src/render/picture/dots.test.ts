@@ -1,5 +1,6 @@
+// @vitest-environment happy-dom
 import { expect, test } from "vitest";
-import { stamp } from "./dots";
+import { stamp } from "./overlays";
 
 const lit = (x: number, y: number, side: number): number[] => {
   const pixels = new Uint32Array(20);

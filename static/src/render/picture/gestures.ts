@@ -1,6 +1,6 @@
 /** Pointer gestures on a picture: tap, drag the robot, pan, pinch, wheel. */
 
-import { zoomOf } from "../../ui/browser/zoom";
+import { zoomOf } from "../../ui/browser/useSize";
 
 export interface Gestures {
   /** Whether a drag that begins here drags the robot. `reach` is the tolerance in pixels. */

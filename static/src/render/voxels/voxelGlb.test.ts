@@ -1,7 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { decodeVoxels, isVoxelChunk } from "../../wire/decodeVoxels";
-import { mergeFaces } from "./mergeFaces";
-import { voxelGlb } from "./voxelGlb";
+import { mergeFaces, voxelGlb } from "./voxelGlb";
 import vectors from "./voxels.vectors.json";
 
 const bytes = (hex: string): Uint8Array =>

@@ -1,14 +1,257 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { type Classroom, endClass, openClass, questionInHeading, questionOnPage } from "../../store/classroom";
+import {
+  type Classroom,
+  endClass,
+  lecturersClass,
+  openClass,
+  questionInHeading,
+  questionOnPage,
+} from "../../store/classroom";
 import { Button } from "../../ui/Button";
+import { selected } from "../../ui/bound";
 import { toastFailure } from "../../ui/browser/attempts";
-import type { ClassQuestion } from "../../wire/protocol";
+import { Choice } from "../../ui/Choice";
+import { toast } from "../../ui/Toast";
+import { ask } from "../../wire/ask";
+import type { ClassPuzzle, ClassQuestion, ClassSolver } from "../../wire/protocol";
 import { OutdatedPage, useRefused } from "./bars";
 import { Histogram } from "./Histogram";
+import { letterOf } from "./histogram";
 import { codeIsShown } from "./opening";
-import { PollForm } from "./PollForm";
-import { PuzzleBoard } from "./PuzzleBoard";
+
+const percent = (share: number): string => `${Math.floor(100 * share)} %`;
+
+function described(one: ClassSolver): string {
+  if (one.is_solved) return `solved, ${one.points} points`;
+  return `${one.is_named ? "cause named, " : ""}repaired ${percent(one.repair)}`;
+}
+
+const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named ? "½" : "·");
+
+/**
+ * How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. The numbers unfold, so that
+ * the board covers one line of the page.
+ */
+function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readonly puzzle: ClassPuzzle }) {
+  const isOpen = useSignal(false);
+  const close = async (): Promise<void> => {
+    await ask("DELETE /api/classes/{code}/puzzle", { code: room.code }).catch(() =>
+      toast("The puzzle could not be ended: the server does not answer.", "error"),
+    );
+  };
+  return (
+    <section class="class-card" aria-label="Puzzle of the class">
+      <div class="class-line">
+        <h2>{puzzle.title}</h2>
+        <p role="status">
+          {puzzle.solved} of {puzzle.begun} solved
+        </p>
+        <div class="actions">
+          <Button
+            pressed={isOpen.value}
+            onClick={() => {
+              isOpen.value = !isOpen.value;
+            }}
+          >
+            Each follower
+          </Button>
+          {lecturersClass.value && <Button onClick={() => void close()}>End the puzzle</Button>}
+        </div>
+      </div>
+      {isOpen.value && <Numbers puzzle={puzzle} />}
+    </section>
+  );
+}
+
+function Numbers({ puzzle }: { readonly puzzle: ClassPuzzle }) {
+  if (puzzle.begun === 0)
+    return <p class="quiet">Nobody has begun yet. Followers have a button at the bottom of their page.</p>;
+  return (
+    <>
+      <ul class="class-board">
+        {puzzle.board.map((one) => (
+          <li key={one.number} class={one.is_solved ? "is-solved" : one.is_named ? "is-named" : ""}>
+            <span aria-hidden="true">{sign(one)}</span> <b class="number">{one.number}</b>
+            <span class="class-board-bar" aria-hidden="true">
+              <i style={`width: ${100 * (one.is_solved ? 1 : one.repair)}%`} />
+            </span>
+            <span class="visually-hidden">{described(one)}</span>
+          </li>
+        ))}
+      </ul>
+      <p class="quiet class-board-legend">
+        “·” begun, “½” cause named, “✓” solved; the bar is the repair. The numbers are those of the followers.
+      </p>
+    </>
+  );
+}
+
+const MOST_OPTIONS = 8;
+
+/** A number as it is written, with a point or a comma; null for an empty field, NaN for what is none. */
+const numberIn = (text: string): number | null => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
+
+/** The index that the right option has among those that are not empty; null for none. */
+function rightAmong(options: readonly string[], right: number): number | null {
+  if (!options[right]?.trim()) return null;
+  return options.slice(0, right).filter((option) => option.trim()).length;
+}
+
+/** A form for a question that is made on the spot: options to choose from, or a number to guess. */
+export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly isOpen: Signal<boolean> }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const kind = useSignal("options");
+  const text = useSignal("");
+  const options = useSignal<readonly string[]>(["Yes", "No"]);
+  const low = useSignal("0");
+  const high = useSignal("100");
+  const unit = useSignal("");
+  /** The right one of the options, −1 for none; and the right number, empty for none. */
+  const rightOption = useSignal(-1);
+  const rightNumber = useSignal("");
+  const open = isOpen.value;
+  useEffect(() => {
+    if (open && !dialog.current?.open) dialog.current?.showModal();
+    else if (!open) dialog.current?.close();
+  }, [open]);
+  const given = options.value.map((one) => one.trim()).filter(Boolean);
+  const isAxis = kind.value === "number";
+  const from = numberIn(low.value);
+  const to = numberIn(high.value);
+  const right = isAxis ? numberIn(rightNumber.value) : rightAmong(options.value, rightOption.value);
+  const isReady =
+    room.isConnected.value &&
+    text.value.trim() !== "" &&
+    (isAxis ? from !== null && to !== null && from < to && !Number.isNaN(right) : given.length >= 2);
+  const ask = (): void => {
+    if (!isReady) return;
+    const axis = { low: from ?? 0, high: to ?? 0, unit: unit.value.trim() };
+    const known = right === null ? {} : { right };
+    room.send({ type: "ask", text: text.value, ...(isAxis ? { axis } : { options: given }), ...known });
+    isOpen.value = false;
+    text.value = rightNumber.value = "";
+    rightOption.value = -1;
+  };
+  const change = (at: number, value: string): void => {
+    options.value = options.value.map((one, i) => (i === at ? value : one));
+  };
+  return (
+    <dialog
+      class="dialog class-poll"
+      ref={dialog}
+      aria-labelledby="class-poll-title"
+      onClose={() => {
+        isOpen.value = false;
+      }}
+    >
+      <h2 id="class-poll-title">Ask the class</h2>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          ask();
+        }}
+      >
+        <label class="field">
+          <span class="field-label">Question</span>
+          <input
+            class="field-text"
+            maxLength={300}
+            value={text.value}
+            onInput={(event) => {
+              text.value = event.currentTarget.value;
+            }}
+          />
+        </label>
+        <Choice
+          label="Answer"
+          options={[
+            { value: "options", label: "One of several" },
+            { value: "number", label: "A number" },
+          ]}
+          {...selected(kind)}
+        />
+        {isAxis ? (
+          <div class="class-axis-fields">
+            {(
+              [
+                ["From", low],
+                ["To", high],
+                ["Unit", unit],
+                ["Right (if any)", rightNumber],
+              ] as const
+            ).map(([label, value]) => (
+              <label class="field" key={label}>
+                <span class="field-label">{label}</span>
+                <input
+                  class="field-text"
+                  inputMode={label === "Unit" ? "text" : "decimal"}
+                  maxLength={30}
+                  value={value.value}
+                  onInput={(event) => {
+                    value.value = event.currentTarget.value;
+                  }}
+                />
+              </label>
+            ))}
+          </div>
+        ) : (
+          <>
+            {options.value.map((option, i) => (
+              <div class="class-poll-option" key={i}>
+                <label class="field">
+                  <span class="field-label">Option {letterOf(i)}</span>
+                  <input
+                    class="field-text"
+                    maxLength={300}
+                    value={option}
+                    onInput={(event) => change(i, event.currentTarget.value)}
+                  />
+                </label>
+                <Button
+                  pressed={rightOption.value === i}
+                  icon="check"
+                  label={`Mark ${letterOf(i)} as right`}
+                  onClick={() => {
+                    rightOption.value = rightOption.peek() === i ? -1 : i;
+                  }}
+                />
+              </div>
+            ))}
+            {options.value.length < MOST_OPTIONS && (
+              <Button
+                kind="quiet"
+                icon="plus"
+                onClick={() => {
+                  options.value = [...options.value, ""];
+                }}
+              >
+                Another option
+              </Button>
+            )}
+          </>
+        )}
+        <p class="quiet">
+          {isAxis ? "The right number is" : "A right option, marked with ✓, is"} shown to the class with the result. One
+          answer is counted for each browser that has joined.
+        </p>
+        {!room.isConnected.value && <p role="status">The class cannot be reached now. Connecting …</p>}
+        <div class="dialog-actions">
+          <Button
+            onClick={() => {
+              isOpen.value = false;
+            }}
+          >
+            Cancel
+          </Button>
+          <Button kind="primary" disabled={!isReady} onClick={ask}>
+            Ask
+          </Button>
+        </div>
+      </form>
+    </dialog>
+  );
+}
 
 /** Whether an address is reached only by the machine that it is opened on. */
 const isLoopback = (address: string): boolean => /^(localhost|127\.[\d.]+|\[::1\])$/.test(new URL(address).hostname);

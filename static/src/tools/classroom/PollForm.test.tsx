@@ -4,7 +4,7 @@ import { h, render } from "preact";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test, vi } from "vitest";
 import type { Classroom } from "../../store/classroom";
-import { PollForm } from "./PollForm";
+import { PollForm } from "./LecturerBar";
 
 afterEach(() => render(null, document.body));
 

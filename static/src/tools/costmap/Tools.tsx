@@ -7,7 +7,7 @@ import { bound } from "../../ui/bound";
 import { inHand } from "../../ui/browser/media";
 import { Choice } from "../../ui/Choice";
 import { Slider } from "../../ui/Slider";
-import { limitUnit } from "./speedLimits";
+import { limitUnit } from "./paint";
 import { costmapOf, type MapTool, type Over } from "./state";
 
 const TOOLS: readonly { readonly tool: MapTool; readonly label: string; readonly hint: string }[] = [

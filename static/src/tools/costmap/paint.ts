@@ -7,11 +7,22 @@ import type { Brush } from "../../render/picture/brush";
 import { columnOf, type LayerContent, OVERLAYS } from "../../render/picture/overlays";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
-import type { BrushStroke, Point, Pose } from "../../wire/protocol";
+import type { BrushStroke, Point, Pose, Value } from "../../wire/protocol";
 import { pathOf } from "../path/state";
 import { COSTS_OVER, POTENTIAL_OVER, SPEED_OVER } from "./palettes";
-import { limitText } from "./speedLimits";
 import { costmapOf } from "./state";
+
+const isAbsolute = (kind: Value | undefined): boolean => kind === "absolute";
+
+/** The unit of the limits and the limit of a value 1 of the mask. */
+export const limitUnit = (kind: Value | undefined): { readonly unit: string; readonly step: number } =>
+  isAbsolute(kind) ? { unit: "m/s", step: 0.01 } : { unit: "%", step: 1 };
+
+/** The limit of a value of the mask in words. */
+function limitText(value: number, kind: Value | undefined): string {
+  const { unit, step } = limitUnit(kind);
+  return `${isAbsolute(kind) ? (value * step).toFixed(2) : value} ${unit}`;
+}
 
 /** Name and style of the layer with the path. */
 export const PLAN = "plan";

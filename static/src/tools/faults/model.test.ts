@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { NO_ACTIVE_FAULTS } from "../../store/activeFaults";
+import { NO_ACTIVE_FAULTS } from "../../store/sessionSignals";
 import type { Parameter, Values } from "../../wire/protocol";
 import { availableFaults, correctValues, FAULTS, type Fault, isOn, switchFault } from "./model";
 

@@ -2,7 +2,7 @@
  * Faults: the parameters that each of them sets, and what to look for. Switching a fault off restores the parameters.
  */
 
-import type { ActiveFaults } from "../../store/activeFaults";
+import type { ActiveFaults } from "../../store/sessionSignals";
 import type { Parameter, Value, Values } from "../../wire/protocol";
 
 export interface Fault {

@@ -1,7 +1,7 @@
 /** Switches faults of a session on and off. */
 
 import { computed, type ReadonlySignal } from "@preact/signals";
-import type { ActiveFaults } from "../../store/activeFaults";
+import type { ActiveFaults } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import type { Values } from "../../wire/protocol";
 import { type Fault, stillActive, switchFault } from "./model";

@@ -12,7 +12,7 @@ import {
 } from "../../grid/motionModel";
 import { normal, seeded } from "../../grid/random";
 import { useDrawing } from "../../ui/browser/useDrawing";
-import { zoomOf } from "../../ui/browser/zoom";
+import { zoomOf } from "../../ui/browser/useSize";
 import { written } from "../../ui/numbers";
 import type { Pose, Values } from "../../wire/protocol";
 import "./localization.css";

@@ -3,7 +3,7 @@ import { Cells } from "../../render/map/cells";
 import type { MapPicture } from "../../render/map/mapPicture";
 import { type Point, TILE } from "../../wire/protocol";
 import { distanceOf } from "./model";
-import { opening } from "./opening";
+import { opening } from "./tool";
 
 const RESOLUTION = 0.05;
 const WIDTH = 0.9;

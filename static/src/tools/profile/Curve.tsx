@@ -1,4 +1,4 @@
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { beamModel, cellIndexAt, halfWindow, increment } from "../../grid/sensorModel";
 import { ticks, toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";

@@ -1,6 +1,6 @@
 /** The effect of dragging a handle on the parameters: bounds, snapping, coupling. */
 
-import { logOdds, probability } from "../../grid/logOdds";
+import { logOdds, probability } from "../../grid/cellValues";
 import { INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
 import { keyed, type Range, snap } from "../../ui/numbers";
 import { SENSOR_MODEL_BOUNDS } from "../../wire/constants";

@@ -2,8 +2,7 @@
 
 import { computed, effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { logOddsAt, shownByteAt, stateAt } from "../../grid/cellValues";
-import { probability } from "../../grid/logOdds";
+import { logOddsAt, probability, shownByteAt, stateAt } from "../../grid/cellValues";
 import { hasMapColours } from "../../render/map/palettes";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";

@@ -2,7 +2,7 @@ import { effect, signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { bayesFilter } from "../../grid/textbook";
 import type { Size, View } from "../../render/view";
-import type { Stepping } from "../../store/stepping";
+import type { Stepping } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { selected } from "../../ui/bound";

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { emptyGrid, INITIAL_CONFIG, indexOf } from "../../grid/occupancyGrid";
 import { updatePerBeam } from "../../grid/textbook";
-import type { Stepping } from "../../store/stepping";
+import type { Stepping } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 import { key, lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";

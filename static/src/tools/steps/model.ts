@@ -8,7 +8,7 @@ import type { Cell } from "../../grid/lattice";
 import { INITIAL_CONFIG, type MappingConfig } from "../../grid/occupancyGrid";
 import { beamModel, INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
 import { bayesFilter, cellsAlong, evidenceOfBeam } from "../../grid/textbook";
-import type { Step, Stepping } from "../../store/stepping";
+import type { Step, Stepping } from "../../store/sessionSignals";
 import type { Frame, Geometry, Pose, Values } from "../../wire/protocol";
 
 /** Why steps by cell and beam are not possible; null if they are. */

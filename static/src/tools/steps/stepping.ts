@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals";
 import { logOddsAt, shownByteAt } from "../../grid/cellValues";
 import type { Cell } from "../../grid/lattice";
-import type { Stepping } from "../../store/stepping";
+import type { Stepping } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import { toast } from "../../ui/Toast";
 import { lessonConfig, moved, stepsOfScan, valuesAfterSteps, whyNoSteps } from "./model";

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Contribution, WhyMessage } from "../../wire/protocol";
 import { equation, logOddsCurve, sentence, stateOf, updateOf } from "./model";
-import { untilFor } from "./queries";
+import { untilFor } from "./Why";
 
 const LOW = -2;
 const HIGH = 3.5;

@@ -1,6 +1,6 @@
 /** The explanation of a cell in words and numbers. */
 
-import { probability } from "../../grid/logOdds";
+import { probability } from "../../grid/cellValues";
 import { signed, written } from "../../ui/numbers";
 import { FREE_THRESHOLD, OCCUPIED_THRESHOLD } from "../../wire/constants";
 import type { CellState, Contribution, WhyMessage } from "../../wire/protocol";

@@ -1,5 +1,24 @@
 /** Scroll anchoring for browsers that have none (WebKit): what is in view stays where it is while the page fills. */
 
+/** Call `look` in the next frame, and in that after each scrolling or resizing; return how to end it. */
+export function onScroll(look: () => void): () => void {
+  let frame = 0;
+  const later = (): void => {
+    frame ||= requestAnimationFrame(() => {
+      frame = 0;
+      look();
+    });
+  };
+  later();
+  const stop = new AbortController();
+  addEventListener("scroll", later, { passive: true, signal: stop.signal });
+  addEventListener("resize", later, { passive: true, signal: stop.signal });
+  return () => {
+    stop.abort();
+    cancelAnimationFrame(frame);
+  };
+}
+
 /**
  * Keep the first of the `blocks` of `content` that begins in the window, below its scroll padding, where it is when
  * `content` changes its height. The returned function ends it. Does nothing where the browser does the same, see CSS

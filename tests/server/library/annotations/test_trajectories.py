@@ -13,7 +13,7 @@ from mapper.core.errors import ConfigError, LimitError, ReadError
 from server.library.annotations.added import TrajectoryNotFoundError
 from server.library.annotations.trajectories import NewTrajectory
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.settings import Settings
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces, tum

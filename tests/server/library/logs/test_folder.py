@@ -19,9 +19,8 @@ from mapper.io.logs import open_log
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, write_octree
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
 from server.library.logs.folder import MAX_FILES
-from server.library.logs.records import Record
+from server.library.logs.records import LogNotFoundError, LogReadOnlyError, Record
 from server.library.logs.sample import SAMPLE_ID
 from server.settings import Settings
 from tests.mapper.io.logs.containers.test_split import split

@@ -17,7 +17,7 @@ from mapper.io.costmaps import RecordedCostmap
 from mapper.io.costmaps.reading import CostmapStream
 from server.downloads import file_stem
 from server.jobs.leases import Leases
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.library.packs.costmaps import costmap_codes
 from server.library.packs.map import map_codes, summarise_map
 from server.library.packs.map_files import archived, is_map, read_map

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
+from server.library.logs.records import LogNotFoundError, LogReadOnlyError
 from server.library.processing.reader import QUICK_S
 from server.settings import Settings
 from server.work.fair_lock import FairLock

@@ -15,7 +15,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.sensors.planar.options import PlanarCut
 from server.jobs.record import Failure
 from server.library.library import Library
-from server.library.logs.errors import LogNotFoundError
+from server.library.logs.records import LogNotFoundError
 from server.library.packs.graph import read_graph
 from server.library.packs.log import read_pack
 from server.library.processing.merging import MergeRequest

@@ -3,14 +3,164 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import UPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
+import { logOddsAt, probability, thresholds } from "../../../grid/cellValues";
+import { type Cells, NEVER } from "../../../render/map/cells";
+import type { MapPicture } from "../../../render/map/mapPicture";
+import { CHUNK } from "../../../render/map/pyramid";
 import type { Store } from "../../../store/store";
 import { isDark } from "../../../ui/browser/theme";
 import { useWidth } from "../../../ui/browser/useSize";
 import { written } from "../../../ui/numbers";
+import { type FrameMessage, type Geometry, TILE } from "../../../wire/protocol";
 import { axisStyle, colourOf, labelsOn, numberLabels, timeAxis } from "../../logs/contents/plotParts";
-import { PLOTTED, Samples } from "./samples";
+import "uplot/dist/uPlot.min.css";
 import "../stage.css";
+
+/** Samples that are kept: five minutes of ten scans a second. */
+const MOST = 3000;
+/** How many of the oldest go at once, so that few samples are copied. */
+const DROPPED = 500;
+
+/** The entropy of a cell by its byte, bit; that of a cell that was never observed is not counted. */
+export function bitsOfBytes(range: Pick<Geometry, "low" | "high">): Float64Array {
+  return Float64Array.from({ length: 256 }, (_, byte) => {
+    const p = byte === NEVER ? 0 : probability(logOddsAt(byte, range));
+    return p > 0 && p < 1 ? -p * Math.log2(p) - (1 - p) * Math.log2(1 - p) : 0;
+  });
+}
+
+interface KeptTile {
+  readonly tx: number;
+  readonly ty: number;
+  bits: number;
+  /** 0 unknown, 1 free, 2 occupied. */
+  readonly states: Uint8Array;
+}
+
+/** Follows the cells of one map: its entropy, and how many cells changed between unknown, free and occupied. */
+export class MapWatch {
+  readonly #cells: Cells;
+  readonly #bits: Float64Array;
+  readonly #states: Uint8Array;
+  readonly #tiles = new Map<string, KeptTile>();
+  readonly #waiting = new Map<string, readonly [tx: number, ty: number]>();
+  readonly #bytes = new Uint8Array(TILE * TILE);
+  readonly #note = (tx: number, ty: number): void => {
+    this.#waiting.set(`${tx} ${ty}`, [tx, ty]);
+  };
+
+  constructor({ cells, geometry }: MapPicture) {
+    const { below, above } = thresholds(geometry);
+    this.#cells = cells;
+    this.#bits = bitsOfBytes(geometry);
+    this.#states = Uint8Array.from({ length: 256 }, (_, byte) =>
+      byte === NEVER ? 0 : byte < below ? 1 : byte > above ? 2 : 0,
+    );
+    const side = CHUNK / TILE;
+    for (const { row, col } of cells.chunks()) {
+      for (let k = 0; k < side * side; k++) this.#note(col * side + (k % side), row * side + Math.floor(k / side));
+    }
+    cells.listeners.add(this.#note);
+    this.look();
+  }
+
+  /** The entropy of the observed cells, bit, and how many cells have changed their state since the last look. */
+  look(): { readonly bits: number; readonly changed: number } {
+    let changed = 0;
+    for (const [key, [tx, ty]] of this.#waiting) {
+      const tile = this.#tiles.get(key) ?? { tx, ty, bits: 0, states: new Uint8Array(TILE * TILE) };
+      this.#tiles.set(key, tile);
+      this.#cells.readTile(tx, ty, this.#bytes);
+      tile.bits = 0;
+      for (let i = 0; i < this.#bytes.length; i++) {
+        const byte = this.#bytes[i] as number;
+        const state = this.#states[byte] as number;
+        tile.bits += this.#bits[byte] as number;
+        if (state !== tile.states[i]) changed++;
+        tile.states[i] = state;
+      }
+    }
+    this.#waiting.clear();
+    let bits = 0;
+    for (const tile of this.#tiles.values()) bits += tile.bits;
+    return { bits, changed };
+  }
+
+  /** Whether cells were set since the last look. */
+  get isBehind(): boolean {
+    return this.#waiting.size > 0;
+  }
+
+  stop(): void {
+    this.#cells.listeners.delete(this.#note);
+  }
+}
+
+/** The names of what is plotted, in the order of {@link Samples.columns}, and their units. */
+const PLOTTED = [
+  { label: "Entropy of the map", unit: "bit" },
+  { label: "Cells changed", unit: "cells" },
+  { label: "Error of the belief", unit: "m" },
+  { label: "Speed", unit: "m/s" },
+] as const;
+
+type Numbers = (number | null)[];
+
+/** The samples so far. */
+export class Samples {
+  readonly times: number[] = [];
+  readonly columns: readonly [bits: Numbers, changed: Numbers, error: Numbers, speed: Numbers] = [[], [], [], []];
+  #watch: MapWatch | null = null;
+  #watched: MapPicture | null = null;
+  #before: Pick<FrameMessage, "stamp" | "pose"> | null = null;
+
+  /**
+   * Add a sample of a frame and the map, or amend that of the frame where the map has changed since, as its tiles come
+   * after a frame; true where there is something new.
+   */
+  take(frame: Pick<FrameMessage, "stamp" | "pose" | "believed_pose">, map: MapPicture): boolean {
+    const before = this.#before;
+    const isSame = this.#watched === map;
+    if (before?.stamp === frame.stamp && isSame && !this.#watch?.isBehind) return false;
+    // A restart, another world, or scans that were taken out of the map again.
+    if (before && frame.stamp < before.stamp) this.clear();
+    if (!isSame) {
+      this.#watch?.stop();
+      this.#watch = new MapWatch(map);
+      this.#watched = map;
+    }
+    const { bits, changed } = (this.#watch as MapWatch).look();
+    if (before?.stamp === frame.stamp) {
+      const [entropies, changes] = this.columns;
+      const last = this.times.length - 1;
+      entropies[last] = bits;
+      if (typeof changes[last] === "number") changes[last] += changed;
+      return true;
+    }
+    const [x, y] = frame.believed_pose ?? frame.pose;
+    const last = this.#before;
+    this.times.push(frame.stamp);
+    const row = [
+      bits,
+      isSame ? changed : null,
+      Math.hypot(x - frame.pose[0], y - frame.pose[1]),
+      last && Math.hypot(frame.pose[0] - last.pose[0], frame.pose[1] - last.pose[1]) / (frame.stamp - last.stamp),
+    ];
+    for (const [n, column] of this.columns.entries()) column.push(row[n] ?? null);
+    if (this.times.length > MOST) for (const all of [this.times, ...this.columns]) all.splice(0, DROPPED);
+    this.#before = { stamp: frame.stamp, pose: frame.pose };
+    return true;
+  }
+
+  clear(): void {
+    for (const all of [this.times, ...this.columns]) all.length = 0;
+    this.#before = null;
+  }
+
+  stop(): void {
+    this.#watch?.stop();
+  }
+}
 
 const HEIGHT = 84;
 /** Time between two paintings: as often as scans come at the usual speed. */

@@ -1,6 +1,6 @@
 import { computed, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { probability } from "../../../grid/logOdds";
+import { probability } from "../../../grid/cellValues";
 import { type CellEvent, logOddsHistory } from "../../../grid/sensorModel";
 import { Cell } from "../../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../../lessons/common/parameters";

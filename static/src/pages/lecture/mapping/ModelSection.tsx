@@ -1,4 +1,4 @@
-import { logOdds, probability } from "../../../grid/logOdds";
+import { logOdds, probability } from "../../../grid/cellValues";
 import { cellParameters, parameters, setParameter } from "../../../lessons/common/parameters";
 import { modelReading } from "../../../lessons/stage/controls";
 import { modelBeam, modelCone } from "../../../lessons/stage/scenes";

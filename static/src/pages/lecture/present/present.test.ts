@@ -2,8 +2,8 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { LESSONS, type LessonId } from "../lessons";
 import { ANSWERS, OTHER_NOTES } from "./answers";
+import { SHORT_LECTURE } from "./deck/DeckEditor";
 import { type Slide, WHOLE_LECTURE } from "./deck/deck";
-import { SHORT_LECTURE } from "./deck/shortDeck";
 import { type Act, actOf, type Focused } from "./keys";
 import { type Answer, QUESTIONS } from "./questions";
 import { changeDeck, deck, deckLink, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";

@@ -1,7 +1,8 @@
 /** Finds the robot of a log in a reference map, and shows how certain that is along the way. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useId, useMemo, useRef } from "preact/hooks";
+import { momentText } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { AmclYaml } from "../../../tools/localization/AmclYaml";
 import { MotionFan } from "../../../tools/localization/MotionFan";
@@ -10,20 +11,146 @@ import { SensorCurve } from "../../../tools/localization/SensorCurve";
 import { Button } from "../../../ui/Button";
 import { selected } from "../../../ui/bound";
 import { Choice } from "../../../ui/Choice";
+import { NumberField } from "../../../ui/NumberField";
 import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { SelectField } from "../../../ui/Select";
 import { Toggle } from "../../../ui/Toggle";
+import type { FilterHistory, LocalizationStatus, SeriesAnswer } from "../../../wire/http";
 import type { Values } from "../../../wire/protocol";
+import { Plot } from "../contents/LazyPlot";
 import { JobProgress } from "../jobs/JobProgress";
 import { ParameterDetails } from "../jobs/ParameterDetails";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { trajectoryLabel } from "../library/describeLog";
-import type { LocalizationStatus } from "./api";
-import { HistoryOfFilter } from "./FilterHistory";
-import { InitialPose } from "./InitialPose";
 import type { Localizing, MapSource } from "./localizing";
 import "./localize.css";
+
+interface FilterHistoryProps {
+  readonly store: Store;
+  readonly history: FilterHistory;
+}
+
+const PLOTS = ["Standard deviation of the place", "Entropy of the particles", "Fit of the scans"] as const;
+
+/** How certain the poses in use are along the log, beside the present scan. */
+function HistoryOfFilter({ store, history }: FilterHistoryProps) {
+  const series = useMemo(() => seriesOf(history), [history]);
+  const now = store.part("localization").message.value;
+  const first = history.first_converged;
+  return (
+    <Panel title="Along the way">
+      <div class="panel-stack">
+        <p>
+          In <b>{history.map.title}</b>.{" "}
+          {first === null
+            ? "The particles never agreed on one place."
+            : `The particles agree on one place from scan ${first + 1} on.`}
+        </p>
+        {first !== null && (
+          <div class="actions">
+            <Button onClick={() => store.goTo(first + 1)}>
+              Go to {momentText(store, history.seconds[first] ?? 0, first + 1)}
+            </Button>
+            <Button kind="quiet" onClick={() => store.goTo(1)}>
+              Go to the start, {momentText(store, history.seconds[0] ?? 0, 1)}
+            </Button>
+          </div>
+        )}
+        {now?.is_on && (
+          <p class="localize-now" role="status">
+            {now.is_converged ? (now.is_sure ? "Converged, sure" : "Converged, not sure") : "Not converged"} ·{" "}
+            {now.n_particles.toLocaleString("en")} particles · {now.entropy.toFixed(1)} bit · fit {now.fit.toFixed(2)}
+          </p>
+        )}
+        {PLOTS.map((plot) => (
+          <Plot key={plot} store={store} series={series} plot={plot} />
+        ))}
+        <p class="quiet">
+          On the map: the particles after the present scan, a sample of them, and the ellipse that has 95 % of the
+          estimate’s density; it is dashed where the filter has not converged.
+        </p>
+      </div>
+    </Panel>
+  );
+}
+
+function seriesOf(history: FilterHistory): SeriesAnswer {
+  return {
+    topic: "localization",
+    type: "",
+    samples: history.seconds.length,
+    gaps: [],
+    times: history.seconds,
+    columns: [
+      { label: "deviation", unit: "m", plot: PLOTS[0], values: history.deviation_m },
+      { label: "entropy", unit: "bit", plot: PLOTS[1], values: history.entropy },
+      { label: "fit", unit: "", plot: PLOTS[2], values: history.fit },
+    ],
+  };
+}
+
+const FIELDS = [
+  [0, "x", "m", 1],
+  [1, "y", "m", 1],
+  [2, "heading", "°", 180 / Math.PI],
+] as const;
+
+/** Of the fields, m or °. */
+const STEP = 0.01;
+
+/** Where the robot starts: anywhere, or at a pose that is clicked on the map or written. */
+function InitialPose({ localizing }: { readonly localizing: Localizing }) {
+  const pose = localizing.pose.value;
+  const id = useId();
+  return (
+    <>
+      <Choice
+        label="The robot starts"
+        options={[
+          { value: "anywhere", label: "Anywhere" },
+          { value: "pose", label: "At a pose" },
+        ]}
+        value={localizing.hasPose.value ? "pose" : "anywhere"}
+        onChange={(value) => {
+          localizing.hasPose.value = value === "pose";
+          localizing.turns.value = false;
+        }}
+      />
+      {localizing.hasPose.value && (
+        <>
+          <p role="status">
+            {localizing.turns.value
+              ? "Click on the map in the direction that the robot faces."
+              : pose
+                ? "Click on the map to place it again."
+                : "Click on the map where it starts."}
+          </p>
+          <div class="localize-pose">
+            {FIELDS.map(([i, name, unit, factor]) => (
+              <div key={name} class="field">
+                <label class="field-label" for={id + name}>
+                  {name}, {unit}
+                </label>
+                <NumberField
+                  id={id + name}
+                  class="field-text number"
+                  step={STEP}
+                  value={pose ? pose[i] * factor : Number.NaN}
+                  onChange={(value) => {
+                    const next: [number, number, number] = [...(pose ?? ([0, 0, 0] as const))];
+                    next[i] = value / factor;
+                    localizing.pose.value = next;
+                  }}
+                />
+              </div>
+            ))}
+          </div>
+        </>
+      )}
+    </>
+  );
+}
 
 interface LocalizeProps {
   readonly store: Store;

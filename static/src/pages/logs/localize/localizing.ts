@@ -5,19 +5,52 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { GIVEN_MAP, PARTICLES } from "../../../tools/localization/model";
 import { filterTable } from "../../../tools/localization/table";
+import { ask } from "../../../wire/ask";
+import type { FilterHistory, LocalizationStatus, MapAnswer, MapOfLog, NewLocalization } from "../../../wire/http";
 import type { Point, Pose } from "../../../wire/protocol";
 import { JobParameters } from "../jobs/jobParameters";
 import { LogJob } from "../jobs/LogJob";
-import * as api from "./api";
+import { tarred } from "../library/groupFiles";
+
+const localizationState = (session: string): Promise<LocalizationStatus> =>
+  ask("GET /api/sessions/{session_id}/localization", { session_id: session });
+
+export const localize = (session: string, body: NewLocalization): Promise<LocalizationStatus> =>
+  ask("POST /api/sessions/{session_id}/localization", { session_id: session }, { body });
+
+const cancelLocalization = (session: string): Promise<LocalizationStatus> =>
+  ask("DELETE /api/sessions/{session_id}/localization", { session_id: session });
+
+/** How certain the poses in use are along the log; null where they come from no localization. */
+const filterHistory = async (session: string): Promise<FilterHistory | null> =>
+  (await ask("GET /api/sessions/{session_id}/localization/course", { session_id: session })).course;
+
+/** The map that was chosen; null for none. */
+const referenceMap = async (session: string): Promise<MapAnswer | null> =>
+  (await ask("GET /api/sessions/{session_id}/localization/map", { session_id: session })).map;
+
+/** Choose the map of a log along one of its trajectories. */
+export const chooseLog = async (session: string, body: MapOfLog): Promise<MapAnswer | null> =>
+  (await ask("PUT /api/sessions/{session_id}/localization/map", { session_id: session }, { body })).map;
+
+/** Choose map files: a yaml with its image, or a map of CMU's course. */
+export async function chooseFiles(session: string, files: readonly File[]): Promise<MapAnswer | null> {
+  const isYaml = ({ name }: File): boolean => /\.ya?ml$/i.test(name);
+  const named = files.find(isYaml) ?? files[0];
+  if (!named) return null;
+  const body = files.length === 1 && !isYaml(named) ? named : tarred(files, named.name);
+  const what = "PUT /api/sessions/{session_id}/localization/map-files";
+  return (await ask(what, { session_id: session }, { query: { name: named.name }, body })).map;
+}
 
 /** When the map is asked for again after the server has not answered. */
 const MAP_AGAIN_MS = 2000;
 
 export type MapSource = "own" | "other" | "files";
 
-export class Localizing extends LogJob<api.LocalizationStatus> {
-  readonly map = signal<api.MapAnswer | null>(null);
-  readonly history = signal<api.FilterHistory | null>(null);
+export class Localizing extends LogJob<LocalizationStatus> {
+  readonly map = signal<MapAnswer | null>(null);
+  readonly history = signal<FilterHistory | null>(null);
   readonly source = signal<MapSource>("own");
   /** Whether the robot starts at `pose`, else anywhere. */
   readonly hasPose = signal(false);
@@ -29,12 +62,12 @@ export class Localizing extends LogJob<api.LocalizationStatus> {
   #isShown = false;
 
   constructor(store: Store, session: string) {
-    super(store, session, { state: api.localizationState, cancel: api.cancelLocalization }, (job) =>
+    super(store, session, { state: localizationState, cancel: cancelLocalization }, (job) =>
       this.parameters.adopt(job.parameters.values ?? {}),
     );
   }
 
-  #chosen(map: api.MapAnswer | null): void {
+  #chosen(map: MapAnswer | null): void {
     this.map.value = map;
     this.pose.value = null;
     this.turns.value = false;
@@ -44,12 +77,12 @@ export class Localizing extends LogJob<api.LocalizationStatus> {
 
   readonly chooseLog = (log: string, topic: string | null, trajectory: string | null): Promise<void> =>
     this.request("Making the map", async () => {
-      this.#chosen(await api.chooseLog(this.session, { log, topic, trajectory }));
+      this.#chosen(await chooseLog(this.session, { log, topic, trajectory }));
     });
 
   readonly chooseFiles = (files: readonly File[]): Promise<void> =>
     this.request("Reading the map", async () => {
-      this.#chosen(await api.chooseFiles(this.session, files));
+      this.#chosen(await chooseFiles(this.session, files));
     });
 
   begin(odometry: string | null): Promise<void> {
@@ -58,7 +91,7 @@ export class Localizing extends LogJob<api.LocalizationStatus> {
     this.history.value = null;
     this.store.underlay.value = GIVEN_MAP;
     const wanted = { initial_pose, odometry, parameters: this.parameters.changed() };
-    return this.follow(() => api.localize(this.session, wanted));
+    return this.follow(() => localize(this.session, wanted));
   }
 
   /** Show the map that was chosen earlier. */
@@ -66,7 +99,7 @@ export class Localizing extends LogJob<api.LocalizationStatus> {
     clearTimeout(this.#mapTimer);
     if (this.map.peek() !== null) return;
     try {
-      const map = await api.referenceMap(this.session);
+      const map = await referenceMap(this.session);
       if (this.map.peek() === null) this.map.value = map; // one may have been chosen meanwhile
     } catch {
       // The server does not answer, for example because another one has just taken the session over.
@@ -77,7 +110,7 @@ export class Localizing extends LogJob<api.LocalizationStatus> {
   /** Show how certain the poses in use are, where they come from a localization. */
   async loadHistory(): Promise<void> {
     try {
-      this.history.value = await api.filterHistory(this.session);
+      this.history.value = await filterHistory(this.session);
       if (this.history.peek()) this.store.underlay.value = GIVEN_MAP;
     } catch {
       this.history.value = null;

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Store } from "../../../store/store";
 import type { Frame, Hello } from "../../../wire/protocol";
-import { cloudsAt } from "./Clouds";
+import { cloudsAt } from "./SolidView";
 
 // @vitest-environment happy-dom
 

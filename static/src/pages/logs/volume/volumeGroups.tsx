@@ -1,6 +1,9 @@
 /** The groups of the dock beside a map in 3D. A new group is one entry of `GROUPS`. */
 
+import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { SurfaceProfile } from "../../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../../store/store";
 import { FileButton } from "../../../tools/files/FileButton";
 import { MapFiles } from "../../../tools/files/MapFiles";
@@ -8,15 +11,150 @@ import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { groupsOfParts } from "../../../tools/parts";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { LookGroup } from "../../../tools/volume/LookGroup";
-import { useLook } from "../../../tools/volume/useLook";
+import { lookOf, useLook } from "../../../tools/volume/useLook";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import { Button } from "../../../ui/Button";
+import { selected } from "../../../ui/bound";
 import type { DockGroup } from "../../../ui/dock/Dock";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
-import { SelectField } from "../../../ui/Select";
-import { SurfaceGroup } from "./SurfaceGroup";
-import { VolumeCompare } from "./VolumeCompare";
+import { Select, SelectField } from "../../../ui/Select";
+import { ask } from "../../../wire/ask";
+import type { Value, VolumeMessage } from "../../../wire/protocol";
+import type { LogRecord } from "../library/library";
+
+interface VolumeCompareProps {
+  readonly store: Store;
+  readonly log: string | null;
+  readonly onCompare: (other: string | null) => void;
+}
+
+/** The comparison with an earlier moment of the map, or with another file. */
+function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
+  const others = useSignal<readonly LogRecord[]>([]);
+  const chosen = useSignal("");
+  useEffect(() => {
+    void ask("GET /api/logs", {}, { query: { limit: 200 } })
+      .then((found) => {
+        others.value = found.logs.filter((one) => one.clouds > 0 && one.state === "ready" && one.id !== log);
+      })
+      .catch(() => undefined);
+  }, [log]);
+  const compared = store.part("volume").message.value?.compared ?? null;
+  const frame = store.frame.value;
+  return (
+    <Panel title="Compare">
+      {frame && frame.count > 1 && (
+        <>
+          <div class="actions">
+            <Button onClick={() => store.send({ type: "volume_keep" })}>Keep the map of {frame.index} scans</Button>
+          </div>
+          <p class="quiet">Then move along the timeline: what differs from the kept map is drawn.</p>
+        </>
+      )}
+      {others.value.length > 0 && (
+        <div class="volume-other">
+          <label>
+            <span>Another file</span>
+            <Select
+              {...selected(chosen)}
+              options={[
+                { value: "", label: "choose one" },
+                ...others.value.map(({ id, name }) => ({ value: id, label: name })),
+              ]}
+            />
+          </label>
+          <Button disabled={chosen.value === ""} onClick={() => onCompare(chosen.value)}>
+            Compare
+          </Button>
+        </div>
+      )}
+      {compared ? <Changes compared={compared} /> : <p class="quiet">No other map is compared with this one.</p>}
+      {compared && (
+        <div class="actions">
+          <Button onClick={() => store.send({ type: "volume_keep", value: false })}>End the comparison</Button>
+        </div>
+      )}
+    </Panel>
+  );
+}
+
+function Changes({ compared }: { readonly compared: NonNullable<VolumeMessage["compared"]> }) {
+  const rows: readonly (readonly [label: string, count: number, swatch: string])[] = [
+    ["appeared: free before, occupied now", compared.appeared, "added"],
+    ["vanished: occupied before, free now", compared.vanished, "removed"],
+    ["the same in both", compared.same, ""],
+    ["known in the other map only", compared.only_first, ""],
+    ["known in this map only", compared.only_second, ""],
+  ];
+  return (
+    <>
+      <p>Compared with {compared.title}, in voxels:</p>
+      <ul class="volume-changes" data-appeared={compared.appeared} data-vanished={compared.vanished}>
+        {rows.map(([label, count, swatch]) => (
+          <li key={label}>
+            <span class={`volume-swatch ${swatch}`} aria-hidden="true" />
+            <span class="number">{count.toLocaleString("en")}</span>
+            <span>{label}</span>
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+/** The surface by truncated signed distances: its parameters, and what one beam does with them. */
+function SurfaceGroup({ store }: { readonly store: Store }) {
+  const now = store.part("surface").message.value;
+  if (!now) return null;
+  if (now.table.length === 0) {
+    return (
+      <p class="quiet">
+        A surface is made of distances along beams. The file does not say where its sensor was, so there are none.
+      </p>
+    );
+  }
+  const values = store.part("surface").values.values;
+  const set = (name: string, value: Value): void => {
+    store.part("surface").values.set(name, value);
+    store.sendSoon({ type: "surface", values: { [name]: value } });
+  };
+  const isShown = lookOf(store).values.value.show === "surface";
+  const resolution = Number(values.value.resolution);
+  return (
+    <>
+      {!isShown && (
+        <div class="actions">
+          <Button
+            kind="primary"
+            onClick={() => {
+              lookOf(store).set("show", "surface");
+              store.send({ type: "volume_look", values: { show: "surface" } });
+            }}
+          >
+            Show the surface
+          </Button>
+        </div>
+      )}
+      <Panel title="One beam, two maps">
+        <p class="quiet">
+          20 readings of a wall at {resolution} m voxels. Drag the truncation or the maximum weight: this surface is
+          made again with it.
+        </p>
+        <SurfaceProfile resolution={resolution} values={values.value} set={set} />
+      </Panel>
+      <Panel title="Signed distances">
+        <ParameterRows rows={now.table} values={values} set={set} />
+      </Panel>
+      {isShown && (
+        <p class="quiet">
+          {now.blocks.toLocaleString("en")} blocks of 8 × 8 × 8 voxels, {bytes(now.bytes)}.
+          {now.snapshots.length > 0 && ` Kept to go back to: after scan ${now.snapshots.join(", ")}.`}
+        </p>
+      )}
+    </>
+  );
+}
 
 /** The parameters of the map, and what it takes. */
 function VolumeMapGroup({ store }: { readonly store: Store }) {

@@ -11,8 +11,7 @@ import pytest
 from mapper.core.errors import MapperError
 from mapper.io.logs import is_log, open_log
 from mapper.mapping.integrate import grid_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.mapping.sensor_defaults import sensor_defaults
+from mapper.mapping.parameters import MappingConfig, sensor_defaults
 
 READINGS = "1000 5110 1000 2500 9999\n1200 500 600 700 800\n"
 POSES = "1000 0 0 0\n1200 1000 -500 900\n"

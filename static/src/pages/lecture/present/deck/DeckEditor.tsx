@@ -1,19 +1,214 @@
-import { saveAs } from "../../../../ui/files/saveAs";
-import "./deckEditor.css";
-import { useSignal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../../ui/Button";
+import { saveAs } from "../../../../ui/files/saveAs";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
-import { LECTURE_PARTS } from "../../lessons";
+import { LECTURE_PARTS, type LessonId } from "../../lessons";
 import { changeDeck, deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
-import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { allShown, hasPart, numberOf, only, onlyPart, reordered } from "./deckOrder";
-import { SlideForm } from "./SlideForm";
+import {
+  allShown,
+  gapAt,
+  hasPart,
+  indexAfter,
+  keyedIndex,
+  numberOf,
+  only,
+  onlyPart,
+  reordered,
+  shown,
+} from "./deckOrder";
+import { type OwnSlide, SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
-import { SHORT_LECTURE } from "./shortDeck";
-import { ThumbnailMaker } from "./Thumbnail";
+import { Thumbnail, ThumbnailMaker } from "./Thumbnail";
+import "./deckEditor.css";
+
+type Planned = readonly [slide: LessonId | "cell-derivation" | "title", minutes: number];
+
+/** Filter, sensor model and traversal, then what goes wrong, and the use of the map. */
+const PLANNED: readonly Planned[] = [
+  ["title", 1],
+  ["grid", 2],
+  ["cell", 3],
+  ["cell-derivation", 4],
+  ["log-odds", 2],
+  ["model", 4],
+  ["window", 2],
+  ["rays", 4],
+  ["algorithm", 3],
+  ["no-return", 2],
+  ["mount", 2],
+  ["people", 2],
+  ["odometry", 3],
+  ["file", 2],
+  ["path", 3],
+  ["stack", 1],
+  ["next", 1],
+];
+/** Comes after the algorithm. */
+const LOG: Slide = { kind: "log", title: "The map of a real log", address: "/logs.html", minutes: 4 };
+
+const nameOf = (slide: Slide): string =>
+  slide.kind === "section" ? slide.section : slide.kind === "derivation" ? `${slide.section}-derivation` : slide.kind;
+
+const minutesOf = new Map<string, number>(PLANNED);
+
+export const SHORT_LECTURE: Deck = {
+  title: `${WHOLE_LECTURE.title} in 45 minutes`,
+  slides: WHOLE_LECTURE.slides.flatMap((slide): Slide[] => {
+    const name = nameOf(slide);
+    const minutes = minutesOf.get(name);
+    const now = minutes === undefined ? { ...slide, hidden: true } : { ...slide, minutes };
+    return name === "algorithm" ? [now, LOG] : [now];
+  }),
+};
+
+const KIND_NAMES = {
+  title: "title",
+  section: "",
+  derivation: "derivation",
+  text: "own text",
+  lab: "lab",
+  log: "log",
+} as const;
+
+/** A row that is dragged, and the gap that it would go into: 0 above the first row. */
+export interface Drag {
+  readonly from: number;
+  readonly gap: number;
+}
+
+interface DeckRowProps {
+  readonly slide: Slide;
+  readonly index: number;
+  /** Whether each of the slides is shown. */
+  readonly isShown: readonly boolean[];
+  /** Whether it is the last row of the list. */
+  readonly isLast: boolean;
+  readonly drag: Signal<Drag | null>;
+  /** The index of the slide whose form is open, −1 for none. */
+  readonly edited: Signal<number>;
+  readonly onMove: (to: number) => void;
+  /** The slide is another one now; null: it goes. */
+  readonly onChange: (slide: Slide | null) => void;
+  readonly onLook: () => void;
+}
+
+const rowsOf = (grip: HTMLElement): HTMLElement[] =>
+  [...(grip.closest("ol")?.children ?? [])].filter((row): row is HTMLElement => row instanceof HTMLElement);
+
+/** How close to the edge of the list a dragged row makes it scroll, and by how much with each move. Pixels. */
+const EDGE = 36;
+const SCROLL = 14;
+
+/** One slide in the list of the deck. */
+function DeckRow({ slide, index, isShown, isLast, drag, edited, onMove, onChange, onLook }: DeckRowProps) {
+  const title = titleOf(slide);
+  const own: OwnSlide | null = "section" in slide ? null : slide;
+  const held = drag.value;
+  const count = isShown.length;
+  const up = keyedIndex("ArrowUp", index, isShown) ?? index;
+  const down = keyedIndex("ArrowDown", index, isShown) ?? index;
+  const hide = (): void => onChange(slide.hidden ? shown(slide) : { ...slide, hidden: true });
+  const take = (event: PointerEvent): void => {
+    if (event.button !== 0) return;
+    (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
+    drag.value = { from: index, gap: index };
+  };
+  const carry = (event: PointerEvent): void => {
+    if (!drag.peek()) return;
+    const grip = event.currentTarget as HTMLElement;
+    const list = grip.closest("ol");
+    if (list) {
+      const { top, bottom } = list.getBoundingClientRect();
+      if (event.clientY < top + EDGE) list.scrollTop -= SCROLL;
+      if (event.clientY > bottom - EDGE) list.scrollTop += SCROLL;
+    }
+    const gap = gapAt(
+      event.clientY,
+      rowsOf(grip).map((row) => row.getBoundingClientRect()),
+    );
+    drag.value = { from: index, gap };
+  };
+  const drop = (): void => {
+    const now = drag.peek();
+    drag.value = null;
+    if (now && indexAfter(now.from, now.gap) !== now.from) onMove(indexAfter(now.from, now.gap));
+  };
+  const marks = [
+    slide.hidden && "is-hidden",
+    held?.from === index && "is-dragged",
+    held?.gap === index && "takes-before",
+    held?.gap === count && isLast && "takes-after",
+  ].filter(Boolean);
+  return (
+    <li class={["deck-row", ...marks].join(" ")} onPointerEnter={onLook} onFocusCapture={onLook}>
+      <button
+        type="button"
+        class="deck-grip"
+        aria-label={`Place of “${title}”: arrow keys move it`}
+        title="Drag, or move with the arrow keys"
+        onPointerDown={take}
+        onPointerMove={carry}
+        onPointerUp={drop}
+        onPointerCancel={() => {
+          drag.value = null;
+        }}
+        onKeyDown={(event) => {
+          const to = keyedIndex(event.key, index, isShown);
+          if (to === null) return;
+          event.preventDefault();
+          onMove(to);
+        }}
+      >
+        <Icon name="grip" />
+      </button>
+      <span class="deck-row-number">{slide.hidden ? "" : numberOf(isShown, index)}</span>
+      <Thumbnail slide={slide} />
+      <span class="deck-row-title">
+        {title}
+        {own && <small> {KIND_NAMES[slide.kind]}</small>}
+        {slide.hidden && <small> hidden</small>}
+      </span>
+      <Button kind="quiet" icon="up" label={`Move “${title}” up`} disabled={up === index} onClick={() => onMove(up)} />
+      <Button
+        kind="quiet"
+        icon="unfold"
+        label={`Move “${title}” down`}
+        disabled={down === index}
+        onClick={() => onMove(down)}
+      />
+      <Button
+        kind="quiet"
+        icon={slide.hidden ? "hidden" : "shown"}
+        label={`${slide.hidden ? "Show" : "Hide"} “${title}”`}
+        onClick={hide}
+      />
+      {own ? (
+        <Button
+          kind="quiet"
+          icon="pen"
+          label={`Edit “${title}”`}
+          pressed={edited.value === index}
+          onClick={() => {
+            edited.value = edited.peek() === index ? -1 : index;
+          }}
+        />
+      ) : (
+        <span />
+      )}
+      {own && edited.value === index && (
+        <>
+          <SlideForm slide={own} button="Save the slide" onSave={onChange} />
+          <Button icon="trash" kind="danger" disabled={count === 1} onClick={() => onChange(null)}>
+            Remove this slide
+          </Button>
+        </>
+      )}
+    </li>
+  );
+}
 
 /** Change the slides; the present slide, at `index` of them, stays, where it still is there. */
 async function change(

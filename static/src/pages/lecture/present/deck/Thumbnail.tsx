@@ -1,8 +1,7 @@
 import { computed, signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isDark } from "../../../../ui/browser/theme";
-import { watchVisibility } from "../../../../ui/browser/visibility";
-import { whenIdle } from "../../../../ui/browser/whenIdle";
+import { watchVisibility, whenIdle } from "../../../../ui/browser/whenIdle";
 import { SLIDE } from "../scale";
 import { snapshotOf } from "../slideSnapshot";
 import { deck, hashOf, LAST_STEP } from "../state";

@@ -1,9 +1,9 @@
 // @vitest-environment happy-dom
 import { expect, it } from "vitest";
 import { LECTURE_PARTS } from "../../lessons";
+import { SHORT_LECTURE } from "./DeckEditor";
 import { readDeck, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
 import { allShown, onlyPart } from "./deckOrder";
-import { SHORT_LECTURE } from "./shortDeck";
 
 it("is planned for 45 minutes on 16 to 18 slides, from the filter to the use of the map", () => {
   const shown = SHORT_LECTURE.slides.filter(({ hidden }) => !hidden);

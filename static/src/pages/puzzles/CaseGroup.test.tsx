@@ -4,7 +4,7 @@ import { h, render } from "preact";
 import { afterEach, expect, test, vi } from "vitest";
 import type { Store } from "../../store/store";
 import type { Attempt, OfferedPuzzle } from "../../wire/http";
-import { Answer } from "./Answer";
+import { Answer } from "./CaseGroup";
 
 afterEach(() => render(null, document.body));
 

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Store } from "../../store/store";
 import type { Command, Frame, Geometry, WhyMessage } from "../../wire/protocol";
-import { pollWhy } from "./queries";
+import { pollWhy } from "./Why";
 
 const GEOMETRY: Geometry = {
   type: "geometry",

@@ -1,6 +1,7 @@
+// @vitest-environment happy-dom
 import { expect, test } from "vitest";
 import type { Forgetting, Frame, Values } from "../../wire/protocol";
-import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./model";
+import { grown, type Point, passesToForget, placeOf, verdict, withoutClamp } from "./MovingTable";
 
 const scan = (range: (bearing: number) => number | null): Frame =>
   ({

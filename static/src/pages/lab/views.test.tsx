@@ -2,7 +2,7 @@
 import { render } from "preact";
 import { act } from "preact/test-utils";
 import { expect, test } from "vitest";
-import { DepthImage } from "./Camera";
+import { DepthImage } from "./views";
 
 test("the next image is asked for when the last one is there or was refused", async () => {
   const place = document.createElement("div");

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Command } from "../wire/protocol";
-import { Outbox } from "./outbox";
+import { Outbox } from "./sessionSignals";
 
 test("of requests about two layers the newest of each is sent", () => {
   const sent: Command[] = [];

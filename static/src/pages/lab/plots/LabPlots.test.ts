@@ -1,8 +1,9 @@
+// @vitest-environment happy-dom
 import { expect, test } from "vitest";
 import { Cells } from "../../../render/map/cells";
 import type { MapPicture } from "../../../render/map/mapPicture";
 import { type Pose, TILE } from "../../../wire/protocol";
-import { bitsOfBytes, MapWatch, Samples } from "./samples";
+import { bitsOfBytes, MapWatch, Samples } from "./LabPlots";
 
 const RANGE = { low: -5, high: 5 };
 
