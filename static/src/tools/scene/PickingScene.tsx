@@ -14,9 +14,7 @@ export function PickingScene({ store, session }: PickingSceneProps) {
   return (
     <Scene store={store} session={session}>
       <p class="scene-words" role="status">
-        {selection
-          ? wordsOf(selection)
-          : "Click a wall, a pose of the path or a loop to select it, here and on the map."}
+        {selection ? wordsOf(selection) : "Click a wall, a pose or a loop to select it, here and on the map."}
       </p>
     </Scene>
   );
@@ -30,5 +28,5 @@ function wordsOf({ what, place: [x, y], yaw, scans }: Selection): string {
   const names = scans.map((scan) => scan + 1).join(" and ");
   if (what === "scans") return `Scans ${names}, at ${place}: what joins them is under Heal.`;
   if (what === "cell") return `Cell at ${place}: the beams that updated it are under Why.`;
-  return `Pose of scan ${names}: ${place}, ${written(yaw * DEGREE, 1)}°. The map is that of the scans up to it. If the poses have a graph, the edges of this one are under Heal.`;
+  return `Pose of scan ${names}, the last one in the map: ${place}, ${written(yaw * DEGREE, 1)}°. Edges of a pose graph are under Heal.`;
 }

@@ -21,7 +21,7 @@ interface SceneProps {
   readonly hasColumns?: boolean;
   /** Further buttons below the picture. */
   readonly actions?: ComponentChildren;
-  /** What is said over the upper edge of the picture, which does not move with its length. */
+  /** What is said below the picture, in one line of a wide view and two of a narrow one. */
   readonly children?: ComponentChildren;
 }
 
@@ -62,8 +62,8 @@ export function Scene({ store, session, hasColumns = true, actions, children }: 
       <div class="scene-group" ref={group}>
         <div class="scene-picture">
           <SceneFrame store={store} session={session} class="scene" title="3D view" />
-          {children}
         </div>
+        {children}
         <SceneControls
           store={store}
           session={session}
