@@ -6,6 +6,7 @@ import { followedCode } from "../store/classroom";
 import { ClassHost } from "../tools/classroom/ClassHost";
 import { followPages } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
+import { kept } from "../ui/browser/kept";
 import { Toasts } from "../ui/Toast";
 
 /** Reasons for which a visitor was sent to this page. */
@@ -25,9 +26,12 @@ const letters = (text: string): string =>
     .replace(/[^A-Z]/g, "")
     .slice(0, LENGTH);
 
+/** The code that was typed last: a page that says why it is refused shows it, so that a slip can be seen. */
+const typed = kept("gridbloom.class.typed", "", (value): value is string => typeof value === "string");
+
 function Join() {
-  const code = useSignal("");
   const refused = useSignal(new URLSearchParams(location.search).get("refused"));
+  const code = useSignal(refused.peek() === null ? "" : letters(typed.peek()));
   const isComplete = code.value.length === LENGTH;
   return (
     <main class="class-join" id="main">
@@ -36,7 +40,9 @@ function Join() {
       <form
         onSubmit={(event) => {
           event.preventDefault();
-          if (isComplete) location.assign(`/class/${code.value}`);
+          if (!isComplete) return;
+          typed.value = code.value;
+          location.assign(`/class/${code.value}`);
         }}
       >
         <label>
@@ -54,12 +60,7 @@ function Join() {
             }}
           />
         </label>
-        <Button
-          kind="primary"
-          size="large"
-          disabled={!isComplete}
-          onClick={() => location.assign(`/class/${code.value}`)}
-        >
+        <Button kind="primary" size="large" submits disabled={!isComplete}>
           Join
         </Button>
       </form>

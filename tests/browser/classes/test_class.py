@@ -74,6 +74,11 @@ def test_followers_answer_and_two_of_them_follow_into_the_lab(
             phone.goto(f"{server}/join")
             nothing_wrong(phone)
             assert small(phone) == []
+            slip = code[:5] + ("A" if code[5] != "A" else "B")
+            phone.get_by_label("Code").fill(slip)
+            phone.get_by_role("button", name="Join").click()
+            expect(phone.get_by_role("alert")).to_contain_text("There is no class with this code.")
+            expect(phone.get_by_label("Code")).to_have_value(slip)  # what was typed wrong can be seen
             phone.get_by_label("Code").fill(f"{code[:3]} {code[3:]}".lower())
             phone.get_by_role("button", name="Join").click()
         expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()

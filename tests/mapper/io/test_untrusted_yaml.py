@@ -105,10 +105,12 @@ def test_no_text_raises_but_as_told(text):
 
 
 @pytest.mark.parametrize("case", HOSTILE)
-def test_a_footprint_with_it_is_refused(case):
+def test_a_footprint_with_it_is_none_and_has_a_note(case):
     text = f"local_costmap:\n  local_costmap:\n    ros__parameters:\n      footprint: '[[{HOSTILE[case][0]}, 1]]'\n"
-    with pytest.raises(MapperError, match=r"footprint: .* is not a list of points"):
-        parse_nav2_costmap(text.encode())
+    costmap = parse_nav2_costmap(text.encode())
+    assert costmap.footprint is None
+    (note,) = [note for note in costmap.notes if "footprint" in note]
+    assert "is no list of three points [x, y] or more" in note
 
 
 @pytest.mark.parametrize(

@@ -70,6 +70,7 @@ export function FleetOptions({
           <input type="checkbox" onChange={(event) => set({ mount_upside_down: event.currentTarget.checked })} />
           Mount turned over
         </label>
+        <p class="fleet-shared">A log of the server’s folder has one result, which all visitors see.</p>
         <Button submits disabled={isBusy}>
           Map all with these options
         </Button>
