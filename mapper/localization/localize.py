@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.localization.confidence import is_jump
+from mapper.localization.known import known_scans
 from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
 from mapper.localization.parameters import LocalizationConfig
@@ -54,7 +55,7 @@ class Localized:
 
     @property
     def is_known(self) -> NDArray[np.bool_]:
-        """At which scans (n,) the pose is known (:func:`mapper.localization.localize.known_scans`); maps have those."""
+        """At which scans (n,) the pose is known (:func:`mapper.localization.known.known_scans`); maps have those."""
         return known_scans(self.is_converged)
 
     @property
@@ -193,16 +194,3 @@ def covariance_lines(log: ScanLog, found: Localized) -> list[str]:
             f"{found.fit[i]:.6f},{found.n_particles[i]},{upper}\n"
         )
     return lines
-
-
-def known_scans(converged: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return at which scans (n,) the pose is known; at those in ``converged`` (n,) the particles agreed on one place.
-
-    It is known there, and before the first of them, to which it is carried back along the odometry
-    (:func:`mapper.localization.localize.carry_back`). While the robot is looked for again, and if it is never found,
-    the estimate is the middle of particles in several places.
-    """
-    known = converged.copy()
-    converged_scans = np.flatnonzero(converged)
-    known[: converged_scans[0] if len(converged_scans) else 0] = True
-    return known

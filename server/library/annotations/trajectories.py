@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.logs.summary import path_length
-from mapper.localization.localize import known_scans
+from mapper.localization.known import known_scans
 from mapper.sensors.scan import ScanLog, Trajectory
 from server.library.annotations.added import (
     Added,

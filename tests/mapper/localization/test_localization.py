@@ -13,7 +13,8 @@ from mapper.core.parallel import single_threaded
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
-from mapper.localization.localize import covariance_lines, known_scans
+from mapper.localization.known import known_scans
+from mapper.localization.localize import covariance_lines
 from mapper.localization.scan_beams import ScanBeams, scan_beams
 from mapper.localization.weighing import log_likelihoods, scan_sums
 from mapper.sensors.scan import ScanLog, Trajectory
