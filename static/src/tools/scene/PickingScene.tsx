@@ -28,5 +28,5 @@ function wordsOf({ what, place: [x, y], yaw, scans }: Selection): string {
   const names = scans.map((scan) => scan + 1).join(" and ");
   if (what === "scans") return `Scans ${names}, at ${place}: what joins them is under Heal.`;
   if (what === "cell") return `Cell at ${place}: the beams that updated it are under Why.`;
-  return `Pose of scan ${names}, the last one in the map: ${place}, ${written(yaw * DEGREE, 1)}°. Edges of a pose graph are under Heal.`;
+  return `Pose of scan ${names}: ${place}, ${written(yaw * DEGREE, 1)}°. The map is that up to it; edges of a pose graph are under Heal.`;
 }
