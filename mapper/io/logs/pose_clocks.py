@@ -44,16 +44,16 @@ class PoseClock:
 
     def corrected(self, log: ScanLog, name: str) -> Trajectory:
         """Return a trajectory of a log as it is by the scans' clock. Poses that it does not cover are not known."""
-        way, wanted = log.trajectory(name), self.stamped(seconds(log))
+        trajectory, wanted = log.trajectory(name), self.stamped(seconds(log))
         motion = Motion.of(log, name)
-        known = motion.covers(wanted) if way.is_known is None else motion.covers(wanted) & way.is_known
-        timed = way.timed
+        known = motion.covers(wanted) if trajectory.is_known is None else motion.covers(wanted) & trajectory.is_known
+        timed = trajectory.timed
         if timed is not None:
             stamps = timed.stamps_ns.astype(np.float64) * 1e-9
             ahead = self.offset + self.rate * (stamps - self.middle - self.offset) / (1.0 + self.rate)
             stamps_ns = timed.stamps_ns - np.round(ahead * 1e9).astype(np.int64)
             timed = TimedPoses(stamps_ns, timed.poses, timed.notes, timed.offset)
-        return replace(way, poses=motion.at(wanted), timed=timed, is_known=None if known.all() else known)
+        return replace(trajectory, poses=motion.at(wanted), timed=timed, is_known=None if known.all() else known)
 
 
 def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
@@ -62,8 +62,14 @@ def pose_clock(log: ScanLog, name: str) -> PoseClock | None:
     It must fit the readings much better, as what other faults do to poses may look like a delay: ends of beams, where
     the robot moves, are at most half as far from those of others, and 1 cm nearer.
     """
-    way = log.trajectory(name)
-    if way.timed is None or way.from_scans or way.is_placeholder or log.mount_assumed or not log.n_scans:
+    trajectory = log.trajectory(name)
+    if (
+        trajectory.timed is None
+        or trajectory.from_scans
+        or trajectory.is_placeholder
+        or log.mount_assumed
+        or not log.n_scans
+    ):
         return None
     increment = log.time_increment if log.can_deskew(name) else 0.0
     agreement = Agreement(log, LOOKED_AT_S, name)
@@ -112,8 +118,8 @@ def _with_drift(log: ScanLog, name: str, increment: float) -> float:
     for drift in DRIFTS:
         turned = np.zeros_like(motion.poses)
         turned[:, 2] = drift * (motion.times - motion.times[0])
-        way = replace(log.trajectory(name), timed=TimedPoses(stamps_ns, compose(turned, motion.poses)))
-        distances.append(Agreement(with_trajectories(log, {name: way}), LOOKED_AT_S, name).apart(increment))
+        drifting = replace(log.trajectory(name), timed=TimedPoses(stamps_ns, compose(turned, motion.poses)))
+        distances.append(Agreement(with_trajectories(log, {name: drifting}), LOOKED_AT_S, name).apart(increment))
     return min(distances)
 
 

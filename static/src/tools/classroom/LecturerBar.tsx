@@ -124,7 +124,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
     room.isConnected.value &&
     text.value.trim() !== "" &&
     (isAxis ? from !== null && to !== null && from < to && !Number.isNaN(right) : given.length >= 2);
-  const ask = (): void => {
+  const submit = (): void => {
     if (!isReady) return;
     const axis = { low: from ?? 0, high: to ?? 0, unit: unit.value.trim() };
     const known = right === null ? {} : { right };
@@ -149,7 +149,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
       <form
         onSubmit={(event) => {
           event.preventDefault();
-          ask();
+          submit();
         }}
       >
         <label class="field">
@@ -244,7 +244,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
           >
             Cancel
           </Button>
-          <Button kind="primary" disabled={!isReady} onClick={ask}>
+          <Button kind="primary" disabled={!isReady} onClick={submit}>
             Ask
           </Button>
         </div>
