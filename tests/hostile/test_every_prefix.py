@@ -109,7 +109,7 @@ def test_complete_messages_of_every_prefix_of_a_recording_are_read(path, kind):
     assert isinstance(whole, ScanLog)
     assert damages(whole) == []
     scans = 0
-    for n in range(0, len(data), 1 if ALL else 197):
+    for n in range(0, len(data), 1 if ALL else 397):
         log = opened(path, data[:n])
         if not isinstance(log, ScanLog):
             assert isinstance(log, ReadError)
@@ -128,7 +128,7 @@ def test_complete_messages_of_every_prefix_of_a_db3_are_read(path):
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
     salvaged = 0
-    for n in range(0, len(data), 1 if ALL else 450):
+    for n in range(0, len(data), 1 if ALL else 907):
         log = opened(path, data[:n])
         if not isinstance(log, ScanLog):
             continue
