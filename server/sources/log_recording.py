@@ -31,8 +31,7 @@ from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState
 from server.stream.message_parts import Table, rows_of
 from server.work.priority import lower_priority
-from server.work.scheduler import Scheduler
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis

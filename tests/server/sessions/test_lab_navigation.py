@@ -26,7 +26,7 @@ from server.sessions.tick import TickResult
 from server.sources.history import History
 from server.sources.simulation import SimulationModel
 from server.stream.commands import DriveCommand
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
