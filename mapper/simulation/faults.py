@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.parameter import check_fields, flag, table_of, with_values
 from mapper.simulation.kernels.reflection import reflect
 from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at, ranges_in_cones, rays_of_cone
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
 POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished

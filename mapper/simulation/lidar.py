@@ -11,12 +11,13 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_fields, choice, number, table_of, with_values
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.kernels.lidar import add_noise, cast_rays
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 RAY_STEP = math.radians(1.0)  #: between the rays that sample a cone
 
