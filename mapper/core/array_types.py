@@ -1,4 +1,4 @@
-"""Array types of the compiled functions."""
+"""Array types, named after their dtype."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, cast
 
@@ -121,6 +121,12 @@ def with_values(config: C, values: Mapping[str, Any], what: str = "parameter") -
     """Return a config with some values replaced. Raises as :func:`check_names` and :func:`check_fields`."""
     check_names(values, table_of(cast("Hashable", type(config))), what)
     return replace(config, **values)
+
+
+def changed_values(config: DataclassInstance, first: DataclassInstance) -> dict[str, Any]:
+    """Return the values by name in which ``config`` differs from ``first``, a config of the same class."""
+    before = asdict(first)
+    return {name: value for name, value in asdict(config).items() if value != before[name]}
 
 
 def check_names(values: Mapping[str, Any], table: Iterable[Parameter], what: str = "parameter") -> None:

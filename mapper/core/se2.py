@@ -12,10 +12,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-
-Float64Array = NDArray[np.float64]
 
 
 def wrap_angle(angle: ArrayLike) -> Float64Array:

@@ -9,9 +9,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float64Array = NDArray[np.float64]
+from mapper.core.array_types import Float64Array
 
 
 def from_quaternion(translation: Sequence[float], x: float, y: float, z: float, w: float) -> Float64Array:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis.finding import Finding
@@ -36,8 +37,6 @@ SHARE = 0.6  #: of the matches that must agree
 LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not reported
 SIGNIFICANT = 4.0  #: standard errors of the median
 SPOILED_BY = frozenset({CHANGING, "mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
-
-Float64Array = NDArray[np.float64]
 
 
 def check_between(

@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mapper.core.array_types import Int64Array
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
-
-Int64Array = NDArray[np.int64]
 
 #: What to do with a value that only some of the sensors need.
 BY_ITSELF = "The parameters of a map are those of all its sensors: map this one by itself with such a value."

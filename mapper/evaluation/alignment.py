@@ -11,12 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
-
-Float64Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,10 @@ is: each pose of the trajectory with fewer poses gets the nearest one of the oth
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import ConfigError
 
-Int64Array = NDArray[np.int64]
 MAX_DIFFERENCE_S = 0.01  #: seconds: evo's
 
 

@@ -7,12 +7,9 @@ RGB-D benchmark's ``evaluate_rpe.py`` pairs by seconds as well).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
-
-Int64Array = NDArray[np.int64]
-Float64Array = NDArray[np.float64]
 
 DELTA_UNITS = ("m", "s", "frames")
 TOLERANCE = 0.1  #: of the distance, for all pairs: evo's

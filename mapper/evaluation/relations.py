@@ -17,14 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import check_poses, compose, inverse
 from mapper.evaluation.statistics import ErrorSeries
 from mapper.evaluation.trajectory_error import magnitudes
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 STAMP_TOLERANCE_NS = 5_200_000  #: between a relation's stamp and that of its record: stamps are rounded to 10 ms
 SHORT_S = 5.0  #: relations over less time than this choose among records, by the odometry, which drifts little there

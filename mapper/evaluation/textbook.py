@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float64Array = NDArray[np.float64]
+from mapper.core.array_types import Float64Array
+
 Pairs = list[tuple[int, int]]
 
 

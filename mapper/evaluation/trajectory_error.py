@@ -9,17 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.evaluation.alignment import Alignment, align
 from mapper.evaluation.association import MAX_DIFFERENCE_S, associate
 from mapper.evaluation.pairs import TOLERANCE, pairs_over
 from mapper.evaluation.statistics import ErrorSeries
 from mapper.sensors.timed_poses import TimedPoses
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 
 def absolute_errors(reference: Float64Array, estimate: Float64Array) -> tuple[Float64Array, Float64Array]:

@@ -13,12 +13,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import wrap_angle
 from mapper.localization.estimate import CONVERGED_M, CONVERGED_RAD, LOST_TIMES, Estimate
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import ScanBeams
-
-Float64Array = NDArray[np.float64]
 
 ERROR = 1e-3  #: wanted probability that the test decides wrongly, either way
 LIMIT = math.log((1.0 - ERROR) / ERROR)  #: of the logarithm of the likelihoods' ratio: Wald's log A and −log B

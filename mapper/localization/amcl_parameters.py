@@ -10,7 +10,7 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import yaml
@@ -188,7 +188,7 @@ def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mappi
     own_rows = OWN_ROWS if layout == "nav2" else tuple(name for name in OWN_ROWS if name != "selective_resampling")
     lines: list[str] = []
     remarks: list[str] = []
-    for name, value in config.as_dict().items():
+    for name, value in asdict(config).items():
         text = _text(name, value, layout)
         (remarks if name in own_rows else lines).append(f"{names.get(name, name)}: {text}")
     for name, value in (others or {}).items():

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import wrap_angle
 from mapper.localization.kernels.resampling import add_moments, fill_bins, join_bins
 from mapper.localization.kernels.types import Bins
-
-Float64Array = NDArray[np.float64]
 
 BINS = Bins(0.5, math.pi / 18.0)  #: those of AMCL's kd-tree: 0.5 m and 10°
 TURNS = 36  #: bins of a full turn

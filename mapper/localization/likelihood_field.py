@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OCCUPIED, OccupancyGrid
 from mapper.localization.kernels.types import ScoreField
 from mapper.localization.parameters import LocalizationConfig
-
-Float64Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _STEPS = 65_535
 

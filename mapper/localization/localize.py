@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
@@ -21,8 +22,6 @@ from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import scan_beams
 from mapper.sensors.joint_log import sensor_of_scan
 from mapper.sensors.scan import ScanLog
-
-Float64Array = NDArray[np.float64]
 
 LOCALIZED = "localized"  #: name of the trajectory
 SETTLED = 20  #: scans after convergence, of which the most certain one's pose is carried back

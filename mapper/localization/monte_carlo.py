@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
@@ -36,8 +37,6 @@ from mapper.localization.weighing import (
     tempering,
 )
 from mapper.sensors.scan import RangeScan
-
-Float64Array = NDArray[np.float64]
 
 INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
 _MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _ALTERNATIVE = range(7)  #: purposes of random numbers

@@ -6,8 +6,8 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.parallel import in_parallel
 from mapper.core.se2 import between_one, wrap_angle
 from mapper.localization.kernels.motion import draw_normal, draw_uniform, move_particles
@@ -15,8 +15,6 @@ from mapper.localization.kernels.types import Motion
 from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.weighing import parts
-
-Float64Array = NDArray[np.float64]
 
 LEAST_DISTANCE = 0.01  #: metres: of a shorter motion the direction is noise, and the first turn is 0, as in AMCL
 _MASK = (1 << 64) - 1

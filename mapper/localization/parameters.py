@@ -7,7 +7,7 @@ Names and first values are those of Nav2's AMCL (docs.nav2.org, "AMCL"), of whic
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
@@ -195,10 +195,6 @@ class LocalizationConfig:
                 "recovery_alpha_slow and recovery_alpha_fast must satisfy 0 < slow < fast, or both be 0, not "
                 f"{self.recovery_alpha_slow:g} and {self.recovery_alpha_fast:g}.",
             )
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the values by name."""
-        return asdict(self)
 
     def with_values(self, values: Mapping[str, Any]) -> LocalizationConfig:
         """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""

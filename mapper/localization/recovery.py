@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.localization.estimate import LOST_SHARE
 from mapper.localization.parameters import LocalizationConfig
-
-Float64Array = NDArray[np.float64]
 
 RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhere
 #: Scans that are compared before the first reset, and at most before a later one: each reset doubles their number,

@@ -7,12 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.localization.estimate import BINS
 from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.weighing import effective_number
-
-Float64Array = NDArray[np.float64]
 
 
 def drawn(weights: Float64Array, count: int, u: float) -> NDArray[np.int64]:

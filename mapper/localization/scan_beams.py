@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.localization.parameters import LocalizationConfig
 from mapper.sensors.scan import RangeScan
-
-Float64Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,12 +13,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.core.se2 import compose, wrap_angle
 from mapper.grid import GridGeometry
 
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Alphas = tuple[float, float, float, float]
 
 

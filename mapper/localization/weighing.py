@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.localization.kernels.beam_model import weigh_by_beams
@@ -16,8 +17,6 @@ from mapper.localization.kernels.types import Mixture
 from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import ScanBeams
-
-Float64Array = NDArray[np.float64]
 
 _PART = 1000  #: particles below which no further thread is worth it
 _SAMPLE = 4096  #: particles by which the power of tempering is found

@@ -14,14 +14,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.grid import GridGeometry
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.scan_batch import ScanBatch, bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
 from mapper.mapping.update_plan import Run, Turns, UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog
-
-Int64Array = NDArray[np.int64]
 
 _READINGS = 1 << 18  # in one batch
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mapper.core.parameter import Parameter, check_fields, choice, number, table_of, with_values
+from mapper.core.parameter import check_fields, choice, number, table_of, with_values
 from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
 
 
@@ -140,7 +140,6 @@ class MatchConfig:
 
 
 PARAMETERS = table_of(MatchConfig)
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
 #: Two maps may be moved and turned by anything; within this their walls are found again.
 MAP_CONFIG = MatchConfig(method="global_field", window_m=5.0, window_rad=math.pi)

@@ -14,7 +14,7 @@ import yaml
 from mapper.core.parameter import Parameter
 from mapper.io.nav2_declared import CONTROLLER_SERVER, NAVFN, PLANNER_SERVER, PURSUIT, checked, not_built, undeclared
 from mapper.io.nav2_declared import NODE as OF_EVERY_NODE
-from mapper.io.ros_parameters import find_node, names_of, parse_ros_parameters
+from mapper.io.ros_parameters import find_node, names_of
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 NODE = "planner_server"
@@ -57,21 +57,12 @@ class Nav2Path:
         return tuple(".".join(path) for path in self.others if path[1:] != (_LISTS[path[0]],))
 
 
-def parse_nav2_path(data: bytes) -> Nav2Path:
+def path_of(root: dict[str, Any]) -> Nav2Path:
     """Return the first NavFn of ``planner_plugins`` and the first Regulated Pure Pursuit of ``controller_plugins``.
 
-    Nav2's defaults where the file has none, of the lists of plugins too; a name that Nav2 does not declare has a note.
-    Raises :class:`ConfigError`,
-    which names the parameter with its path, for an impossible value, and what
-    :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
-    """
-    return path_of(parse_ros_parameters(data))
-
-
-def path_of(root: dict[str, Any]) -> Nav2Path:
-    """Return the planner and the follower in what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned.
-
-    As :func:`parse_nav2_path`, for who reads more from the file.
+    ``root`` is what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned. Nav2's defaults where the file has
+    none, of the lists of plugins too; a name that Nav2 does not declare has a note. Raises :class:`ConfigError`, which
+    names the parameter with its path, for an impossible value.
     """
     others: dict[tuple[str, ...], Any] = {}
     notes: list[str] = []
@@ -90,7 +81,7 @@ def path_of(root: dict[str, Any]) -> Nav2Path:
 
 
 def nav2_path_yaml(path: Nav2Path) -> str:
-    """Return a parameter file with both, as :func:`parse_nav2_path` reads it."""
+    """Return a parameter file with both, as :func:`path_of` reads it."""
     navfn = {"plugin": _NAVFN, **{name: getattr(path.planner, name) for name in _NAMES}}
     own = {
         NODE: (path.planner_name, navfn),

@@ -8,9 +8,9 @@ with an offset, which a map's file adds again.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float64Array = NDArray[np.float64]
+from mapper.core.array_types import Float64Array
+
 Offset = tuple[float, float]  #: x and y, metres
 
 FAR_M = 1e5

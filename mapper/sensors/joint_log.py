@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import RangeScan, ScanLog, Trajectory
 
-Int64Array = NDArray[np.int64]
 SEPARATOR = " + "  #: between the topics of several sensors, in the name of their joint log
 
 

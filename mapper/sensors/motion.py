@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.sensors.joint_log import JointLog, each_part
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses, number_before, poses_at, poses_between
-
-Float64Array = NDArray[np.float64]
 
 DENSE_S = 0.5  #: seconds: poses at most so far apart say enough of the motion between them
 

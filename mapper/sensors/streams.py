@@ -6,12 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.sensors.point_cloud import PointCloud
-
-Int64Array = NDArray[np.int64]
-Float64Array = NDArray[np.float64]
 
 #: Returns ``T_base_frame``, or ``T_fixed_frame``, (n, 4, 4) of a frame at n stamps, ns; None where the recording does
 #: not say it.

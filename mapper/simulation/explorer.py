@@ -13,13 +13,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.grid import GridGeometry
 from mapper.simulation.kernels.driving import ARRIVED, CAREFUL, MARGIN
 from mapper.simulation.kernels.raycast import chord_clearance
 from mapper.simulation.kernels.relaxation import relax
 from mapper.simulation.kernels.shortest_paths import shortest_paths
 from mapper.simulation.robot import PoseTuple, Robot
-from mapper.simulation.worlds import Float64Array, World, clearance_lattice
+from mapper.simulation.worlds import World, clearance_lattice
 
 VISITED_RADIUS = 1.1  # metres around the robot that count as visited
 COMFORT = 0.55  # metres of clearance beyond which a path gains nothing

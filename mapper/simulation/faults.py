@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.core.parameter import check_fields, flag, table_of, with_values
+from mapper.core.array_types import Float64Array
+from mapper.core.parameter import check_fields, flag, with_values
 from mapper.simulation.kernels.reflection import reflect
-from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at, ranges_in_cones, rays_of_cone
+from mapper.simulation.lidar import SensorConfig, pose_of, ranges_in_cones, rays_of_cone, true_ranges
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
 POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished
@@ -30,7 +31,7 @@ _LENGTHENED = np.array([0.0, np.inf], dtype=np.float16)  # of a lidar's beam tha
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """One value for each row of :data:`FAULT_PARAMETERS`: the faults that the map is made with.
+    """The faults that the map is made with.
 
     ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`, with ``slam`` as SLAM corrects them.
     ``specular`` uses the walls of :func:`polished_faces`: a lidar's slanting beam does not return, a sonar hears only
@@ -75,9 +76,6 @@ class Faults:
         return self.trajectory == "slam"
 
 
-FAULT_PARAMETERS = table_of(Faults)
-
-
 @lru_cache(maxsize=16)
 def polished_faces(world: World) -> Float64Array:
     """Return the faces (n, 4), ``(ax, ay, bx, by)`` in metres, that are polished: all straight ones that are long."""
@@ -119,7 +117,7 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
     """
     x, y, yaw = pose = pose_of(sensor_pose)
     if sensor.kind == "lidar":
-        gone = _reflected(world, ranges_at(world, sensor, pose), sensor.directions, pose)
+        gone = _reflected(world, true_ranges(world, sensor, pose), sensor.directions, pose)
         return np.take(_LENGTHENED, gone.view(np.uint8))
     heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
     angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)

@@ -11,12 +11,13 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, choice, number, table_of, with_values
+from mapper.core.parameter import check_fields, choice, number, table_of, with_values
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.kernels.lidar import add_noise, cast_rays
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 RAY_STEP = math.radians(1.0)  #: between the rays that sample a cone
 
@@ -134,7 +135,6 @@ class SensorConfig:
 
 
 SENSOR_PARAMETERS = table_of(SensorConfig)
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SENSOR_PARAMETERS}
 
 
 @lru_cache(maxsize=64)
@@ -161,16 +161,12 @@ def pose_of(numbers: ArrayLike) -> PoseTuple:
     return (x, y, yaw)
 
 
-def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:
-    """Return the exact distance (n_readings,), metres, from ``sensor_pose`` (3,), ``T_map_laser``, to the first solid.
+def true_ranges(world: World, sensor: SensorConfig, sensor_pose: PoseTuple) -> Float64Array:
+    """Return the exact distance (n_readings,), metres, from ``sensor_pose``, ``T_map_laser``, to the first solid.
 
-    +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``.
+    +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``. The array may be shared and must
+    not be modified.
     """
-    return ranges_at(world, sensor, pose_of(sensor_pose)).copy()
-
-
-def ranges_at(world: World, sensor: SensorConfig, sensor_pose: PoseTuple) -> Float64Array:
-    """Return :func:`true_ranges`. It may be shared and must not be modified."""
     x, y, yaw = sensor_pose
     if sensor.kind == "sonar_ring":
         heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
@@ -198,7 +194,7 @@ def measure(
     # Drawn even where σ = 0: the noise of later scans does not depend on it.
     noise = rng.standard_normal(sensor.n_readings)
     ranges = np.empty(sensor.n_readings, dtype=np.float32)
-    true = ranges_at(world, sensor, pose_of(sensor_pose))
+    true = true_ranges(world, sensor, pose_of(sensor_pose))
     add_noise(true, noise, sensor.range_noise, RANGE_MIN, sensor.range_max, ranges)
     limits = (RANGE_MIN, sensor.range_max)
     return LaserScan(ranges, sensor.angle_min, sensor.angle_increment, *limits, stamp_ns, sensor.cone)

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import between_one, compose, inverse, wrap_angle
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import Float64Array
 
 Alphas = tuple[float, float, float, float]
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import check_fields, choice, number, table_of, with_values
 from mapper.core.se3 import from_euler
@@ -21,7 +22,7 @@ from mapper.simulation.kernels.space import Space, cast_in_space
 from mapper.simulation.lidar import RANGE_MIN, TURN
 from mapper.simulation.plan_map import is_furniture
 from mapper.simulation.shapes import Polygon
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, compose_one
 from mapper.sensors.scan import LaserScan
@@ -15,7 +16,7 @@ from mapper.simulation.kernels import driving
 from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.robot import PoseTuple, Robot
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 DRIVE_SECONDS = 0.5  #: for how long a velocity given by hand holds
 ROBOT_RADIUS = 0.2  #: metres

@@ -12,10 +12,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.simulation.kernels.lidar import VERTEX_SLACK
 from mapper.simulation.lidar import RANGE_MIN
 from mapper.simulation.shapes import Polygon
-from mapper.simulation.worlds import Float64Array, World
+from mapper.simulation.worlds import World
 
 
 def prism_faces(outline: Polygon, bottom: float, top: tuple[float, float, float]) -> list[Float64Array]:

@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.simulation.kernels.driving import (
     ANGULAR_ACCELERATION,
     ARRIVED,
@@ -38,7 +38,6 @@ from mapper.simulation.kernels.driving import (
 )
 from mapper.simulation.kernels.raycast import arc_clearance, farthest_in_sight, nearest_edge
 
-Float64Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 
 

@@ -6,14 +6,13 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
 from mapper.simulation.blocks import Block
 from mapper.simulation.kernels.raycast import clearances
-
-Float64Array = NDArray[np.float64]
 
 LATTICE_STEP = 0.1  #: metres between the points of a world's clearance lattice
 BLOCK = 8  # cells along the side of the blocks in which the lattice is computed

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
-from mapper.core.parameter import Parameter, check_fields, choice, flag, number, table_of, with_values
+from mapper.core.parameter import check_fields, choice, flag, number, table_of, with_values
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,14 +109,9 @@ class SlamConfig:
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the values by name."""
-        return asdict(self)
-
     def with_values(self, values: Mapping[str, Any]) -> SlamConfig:
         """Return the config with these values replaced. Raises :class:`ConfigError` for a name or a value."""
         return with_values(self, values, "SLAM parameter")
 
 
 SLAM_PARAMETERS = table_of(SlamConfig)
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SLAM_PARAMETERS}

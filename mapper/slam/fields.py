@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.grid.kernels.lattice import Frame
 from mapper.matching.fields import GREATEST, gaussian_stamps
 from mapper.matching.kernels.correlative import Window, best_in_window, branch_and_bound, score_window
 from mapper.matching.kernels.score_field import add_scan, write_pyramid
 from mapper.matching.kernels.types import ScanArrays
-
-Float64Array = NDArray[np.float64]
 
 
 class ScoreField:

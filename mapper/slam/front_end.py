@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import between_one, compose_one
 from mapper.matching.kernels.point_to_line import refine_pose
 from mapper.slam.config import SlamConfig
@@ -26,8 +27,6 @@ from mapper.slam.matching_rules import (
     pair_rule,
 )
 from mapper.slam.scan_store import ScanStore
-
-Float64Array = NDArray[np.float64]
 
 #: metres, metres, radians: of the field and the steps of the search; a turn by 1° moves a wall 5 m away by one sigma
 RESOLUTION, SIGMA, TURN = 0.05, 0.08, np.radians(1.0)

@@ -6,8 +6,8 @@ from collections import OrderedDict
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
@@ -16,8 +16,6 @@ from mapper.slam.loop_test import Loop, Place, share_contradicted_mutually, try_
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted
-
-Float64Array = NDArray[np.float64]
 
 KEPT_PLACES = 24  #: submaps, searched last
 WINDOW, DRIFT = 1.0, 0.03  #: metres, and metres for each metre of the way in the graph, that a pose may be off

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.se2 import compose, inverse
 from mapper.matching.kernels.point_to_line import refine_pose
 from mapper.matching.kernels.types import PairRule
@@ -15,9 +16,6 @@ from mapper.slam.fields import ScoreField
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.matching_rules import LOOP_ITERATIONS, information_of
 from mapper.slam.scan_store import ScanStore
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 #: metres, metres, radians: coarser than in the front end, for windows are wide; the alignment begins within 0.4 m
 RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025

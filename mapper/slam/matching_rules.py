@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule
 from mapper.slam.kernels.information import write_information
-
-Float64Array = NDArray[np.float64]
 
 NOISE = 0.03  #: metres: of a point beside the wall of another scan
 CORRELATION = 0.05  #: share of the points of a scan that are independent evidence: neighbours have errors in common

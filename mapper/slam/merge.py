@@ -12,8 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, wrap_angle
 from mapper.grid import OccupancyGrid
@@ -35,9 +35,6 @@ from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamProgress, SlamResult
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.whole_log import slam_log, stored_scans
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 FEWEST = 3  #: loops between the logs, without which they are not taken to show one place
 LEAST_SHARE = 0.3  #: of the loops that were tried near scans of the first log

@@ -6,13 +6,12 @@ import re
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.sensors.joint_log import JointLog, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog, Trajectory
 
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")  #: of a topic of ROS 2
-Float64Array = NDArray[np.float64]
 
 MERGED = "merged"  #: name of the trajectory
 BETWEEN_NS = 1_000_000_000  #: from the last scan of one log to the first of the next, where a clock is set

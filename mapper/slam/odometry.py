@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, interpolate, inverse
 from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
-
-Float64Array = NDArray[np.float64]
 
 SHORT_S = 0.1  #: seconds: within them scans that are not matched are interpolated without harm
 LONG_S = 0.5  #: seconds: poses that are farther apart do not tell the velocity

@@ -11,14 +11,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import wrap_angle
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.slam.kernels.edges import edge_errors, linearise_edges, squared_errors
 from mapper.slam.sparse_system import SparseSystem
-
-Float64Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 60
 STOP = 1e-5  #: metres and radians: the largest step after which the poses count as found

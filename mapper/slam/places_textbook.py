@@ -11,11 +11,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.se2 import transform_points, wrap_angle
 from mapper.matching.textbook import PointScan
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 UNKNOWN, FREE, WALL = 0, 1, 2
 

@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
@@ -16,7 +17,6 @@ from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
 
-Float64Array = NDArray[np.float64]
 Kind = TypeVar("Kind", bound=np.generic)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, compose_one, inverse
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
@@ -20,8 +21,6 @@ from mapper.slam.odometry import next_scan
 from mapper.slam.optimise import MAX_ITERATIONS, optimise, optimise_newest
 from mapper.slam.place_recognition import PlaceRecognizer, reason_against_group
 from mapper.slam.scan_store import ScanStore
-
-Float64Array = NDArray[np.float64]
 
 MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same

@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.slam.kernels.block_cholesky import count_factor, factorise, solve_factorised
 from mapper.slam.kernels.edges import add_pairs
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
-
 
 MOST_MULTIPLIED = 10_000_000  #: blocks, until it is asked whether the work is cancelled: 0.2 s
 

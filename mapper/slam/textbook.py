@@ -10,11 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
 from mapper.matching.textbook import PointScan, beam_towards, beams_around
 from mapper.sensors.pose_graph import PoseGraph
-
-Float64Array = NDArray[np.float64]
 
 
 def edge_error(pose_i: Float64Array, pose_j: Float64Array, relative: Float64Array) -> Float64Array:

@@ -9,10 +9,11 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import IO, Annotated, Any, NoReturn
 
 import typer
 
+from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import LimitError, MapperError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import BY_NAME, RECORDED, MappingConfig
@@ -77,6 +78,16 @@ def fail(message: str) -> NoReturn:
     """Print an error sentence and end the command."""
     typer.echo(f"gridbloom: {message}", err=True)
     raise typer.Exit(BAD_INPUT)
+
+
+@contextmanager
+def output_file(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that appears whole or not at all; one that cannot be written ends the command with a sentence."""
+    try:
+        with atomic_write(path) as file:
+            yield file
+    except OSError as error:
+        fail(f"{path}: the file cannot be written: {error.strerror}.")
 
 
 @contextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import msgspec
@@ -12,7 +11,7 @@ from msgspec import Struct, field
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Values
-from mapper.mapping.parameters import CONES, MappingConfig
+from mapper.mapping.parameters import CONES
 from mapper.puzzles import CAUSES
 from server.sessions.view import LogView
 from server.sources.history import SimulationHistory
@@ -94,12 +93,6 @@ def _checked(cause: str) -> str:
     if cause == AS_IT_IS or (cause in CAUSES and CAUSES[cause].of_log):
         return cause
     raise ConfigError("puzzle.cause", f"No log or world can be given the fault {cause!r:.80}.")
-
-
-def changed(config: MappingConfig, first: MappingConfig) -> Values:
-    """Return the values in which ``config`` differs from ``first``."""
-    before = asdict(first)
-    return {name: value for name, value in asdict(config).items() if value != before[name]}
 
 
 def spec_of_world(history: SimulationHistory, cause: str, seed: int, *, cone: bool) -> WorldSpec:

@@ -15,13 +15,12 @@ from typing import TypeVar
 import structlog
 
 from mapper.core.errors import MapperError, WorkCancelledError
-from server.sessions.messages import working_message
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult
 from server.stream.commands import PauseCommand, PlayCommand, SpeedCommand
 from server.stream.hub import Hub
 from server.stream.message_parts import Table
-from server.stream.messages import ErrorMessage, FrameMessage, Hello
+from server.stream.messages import ErrorMessage, FrameMessage, Hello, WorkingMessage
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.scheduler import checkpoint, wait_without_turn
@@ -166,6 +165,15 @@ def hello_message(model: SessionModel, session_id: str, epoch_id: str) -> Hello:
     )
     model.complete(hello)
     return hello
+
+
+def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> WorkingMessage:
+    """Return a ``working`` message; without a time the computation has ended."""
+    return WorkingMessage(
+        elapsed_s=None if elapsed_s is None else round(elapsed_s, 2),
+        fraction=None if fraction is None else round(fraction, 3),
+        what=what,
+    )
 
 
 def frame_message(model: SessionModel) -> FrameMessage:

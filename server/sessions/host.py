@@ -41,8 +41,7 @@ from server.stream.messages import ErrorMessage
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
 from server.work.movable_timer import MovableTimer
-from server.work.scheduler import URGENT_S, Scheduler, checkpoint
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
 
 if TYPE_CHECKING:
     from mapper.replay.replay import CheckpointPrefetcher

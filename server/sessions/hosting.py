@@ -10,8 +10,7 @@ from msgspec import Struct
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
-from server.work.scheduler import Scheduler
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import JobOwner, Scheduler
 
 T = TypeVar("T")
 

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, SkipValidation
+from pydantic import BaseModel, Field, SkipValidation
 
 from mapper.core.parameter import Value
 from mapper.sensors.scan import ScanLog
@@ -22,10 +22,8 @@ GivenValues: TypeAlias = dict[str, Annotated[Value, SkipValidation]]
 """Parameters by name in a request: their table checks them, and names the one that is wrong."""
 
 
-class SessionRequest(BaseModel):
+class SessionRequest(BaseModel, extra="forbid"):
     """The body of ``POST /api/sessions``. Each kind derives a class in which ``kind`` is a literal, its name."""
-
-    model_config = ConfigDict(extra="forbid")
 
     kind: str
     playing: bool = Field(True, description="Whether the session plays from the start.")

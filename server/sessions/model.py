@@ -10,19 +10,23 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
-from msgspec import Struct
+import msgspec
+import numpy as np
+from msgspec import UNSET, Struct
 
+from mapper.core.kernels.decimals import MOST_BYTES, TOO_LARGE, write_thousandths
 from mapper.grid import OccupancyGrid
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.georeference import NO_OFFSET, Offset
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import RangeScan, ScanLog, SonarScan
 from server.sessions.commands import MeasureRay, on_floor
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.parts import Volumetric
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import Playback
+from server.sessions.view import Playback, Pose, RobotState
 from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
 from server.stream.messages import FrameMessage, Hello, PlaceMessage, ScanFields
@@ -34,6 +38,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 NO_SCAN = ScanFields()
+#: No reading: pages wait for a first scan.
+NO_READINGS = ScanFields(scan_pose=(0.0, 0.0, 0.0), ranges=[], angle_min=0.0, angle_increment=0.0, range_max=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,3 +282,65 @@ class SessionModel(ABC):
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of checkpoints, None if no checkpoint is missing (event loop)."""
         return None
+
+
+def set_robot(frame: FrameMessage, robot_state: RobotState) -> None:
+    """Set the fields of a ``frame`` message about the robot's pose."""
+    frame.stamp = round(robot_state.stamp_s, 4)
+    frame.pose = _rounded(robot_state.pose)
+    frame.sensor_pose = _rounded(robot_state.sensor_pose)
+    if robot_state.believed_pose is not None:
+        frame.believed_pose = _rounded(robot_state.believed_pose)
+
+
+def scan_of(robot_state: RobotState, config: MappingConfig) -> ScanFields:
+    """Return the fields of a ``frame`` message about the robot's scan."""
+    scan, believed = robot_state.scan, robot_state.believed_scan_pose
+    return ScanFields(
+        scan_pose=_rounded(robot_state.scan_pose),
+        believed_scan_pose=UNSET if believed is None else _rounded(believed),
+        ranges=_ranges(scan),
+        angle_min=0.0 if isinstance(scan, SonarScan) else scan.angle_min,
+        angle_increment=0.0 if isinstance(scan, SonarScan) else scan.angle_increment,
+        bearings=np.round(scan.bearings, 5).tolist() if isinstance(scan, SonarScan) else UNSET,
+        beam_width=scan.beam_width if scan.beam_width > 0.0 else UNSET,
+        range_max=min(scan.range_max, config.range_max),
+    )
+
+
+class ScanReport:
+    """The fields of ``frame`` about a scan, computed once for each scan."""
+
+    def __init__(self) -> None:
+        self._key: tuple[Any, ...] = ()
+        self._scan = NO_READINGS
+
+    def scan(self, robot: RobotState, config: MappingConfig) -> ScanFields:
+        """Return the fields of the newest scan: the same object until there is a newer scan."""
+        key = (robot.scan, robot.scan_pose, robot.believed_scan_pose, config.range_max)
+        if not self._key or self._key[0] is not robot.scan or self._key[1:] != key[1:]:
+            self._key, self._scan = key, scan_of(robot, config)
+        return self._scan
+
+
+def _rounded(pose: Pose) -> Pose:
+    x, y, yaw = (round(value, 4) for value in pose)
+    return (x, y, yaw)
+
+
+def _ranges(scan: RangeScan) -> list[float | None]:
+    """Return :func:`readings` as JSON, which the encoder copies, where none is too large for that."""
+    text = np.empty(2 + MOST_BYTES * len(scan.ranges), dtype=np.uint8)
+    low, high = (float(np.float32(limit)) for limit in (scan.range_min, scan.range_max))  # as NumPy compares them
+    size = write_thousandths(scan.ranges, low, high, text)
+    return readings(scan) if size == TOO_LARGE else cast("list[float | None]", msgspec.Raw(text[:size].tobytes()))
+
+
+def readings(scan: RangeScan) -> list[float | None]:
+    """Return the scan's readings in metres, rounded, None for no return and for an invalid reading."""
+    ranges = scan.ranges
+    measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
+    rounded: list[float | None] = np.round(ranges.astype(np.float64), 3).tolist()
+    for i in np.flatnonzero(~measured).tolist():
+        rounded[i] = None
+    return rounded

@@ -17,7 +17,8 @@ from server.sessions.hosting import ModelHost
 from server.sessions.parts import Costing, LayerCosts, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback, Pose
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import Parameter
 
 if TYPE_CHECKING:

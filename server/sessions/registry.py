@@ -24,8 +24,7 @@ from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.stream.traffic import Traffic
 from server.work.memory import give_back
-from server.work.scheduler import Scheduler
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from server.sessions.host import SessionHost

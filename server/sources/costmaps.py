@@ -10,13 +10,13 @@ from msgspec import Struct
 
 from mapper.costmap import NO_INFORMATION
 from mapper.io.logs.summary import start_s
-from server.sessions.messages import NO_READINGS
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.model import NO_READINGS, Footprint, SessionModel
 from server.sessions.parts import Costed, Viewed
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView, Playback
 from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
 from server.stream.messages import FrameMessage, Hello, ScanFields, Trajectory
 from server.stream.protocol import ProtocolError

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import Annotated, TypeAlias
 
 from msgspec import Struct
-from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, WithJsonSchema
+from pydantic import BaseModel, Field, PlainSerializer, PlainValidator, WithJsonSchema
 
 from mapper.core.errors import ConfigError
 from server.parts.wire import command_of
@@ -48,10 +48,8 @@ class WorldEdits(BaseModel):
     erased: Annotated[list[int], Field(description="Indices of the built solids that were erased.")] = []
 
 
-class History(BaseModel):
+class History(BaseModel, extra="ignore"):
     """The history of a simulation: with its world and seed enough to reproduce its recording and its map."""
-
-    model_config = ConfigDict(extra="ignore")
 
     sensor: Annotated[GivenValues, Field(description="Initial values of the simulated sensor.")] = {}
     edits: Annotated[WorldEdits, Field(description="Initial edits of the world.")] = WorldEdits()

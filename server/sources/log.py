@@ -24,8 +24,7 @@ from server.parts.comparison.part import LogComparison
 from server.parts.mapping.part import MappingParameters
 from server.sessions.drawings import COLUMN_M, Drawing, Path, Point
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import ScanReport, set_robot
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.model import Footprint, ScanReport, SessionModel, set_robot
 from server.sessions.part import ExplainedMap, Offers, Robot
 from server.sessions.parts import Graphed
 from server.sessions.scene_controls import Choice, SceneControls
@@ -49,7 +48,8 @@ from server.stream.commands import (
     TrajectoryCommand,
     WorldCommand,
 )
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import LogInfo, TrajectoryInfo
 from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields, Trajectories
 from server.stream.messages import Trajectory as TrajectoryMessage

@@ -14,6 +14,7 @@ import numpy as np
 from mapper import diagnosis
 from mapper.core.errors import LimitError, WorkCancelledError
 from mapper.core.limits import Limits
+from mapper.core.parameter import changed_values
 from mapper.core.se2 import pose_tuple
 from mapper.evaluation.same_path import first_pair, stated_before
 from mapper.io.export import GrowingMap
@@ -31,8 +32,7 @@ from server.sessions.parts import Recording, Viewed
 from server.sessions.view import LogView, RobotState
 from server.stream.message_parts import Table, rows_of
 from server.work.priority import lower_priority
-from server.work.scheduler import Scheduler
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Diagnosis
@@ -200,8 +200,7 @@ class LogRecording(Recording, Viewed):
         The parameters stay, but for those that the sensor sets. Raises as :meth:`choose`, without changes.
         """
         old = self.replay
-        before = asdict(first_config(self.log))
-        changed = {name: value for name, value in asdict(old.config).items() if value != before[name]}
+        changed = changed_values(old.config, first_config(self.log))
         trajectory = old.trajectory if old.trajectory in log.trajectories else None
         wanted = replace(view, trajectory=trajectory, values=asdict(first_config(log).with_values(changed)))
         self.replay = first_replay(log, wanted, self._host.limits(), old.wanted)

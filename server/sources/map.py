@@ -8,8 +8,7 @@ from typing import ClassVar
 from server.library.packs.reference_map import ReferenceMap
 from server.parts import parts_of
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import NO_READINGS
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.model import NO_READINGS, Footprint, SessionModel
 from server.sessions.part import Offers
 from server.sessions.parts import EditedFiles
 from server.sessions.tick import TickResult

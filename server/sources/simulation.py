@@ -26,8 +26,7 @@ from server.parts import parts_of
 from server.parts.mapping.part import MappingParameters
 from server.sessions.drawings import COLUMN_M, Drawing, Walls
 from server.sessions.hosting import ModelHost
-from server.sessions.messages import ScanReport, set_robot
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.model import Footprint, ScanReport, SessionModel, set_robot
 from server.sessions.part import ExplainedMap, MappedScans, Offers, Plan, Robot, StaticMap
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
@@ -50,7 +49,8 @@ from server.stream.commands import (
     TeleportCommand,
     WorldCommand,
 )
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import Block, Compared, Table, rows_of
 from server.stream.message_parts import Edits as EditsMessage
 from server.stream.messages import Forgetting, FrameMessage, Hello, ParametersMessage, ScanFields, WorldMessage

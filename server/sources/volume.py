@@ -43,15 +43,15 @@ from server.parts.volume.start import bounds_of, check_resolution, first_look, f
 from server.parts.volume.surface import VolumeSurface
 from server.parts.volume.voxel_questions import VoxelQuestions, place_met
 from server.sessions.drawings import Drawing, Point
-from server.sessions.messages import NO_READINGS
-from server.sessions.model import Footprint, SessionModel
+from server.sessions.model import NO_READINGS, Footprint, SessionModel
 from server.sessions.part import Offers
 from server.sessions.parts import Volumetric
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.sources.scan_timeline import ScanTimeline
 from server.stream.commands import CancelCommand, ParametersCommand, RestartCommand, SeekCommand, StepCommand
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import Table, rows_of
 from server.stream.messages import FrameMessage, Hello, ParametersMessage, ScanFields
 from server.stream.protocol import ProtocolError

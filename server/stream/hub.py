@@ -17,12 +17,11 @@ from collections.abc import Callable, Sequence
 import msgspec
 from msgspec import Struct
 
-from server.stream.codecs import TILES, join_frame
 from server.stream.commands import MeasureCommand
 from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.messages import FrameMessage, LayersMessage, ScanFields
-from server.stream.protocol import ProtocolError, encode_text, type_of
+from server.stream.protocol import TILES, ProtocolError, encode_text, join_frame, type_of
 from server.stream.traffic import Traffic
 
 WINDOW = 2  #: unacknowledged batches of a client that acknowledges quickly

@@ -28,7 +28,7 @@ from mapper.io.maps.pixels import occupancy_values
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.planning import GoalPlanner, PlannerConfig, plan_path
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from tests.bench.limits import inflation_limit
 
 SIDE, RESOLUTION, INSCRIBED = 2048, 0.05, 0.1

@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, SensorConfig, Simulation
@@ -21,8 +22,6 @@ SENSOR = SensorConfig(n_beams=180, range_max=8.0, range_noise=0.01, scan_rate=RA
 START_NS = 1_760_000_000_000_000_000
 BACK = 60  #: scans in which a displaced robot drives back to its path, which its wheels measure
 ROOM_M = 0.2  #: that a displaced robot keeps from walls
-
-Float64Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,8 @@ from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
 from mapper.io.export.recording import write_mcap
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.stream.codecs import TILES
-from server.stream.tiles import TilePicture, picture_range
+from server.stream.grid_layer import TilePicture, picture_range
+from server.stream.protocol import TILES
 from tests.bench.feel import new_page
 from tests.bench.stopwatch import Laps, laps
 from tests.browser.looking import frame, settled_digest, until

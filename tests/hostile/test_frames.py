@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import LimitError
 from mapper.io.logs.recording.poses3 import Poses3
-from mapper.io.logs.recording.timeline import Int64Array, Timeline
+from mapper.io.logs.recording.timeline import Timeline
 from mapper.io.logs.recording.transforms import MAX_DEPTH, MAX_WORLDS
 from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from tests.server.service import Service, Watcher, eventually, running, settings_for
 
 FRAMES = 5  #: that the fast client gets between two looks of the slow one

@@ -24,8 +24,8 @@ from mapper.simulation.kernels import driving
 from server.sessions import SessionRegistry, computation, host, messages
 from server.settings import Settings
 from server.sources.simulation_kind import simulation_plan
+from server.stream.grid_layer import GridLayer
 from server.stream.hub import Client, Hub
-from server.stream.layers import GridLayer
 from server.work.scheduler import Scheduler
 from tests.load.spans import Spans
 

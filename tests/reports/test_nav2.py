@@ -23,7 +23,7 @@ from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import COMBINATIONS, InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
 from mapper.localization import parse_amcl_yaml
-from mapper.planning.nav2_parameters import parse_nav2_path
+from tests.mapper.planning.nav2_file import parse_nav2_path
 from tests.server.cli.running import Run
 
 STATIC = 'static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}'

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse
 from mapper.sensors.scan import ScanLog
-
-Float64Array = NDArray[np.float64]
 
 LEAST_BACK = 2.0  #: usual intervals: stamps that jump back by less are out of order, as where two threads write
 LEAST_AHEAD_S = 0.5  #: seconds, and five usual intervals

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis.events.motions import WITHIN, Loss, Motions
-
-Float64Array = NDArray[np.float64]
 
 WINDOWS = (1, 2, 3, 5, 8, 12, 18, 27, 40, 60, 90)  #: steps
 LONGEST_S = 10.0  #: of a window of several steps

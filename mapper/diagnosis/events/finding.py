@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose
 from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
 from mapper.diagnosis.events.displacement import Displacement, displacements
@@ -157,8 +158,6 @@ def _of_whole(log: ScanLog, sensor: ScanLog, numbers: NDArray[np.int64], event: 
         seconds=event.seconds + shift, until_s=event.until_s + shift,
     )  # fmt: skip
 
-
-Float64Array = NDArray[np.float64]
 
 SCANS = 8  #: before it and after it that are compared
 REACH_M = 30.0  #: of the readings that are compared

@@ -9,10 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import wrap_angle
 from mapper.sensors.scan import ScanLog
-
-Float64Array = NDArray[np.float64]
 
 GAP_S, USUAL_INTERVALS = 2.0, 5.0  #: a gap lasts longer than that, and than so many usual intervals
 TURN_M = 0.3  #: metres of way that a turn by one radian counts

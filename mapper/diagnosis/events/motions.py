@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.io.logs.summary import recorded_seconds
@@ -26,8 +27,6 @@ from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
 from mapper.slam.odometry import motions
 from mapper.slam.scan_store import ScanStore, scans_of
-
-Float64Array = NDArray[np.float64]
 
 MOST_SCANS = 20_000  #: that are aligned; longer logs are thinned evenly, and their events timed less finely
 ASKED_EVERY = 100  #: scans between two questions whether the work is still wanted

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ReadError
 from mapper.core.se3 import from_euler, from_quaternion
 from mapper.io.contents.frame_graph import chain_of, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, FrameEdge
 from mapper.io.logs.ros.camera_topics import camera_info_topic, is_rectified
-
-Float64Array = NDArray[np.float64]
 
 
 class Sight(NamedTuple):

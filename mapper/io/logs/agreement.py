@@ -10,11 +10,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog
-
-Float64Array = NDArray[np.float64]
 
 STRETCH = 40  #: scans one after another that are compared with each other: poses drift little meanwhile
 SHORTER = 20  #: of a log in which more stretches of so many tell something: a short one, with few turns

@@ -10,16 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose
 from mapper.io.logs.agreement import BY_M, FEWER_BEAMS, MUCH, Agreement, fits
 from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
-
-Float64Array = NDArray[np.float64]
 
 LOOKED_AT_S = 0.1  #: seconds in which the robot moves, to choose scans by
 OFFSETS_S = np.arange(-0.3, 0.301, 0.025)  #: that are tried in each stretch, to find the rate

@@ -8,12 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import arc_clearance, farthest_in_sight, nearest_edge
-
-Float64Array = NDArray[np.float64]
 
 STEP = 0.02  #: seconds of one physics step
 CONTROL_STEPS = 2  #: physics steps between two decisions of the explorer

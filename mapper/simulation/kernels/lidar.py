@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float32Array, Float64Array
 from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import _crossing
-
-Float32Array = NDArray[np.float32]
-Float64Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi
 VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two edges share must not pass between them

@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
-
-Float64Array = NDArray[np.float64]
 
 RUN = 64  # consecutive points that share a search for their nearest edges, at most
 RUN_RADIUS = 0.5  # metres: their greatest distance from the middle of their bounding box

@@ -10,10 +10,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import _squared_distance, clearances, nearest_edge
-
-Float64Array = NDArray[np.float64]
 
 GROUP = 8  # consecutive points that share a list of the edges near them
 MOVED = 0.3  # metres along an axis that a point may move while that list is used

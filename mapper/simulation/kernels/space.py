@@ -9,13 +9,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
 from mapper.simulation.kernels.lidar import VERTEX_SLACK
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 
 class Space(NamedTuple):

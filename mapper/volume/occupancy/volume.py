@@ -233,11 +233,6 @@ class OccupancyVolume:
         """Return which voxels end a cast ray, of the blocks in the order of their slots."""
         return self._stops.masks_of(self.belief, self.blocks.codes, float(self.config.log_odds_occupied))
 
-    def log_odds_at(self, points: ArrayLike) -> Float32Array:
-        """Return the log-odds (n,) of the voxels that hold points (n, 3), NaN where unknown or outside the lattice."""
-        keys, inside = keys_of(np.asarray(points, dtype=np.float32), self.config.resolution)
-        return self.log_odds_of(np.where(inside[:, None], keys, 0), inside)
-
     def log_odds_of(self, keys: Int64Array, where: BoolArray | None = None) -> Float32Array:
         """Return the log-odds (n,) of voxels by their keys (n, 3), NaN where unknown or ``where`` (n,) is false."""
         x, y, z = keys.T

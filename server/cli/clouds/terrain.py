@@ -10,7 +10,6 @@ import numpy as np
 import typer
 
 from mapper.core.array_types import BoolArray
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
 from mapper.io.clouds import read_cloud
 from mapper.sensors.point_cloud import PointCloud
@@ -18,7 +17,16 @@ from mapper.terrain import Patches, Terrain, agreement, assess, find_ground, fit
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
 from mapper.terrain.patches import UNKNOWN
 from server.cli.commands import app
-from server.cli.common import AsJson, fail, given_values, print_json, print_notes, refusing, with_parameter_options
+from server.cli.common import (
+    AsJson,
+    fail,
+    given_values,
+    output_file,
+    print_json,
+    print_notes,
+    refusing,
+    with_parameter_options,
+)
 from server.cli.map_files import save
 
 MANY_UNKNOWN = 0.5  #: of the patches with points: a greater share is said
@@ -121,9 +129,6 @@ def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
 def _write(prefix: Path, is_ground: BoolArray, found: Terrain) -> list[Path]:
     files = save(found.grid(), prefix, "trinary", "map")
     path = prefix.with_name(prefix.name + ".npy")
-    try:
-        with atomic_write(path) as file:
-            np.save(file, is_ground.astype(np.uint8))
-    except OSError as error:
-        fail(f"{path}: The file cannot be written: {error.strerror}.")
+    with output_file(path) as file:
+        np.save(file, is_ground.astype(np.uint8))
     return [path, *files]

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from mapper.core.atomic_file import atomic_write
 from mapper.diagnosis import Finding, first_cause
 from mapper.io.export import GrowingMap, tum_text, write_mcap
 from mapper.mapping.integrate import bounds_of_logs, grid_for, integrate_log, integrate_logs
@@ -35,6 +34,7 @@ from server.cli.common import (
     fail,
     given_cut,
     given_parameters,
+    output_file,
     print_json,
     print_notes,
     progress_bar,
@@ -213,15 +213,12 @@ def _export(
     for path in (mcap, tum):
         if path is None:
             continue
-        try:
-            with atomic_write(path) as file:
-                if path is tum:
-                    file.write(tum_text(log, trajectory).encode())
-                else:
-                    with progress_bar("Writing") as progress:
-                        write_mcap(file, log, growing_map, trajectory, progress)
-        except OSError as error:
-            fail(f"{path}: the file cannot be written: {error.strerror}.")
+        with output_file(path) as file:
+            if path is tum:
+                file.write(tum_text(log, trajectory).encode())
+            else:
+                with progress_bar("Writing") as progress:
+                    write_mcap(file, log, growing_map, trajectory, progress)
     return [path for path in (mcap, tum) if path is not None]
 
 

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
 from mapper.io.export import tum_text
 from mapper.io.maps import load_map
@@ -29,6 +28,7 @@ from server.cli.common import (
     fail,
     given_parameters,
     numbers,
+    output_file,
     print_json,
     print_notes,
     progress_bar,
@@ -195,9 +195,6 @@ def _write(path: Path, log: ScanLog, localized: Localized, frame: str) -> list[P
     if placed.n_scans:
         texts = {path: tum_text(placed, LOCALIZED), **texts}
     for place, text in texts.items():
-        try:
-            with atomic_write(place) as file:
-                file.write(text.encode())
-        except OSError as error:
-            fail(f"{place}: the file cannot be written: {error.strerror}.")
+        with output_file(place) as file:
+            file.write(text.encode())
     return list(texts)

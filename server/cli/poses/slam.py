@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
 from mapper.diagnosis import events_of
 from mapper.diagnosis.figures import MapFigures, map_figures
@@ -33,6 +32,7 @@ from server.cli.common import (
     configured,
     fail,
     given_parameters,
+    output_file,
     print_json,
     print_notes,
     progress_bar,
@@ -182,10 +182,7 @@ def write_texts(prefix: Path, texts: dict[str, str]) -> list[Path]:
     paths = []
     for ending, text in texts.items():
         path = prefix.with_name(prefix.name + ending)
-        try:
-            with atomic_write(path) as file:
-                file.write(text.encode())
-        except OSError as error:
-            fail(f"{path}: the file cannot be written: {error.strerror}.")
+        with output_file(path) as file:
+            file.write(text.encode())
         paths.append(path)
     return paths

@@ -8,10 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError
 from server.cli.commands import app
-from server.cli.common import AsJson, fail, print_json, print_notes, progress_bar, refusing
+from server.cli.common import AsJson, fail, output_file, print_json, print_notes, progress_bar, refusing
 from server.client import Client, NoteFile
 from server.settings import Settings
 
@@ -80,9 +79,6 @@ def notes(
             data = client.notes(found, wanted)
     except MapperError as error:
         fail(error.message)
-    try:
-        with atomic_write(out) as file:
-            file.write(data)
-    except OSError as error:
-        fail(f"{out}: {error.strerror}")
+    with output_file(out) as file:
+        file.write(data)
     typer.echo(f"{out} written")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.core.errors import MapperError
 from server.http.clients import client_address
@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/classes", tags=["classes"])
 
 
-class PuzzleOfClass(BaseModel):
+class PuzzleOfClass(BaseModel, extra="forbid"):
     """A puzzle for a class."""
-
-    model_config = ConfigDict(extra="forbid")
 
     puzzle: str = Field(max_length=100, description="Name of a puzzle of the program, or token of one that was made.")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Query
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.mapping.parameters import MappingConfig
 from server.http.services import Logs, Visitor
@@ -22,10 +22,8 @@ router = APIRouter(prefix="/api/fleet", tags=["fleet"])
 Name = Annotated[str, Field(min_length=1, max_length=255)]
 
 
-class FleetOptions(BaseModel):
+class FleetOptions(BaseModel, extra="forbid"):
     """How each log is read and mapped, as by the options of ``gridbloom fleet``; metres, radians, seconds."""
-
-    model_config = ConfigDict(extra="forbid")
 
     topic: Name | None = Field(None, description="The sensor of each log; null: the one with most scans.")
     tf: Name | None = Field(None, description="The topic of transforms, where there are several.")
@@ -44,10 +42,8 @@ class FleetOptions(BaseModel):
         return fleet_jobs.FleetRequest(self.topic, self.tf, self.trajectory, given)
 
 
-class FleetRequest(BaseModel):
+class FleetRequest(BaseModel, extra="forbid"):
     """Logs to be mapped."""
-
-    model_config = ConfigDict(extra="forbid")
 
     again: bool = Field(False, description="Map the logs again that failed.")
     options: FleetOptions | None = Field(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
@@ -44,10 +44,8 @@ router = APIRouter(tags=["links"])
 Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
-class Look(BaseModel):
+class Look(BaseModel, extra="forbid"):
     """Part of the map that a picture shows."""
-
-    model_config = ConfigDict(extra="forbid")
 
     x: FiniteFloat = Field(description="The place in the middle, metres.")
     y: FiniteFloat = Field(description="The place in the middle, metres.")
@@ -56,10 +54,8 @@ class Look(BaseModel):
     height: FiniteFloat = Field(gt=0.0, description="Pixels of the picture.")
 
 
-class ShownField(BaseModel):
+class ShownField(BaseModel, extra="forbid"):
     """A number that is plotted."""
-
-    model_config = ConfigDict(extra="forbid")
 
     topic: str = Field(max_length=400)
     field: str = Field(max_length=400, description="Its path in the message.")
@@ -67,10 +63,8 @@ class ShownField(BaseModel):
     window: FiniteFloat = Field(gt=0.0, le=86_400.0, description="Of the moving average, seconds.")
 
 
-class ShownPlots(BaseModel):
+class ShownPlots(BaseModel, extra="forbid"):
     """The plots of a log."""
-
-    model_config = ConfigDict(extra="forbid")
 
     fields: list[ShownField] = Field(max_length=20)
     across: str | None = Field(None, max_length=801, description="The number on the horizontal axis; null for time.")
@@ -78,20 +72,16 @@ class ShownPlots(BaseModel):
     below: bool = Field(description="Whether there are plots below the time slider.")
 
 
-class ShownLines(BaseModel):
+class ShownLines(BaseModel, extra="forbid"):
     """Which lines that nodes logged are listed."""
-
-    model_config = ConfigDict(extra="forbid")
 
     least: int = Field(ge=0, le=255, description="The least level.")
     node: str = Field(max_length=200, description="The node; empty for all.")
     text: str = Field(max_length=200, description="What they contain.")
 
 
-class ShownMeasure(BaseModel):
+class ShownMeasure(BaseModel, extra="forbid"):
     """What is measured on the map or in 3D."""
-
-    model_config = ConfigDict(extra="forbid")
 
     tool: Literal["distance", "area"]
     points: list[tuple[FiniteFloat, FiniteFloat] | Place] = Field(
@@ -102,19 +92,15 @@ class ShownMeasure(BaseModel):
     )
 
 
-class ShownCamera(BaseModel):
+class ShownCamera(BaseModel, extra="forbid"):
     """From where a 3D view is seen."""
-
-    model_config = ConfigDict(extra="forbid")
 
     position: Place = Field(description="Where it is, metres.")
     look_at: Place = Field(description="What it looks at, metres.")
 
 
-class ShownScene(BaseModel):
+class ShownScene(BaseModel, extra="forbid"):
     """The 3D view of the stage."""
-
-    model_config = ConfigDict(extra="forbid")
 
     clouds: bool = Field(description="Whether it shows the log's point clouds, not its map.")
     camera: ShownCamera | None = Field(None, description="Null: as at first.")
@@ -128,10 +114,8 @@ class ShownScene(BaseModel):
     )
 
 
-class Shown(BaseModel):
+class Shown(BaseModel, extra="forbid"):
     """What else of the page its sender saw."""
-
-    model_config = ConfigDict(extra="forbid")
 
     group: str | None = Field(None, max_length=40, description="The open group of controls.")
     note: str | None = Field(None, max_length=100, description="Id of the chosen note.")
@@ -147,10 +131,8 @@ class Shown(BaseModel):
     comparison: str | None = Field(None, max_length=16_000, description="The comparison, as the page writes it.")
 
 
-class NewLink(BaseModel):
+class NewLink(BaseModel, extra="forbid"):
     """A link to what a session shows now."""
-
-    model_config = ConfigDict(extra="forbid")
 
     look: Look | None = Field(None, description="What part of the map is seen; all of it where this is left out.")
     shown: Shown | None = Field(None, description="What else of the page is seen.")

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, Field, StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
@@ -157,10 +157,8 @@ async def picture(library: Logs, visitor: Visitor, log_id: str, *, dark: bool = 
     )
 
 
-class TagsOfLog(BaseModel):
+class TagsOfLog(BaseModel, extra="forbid"):
     """The tags of a log."""
-
-    model_config = ConfigDict(extra="forbid")
 
     tags: Annotated[list[str], Field(max_length=MAX_TAGS)]
 

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.core.errors import MapperError
+from mapper.core.parameter import changed_values
 from mapper.sensors.planar.options import PlanarCut
 from server.http.clients import chosen_place, client_address, while_connected
 from server.http.file_answer import file_answer
@@ -40,19 +41,15 @@ Name = Annotated[
 ]
 
 
-class NewPuzzle(BaseModel):
+class NewPuzzle(BaseModel, extra="forbid"):
     """A puzzle of what a session shows now."""
-
-    model_config = ConfigDict(extra="forbid")
 
     fault: str = Field("as-it-is", max_length=40, description="Fault to add, as in GET; as-it-is: that of the session.")
     title: str = Field("", max_length=80, description="Title; by default that of the world or log.")
 
 
-class AttemptAnswer(BaseModel):
+class AttemptAnswer(BaseModel, extra="forbid"):
     """An answer to a puzzle."""
-
-    model_config = ConfigDict(extra="forbid")
 
     cause: str = Field(max_length=40, description="Name of the cause.")
 
@@ -121,7 +118,6 @@ async def make(
     """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
     await imported("server.puzzles.spec")
     from server.puzzles.spec import (  # noqa: PLC0415 - imported with the first puzzle
-        changed,
         spec_of_log,
         spec_of_world,
         spec_text,
@@ -139,7 +135,8 @@ async def make(
         of_log = writable_session(sessions, session_id)
         record = library.get(of_log.owner, of_log.log_id)
         recording, seen = of_log.recording, of_log.recording.view()
-        values = changed(recording.first_config().with_values(seen.values or {}), recording.first_config())
+        first = recording.first_config()
+        values = changed_values(first.with_values(seen.values or {}), first)
         text = spec_text(spec_of_log(seen, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0))
     title = wanted.title.strip() or session.model.title
     return _public(await library.puzzles.make(session.owner, record, title, text))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Path, Request, WebSocket
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import NOT_BUILT, find_pages
@@ -66,10 +66,8 @@ async def _client(request: Request, *, plain_view: bool) -> Response:
     return Response(client.plain, media_type="text/html", headers=headers)
 
 
-class SceneSettings(BaseModel):
+class SceneSettings(BaseModel, extra="forbid"):
     """Changes of a 3D view: camera, height of the columns, visible layers."""
-
-    model_config = ConfigDict(extra="forbid")
 
     camera: CameraName | RobotCameraName | None = None
     height: FiniteFloat | None = Field(None, ge=0.1, le=10.0)

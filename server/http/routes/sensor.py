@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 
 from server.http.clients import while_connected
 from server.http.services import Logs, Sessions, Visitor
@@ -17,10 +17,8 @@ from server.sessions.view import LogView
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class NewSensor(BaseModel):
+class NewSensor(BaseModel, extra="forbid"):
     """Sensor of the log that is mapped."""
-
-    model_config = ConfigDict(extra="forbid")
 
     topic: str | None = Field(
         None,

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ReadError
 from server.library.packs.arrays import UNREADABLE, compressed_arrays
 from server.library.packs.reference_map import ReferenceMap
 
 MOST_ROWS = 300_000  #: particles that are kept of all scans together
 
-Float64Array = NDArray[np.float64]
 
 _UNREADABLE = "The file of this localization cannot be read; localize the log again."
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from mapper import localization
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import changed_values
 from mapper.io import export
 from mapper.mapping.parameters import MappingConfig, as_mapped
 from mapper.sensors.scan import Trajectory
@@ -278,8 +279,9 @@ class LocalizationKind:
     def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
         """Return a request with the values that differ from the first ones."""
         request.check()
-        wanted = request.parameters
-        return replace(request, parameters=replace(wanted, values=changed_values(wanted.values)))
+        wanted, first = request.parameters, localization.LocalizationConfig()
+        values = changed_values(first.with_values(wanted.values), first)
+        return replace(request, parameters=replace(wanted, values=values))
 
     def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
         """Return no log: the map is a file of its own."""
@@ -333,19 +335,6 @@ class LocalizationKind:
         await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, filter_states=states))
         rounded = replace(outcome, cpu_s=round(outcome.cpu_s, 2), median_fit=round(outcome.median_fit, 4))
         return LocalizationResult(**asdict(rounded), trajectory=name)
-
-
-def changed_values(values: Parameters) -> Parameters:
-    """Return the localization parameters that differ from the first values (worker thread: it imports the filter).
-
-    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
-    """
-    first = localization.LocalizationConfig().as_dict()
-    return {
-        name: value
-        for name, value in localization.LocalizationConfig().with_values(values).as_dict().items()
-        if value != first[name]
-    }
 
 
 def parameter_table() -> ParameterTable:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from mapper import diagnosis, slam
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
+from mapper.core.parameter import changed_values
 from mapper.io import export
 from mapper.mapping.parameters import RECORDED, MappingConfig, as_mapped
 from mapper.sensors.georeference import NO_OFFSET
@@ -208,7 +209,8 @@ class SlamKind:
     def checked(self, log_id: str, request: SlamRequest) -> SlamRequest:  # noqa: ARG002 - what another kind needs
         """Return a request with the parameters that differ from the first values."""
         request.check()
-        return replace(request, parameters=changed_parameters(request.parameters))
+        first = SlamConfig()
+        return replace(request, parameters=changed_values(first.with_values(request.parameters), first))
 
     def others(self, request: SlamRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
         """Return no log: SLAM uses one."""
@@ -262,15 +264,6 @@ class SlamKind:
 
 def _rounded(value: float | None) -> float | None:
     return round(value, 4) if value is not None and math.isfinite(value) else None
-
-
-def changed_parameters(values: Parameters) -> Parameters:
-    """Return the parameters of SLAM that differ from the first values (worker thread: it imports SLAM).
-
-    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
-    """
-    first = SlamConfig().as_dict()
-    return {name: value for name, value in SlamConfig().with_values(values).as_dict().items() if value != first[name]}
 
 
 def parameter_table() -> ParameterTable:

@@ -22,7 +22,7 @@ from server.sessions.part import ExplainedMap, MappedScans, Part
 from server.sessions.parts import Comparable, Recording
 from server.sessions.tick import TickResult
 from server.sessions.view import Wanted
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from server.stream.message_parts import Compared, Numbers
 from server.stream.messages import ParametersMessage
 from server.work.scheduler import checkpoint

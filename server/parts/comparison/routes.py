@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from msgspec import convert, to_builtins
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.core.errors import MapperError
 from mapper.core.parameter import Values
@@ -32,10 +32,8 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class ComparedMap(BaseModel):
+class ComparedMap(BaseModel, extra="forbid"):
     """The other side, A: a map of the session's log or of another one."""
-
-    model_config = ConfigDict(extra="forbid")
 
     values: GivenValues = Field({}, description="Parameters set for A; all others are the session's.")
     trajectory: str | None = Field(None, max_length=200, description="Trajectory of A; by default the log's first.")

@@ -34,7 +34,8 @@ from server.parts.costmap.parameters import LAYERS, CostmapParameters
 from server.parts.costmap.zones import SpeedZones, Stroke
 from server.sessions.part import StaticMap
 from server.sessions.parts import LayerCosts
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 
 
 class Costmap:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from mapper.io import maps
@@ -25,10 +25,8 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class FootprintOfCostmap(BaseModel):
+class FootprintOfCostmap(BaseModel, extra="forbid"):
     """The outline of the robot."""
-
-    model_config = ConfigDict(extra="forbid")
 
     footprint: list[tuple[FiniteFloat, FiniteFloat]] = Field(
         description="Corners [x, y] in the robot's frame, metres, without padding: 3 to 24, around (0, 0)."

@@ -24,9 +24,8 @@ from server.sessions.hosting import ModelHost
 from server.sessions.part import Offers, Part
 from server.sessions.parts import EditedFiles
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer, TilePicture, picture_range
 from server.stream.protocol import fields_of
-from server.stream.tiles import TilePicture, picture_range
 
 MOST_CELLS = 1 << 24  #: of a map that is edited
 MOST_LISTED = 12  #: of the last edits, in the message ``map_edits``

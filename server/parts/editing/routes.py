@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.core.errors import LimitError, MapperError
 from server.downloads import Content, Download, file_stem
@@ -33,10 +33,8 @@ _ENDINGS = {
 _UNPAINTED = {"keepout": "The map has no keepout zones.", "speed": "The map has no speed limits."}
 
 
-class NewMap(BaseModel):
+class NewMap(BaseModel, extra="forbid"):
     """A map to keep."""
-
-    model_config = ConfigDict(extra="forbid")
 
     name: str = Field(min_length=1, max_length=100, description="Name of the new map.")
 

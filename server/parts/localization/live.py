@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.localization.likelihood_field import beam_likelihood
@@ -34,10 +34,8 @@ from server.parts.localization.messages import (
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
 from server.stream.commands import RestartCommand, SensorCommand, TeleportCommand, WorldCommand
-from server.stream.layers import GridLayer, Layer
-from server.stream.whole_layers import TableLayer
-
-Float64Array = NDArray[np.float64]
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer, TableLayer
 
 MOST_SHOWN = 10_000  #: particles that are sent
 MOST_PARTICLES = 100_000  #: that one session may have

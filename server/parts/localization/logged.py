@@ -26,8 +26,8 @@ from server.sessions.hosting import ModelHost
 from server.sessions.part import Part, Plan, StaticMap
 from server.sessions.parts import FilterHistory, GraphSource, Localized, Recording
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer, Layer
-from server.stream.whole_layers import TableLayer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer, TableLayer
 
 if TYPE_CHECKING:
     from server.library.processing.localization import LocalizeProgress

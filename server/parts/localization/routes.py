@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request
 from fastapi.responses import PlainTextResponse
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
+from mapper.core.parameter import changed_values
 from server.http.clients import client_address, in_turn
 from server.http.file_answer import FILE_BODY, file_answer
 from server.http.following import follow_localization, tell_at_end
@@ -24,7 +25,6 @@ from server.library.processing.localization import (
     LocalizationParameters,
     LocalizationRequest,
     LocalizationStatus,
-    changed_values,
     parameter_table,
 )
 from server.library.processing.log_jobs import Parameters, ParameterTable
@@ -41,20 +41,16 @@ router = APIRouter(prefix="/api", tags=["logs"])
 MOST_YAML_BYTES = 1 << 16
 
 
-class MapOfLog(BaseModel):
+class MapOfLog(BaseModel, extra="forbid"):
     """The map of a log: of the session's own or of another one."""
-
-    model_config = ConfigDict(extra="forbid")
 
     log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
     topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
     trajectory: str | None = Field(None, max_length=200, description="Trajectory to map it with; else its first.")
 
 
-class NewLocalization(BaseModel):
+class NewLocalization(BaseModel, extra="forbid"):
     """A localization of a session's log in the map that was chosen."""
-
-    model_config = ConfigDict(extra="forbid")
 
     initial_pose: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = Field(
         None, description="Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere."
@@ -99,10 +95,10 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> Amcl
             raise LimitError("amcl.size", f"A yaml of parameters has at most {MOST_YAML_BYTES >> 10} KiB here.")
 
     def read() -> AmclParameters:
-        from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
+        from mapper.localization import LocalizationConfig, parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
 
         amcl = parse_amcl_yaml(bytes(text))
-        values = changed_values(amcl.config.as_dict())
+        values = changed_values(amcl.config, LocalizationConfig())
         return AmclParameters(values, amcl.layout, {**amcl.others}, [*amcl.notes])
 
     return await in_turn(request, work, visitor, read)

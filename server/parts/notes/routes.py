@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
+from pydantic import BaseModel, Field, FiniteFloat, StringConstraints
 
 from server.downloads.names import disposition, file_name
 from server.http.file_answer import file_answer
@@ -29,10 +29,8 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 Place = Annotated[FiniteFloat, Field(ge=-1e7, le=1e7)]
 
 
-class NewNote(BaseModel):
+class NewNote(BaseModel, extra="forbid"):
     """A note as its author writes it."""
-
-    model_config = ConfigDict(extra="forbid")
 
     text: Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=2000)]
     at_s: FiniteFloat | None = Field(None, ge=-1e10, le=1e10, description="Seconds after the log's first scan.")

@@ -23,9 +23,9 @@ from server.sessions.part import Offers, Part, Robot
 from server.sessions.parts import Costing, Costs
 from server.sessions.tick import TickResult
 from server.stream.commands import AutoCommand, DriveCommand
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer, TableLayer
 from server.stream.protocol import ProtocolError, place_of
-from server.stream.whole_layers import TableLayer
 
 CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a path
 

@@ -18,7 +18,7 @@ from server.sessions.part import Part
 from server.sessions.parts import Graphed, GraphSource, Recording, ShownLoops
 from server.sessions.tick import TickResult
 from server.sessions.view import GraphChange
-from server.stream.whole_layers import GraphLayer
+from server.stream.layers import GraphLayer
 
 if TYPE_CHECKING:
     from mapper.io.contents.model import Series

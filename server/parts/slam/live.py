@@ -8,7 +8,7 @@ from msgspec import Struct
 from mapper.simulation.live_map import LiveMap
 from server.sessions.part import Part
 from server.sessions.tick import TickResult
-from server.stream.whole_layers import GraphLayer, TableLayer
+from server.stream.layers import GraphLayer, TableLayer
 
 EVERY = 5  #: scans after which the true path is rewritten
 MOST_PLACES = 3000  #: of the true path

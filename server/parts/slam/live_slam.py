@@ -7,18 +7,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.se2 import compose, compose_one
 from mapper.sensors.pose_graph import LOOP
 from mapper.sensors.scan import ScanLog
 from mapper.simulation.robot import PoseTuple
 from mapper.slam import Slam, SlamConfig
-from server.stream.whole_layers import GraphLayer
+from server.stream.layers import GraphLayer
 
 N_BEAMS = 180  #: of a scan that are matched: 1 to 3 ms each, eight times faster than real time too
 DISTANCE, TURN = 0.1, 0.1  #: metres, radians: a scan is matched where the odometry moved this far
 MOST_NODES = 3000  #: about 25 MB; later scans follow the odometry
-
-Float64Array = NDArray[np.float64]
 
 
 class LiveSlam:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Body, Query
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
 from server.http.computed_series import graph_source
@@ -42,10 +42,8 @@ router = APIRouter(prefix="/api", tags=["logs"])
 _tasks: set[asyncio.Task[None]] = set()  # of merges that have ended: asyncio itself keeps no reference
 
 
-class NewSlam(BaseModel):
+class NewSlam(BaseModel, extra="forbid"):
     """SLAM of a log."""
-
-    model_config = ConfigDict(extra="forbid")
 
     topic: str | None = Field(None, max_length=400, description="Sensor of the log, if it has several.")
     trajectory: str | None = Field(
@@ -67,20 +65,16 @@ class NewSlam(BaseModel):
     )
 
 
-class PoseCorrection(BaseModel):
+class PoseCorrection(BaseModel, extra="forbid"):
     """SLAM of a session's log."""
-
-    model_config = ConfigDict(extra="forbid")
 
     parameters: GivenValues = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
     )
 
 
-class ChangeOfGraph(BaseModel):
+class ChangeOfGraph(BaseModel, extra="forbid"):
     """A change of a pose graph by hand; what is left out stays."""
-
-    model_config = ConfigDict(extra="forbid")
 
     remove: int | None = Field(None, ge=0, description="Number of a loop to remove.")
     lock: int | None = Field(None, ge=0, description="Number of a loop that the robust kernel may not weaken.")
@@ -98,10 +92,8 @@ class PresentGraph:
     graph: PoseGraphAnswer | None
 
 
-class OtherLog(BaseModel):
+class OtherLog(BaseModel, extra="forbid"):
     """The log to merge with."""
-
-    model_config = ConfigDict(extra="forbid")
 
     log: str = Field(max_length=64, description="Id of the other log.")
     topic: str | None = Field(None, max_length=400, description="Sensor of it, if it has several.")

@@ -9,6 +9,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse, transform_points
 from mapper.io.contents.model import Series
@@ -38,7 +39,7 @@ from server.sessions.graph_answers import (
 )
 from server.sessions.parts import ShownLoops
 from server.sessions.view import GraphChange
-from server.stream.whole_layers import GraphLayer
+from server.stream.layers import GraphLayer
 
 KERNELS = ("geman_mcclure", "cauchy", "huber", "none")
 SCALES = (0.5, 50.0)  #: least and greatest scale of the kernel, in standard deviations
@@ -51,8 +52,6 @@ MAX_POINTS = 720  #: of one scan that is drawn
 LOOP_Z = 0.1  #: metres above the floor, and so above the path, at which the 3D view shows loops
 #: of loops that fit, that are strained, and that contradict the rest
 LOOP_COLOURS = np.array([(46, 130, 90), (214, 150, 30), (200, 40, 60)], dtype=np.uint8)
-
-Float64Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ from server.parts.terrain.messages import TerrainCommand, TerrainCounts, Terrain
 from server.parts.terrain.patch import first_asked, patch_at, patch_mark
 from server.sessions.part import Cloud, Offers, OtherMap, Part
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import rows_of
 from server.stream.protocol import ProtocolError, place_of
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from mapper.core.errors import ConfigError, LimitError
 from server.downloads import Downloads
@@ -25,10 +25,8 @@ MOST_CELLS = 1 << 24  #: of a map of a terrain
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class TerrainOfUpload(BaseModel):
+class TerrainOfUpload(BaseModel, extra="forbid"):
     """The terrain among the visitor's uploads."""
-
-    model_config = ConfigDict(extra="forbid")
 
     log: str | None = Field(max_length=200, description="Id of the cloud or map, as in /api/logs; null: none.")
 

@@ -33,7 +33,8 @@ from server.sessions.parts import DepthSensing, Volumetric
 from server.sessions.tick import TickResult
 from server.sessions.view import Playback
 from server.stream.commands import RestartCommand, WorldCommand
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer
 from server.stream.message_parts import rows_of
 
 MOST_POINTS = 2000  #: of the newest scan that are drawn

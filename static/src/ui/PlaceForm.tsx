@@ -2,7 +2,6 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { Button } from "./Button";
 import { NumberField } from "./NumberField";
-import "./placeForm.css";
 
 interface PlaceFormProps {
   /** What the button says. */

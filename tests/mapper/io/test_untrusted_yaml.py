@@ -15,7 +15,7 @@ from mapper.core.errors import MapperError
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.amcl_parameters import parse_amcl_yaml
-from mapper.planning.nav2_parameters import parse_nav2_path
+from tests.mapper.planning.nav2_file import parse_nav2_path
 
 HOSTILE = {
     "no boolean": ("!!bool perhaps", "'perhaps' is no bool"),

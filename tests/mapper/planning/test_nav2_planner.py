@@ -7,8 +7,9 @@ import yaml
 
 from mapper.core.errors import ConfigError
 from mapper.planning import PlannerConfig, PursuitConfig
-from mapper.planning.nav2_parameters import Nav2Path, nav2_path_yaml, parse_nav2_path
+from mapper.planning.nav2_parameters import Nav2Path, nav2_path_yaml
 from mapper.planning.parameters import PURSUIT_PARAMETERS
+from tests.mapper.planning.nav2_file import parse_nav2_path
 
 FILE = """
 planner_server:

@@ -13,7 +13,7 @@ from server.sessions import Kind, Plan, SessionModel
 from server.sessions.kind import Resources, SessionRequest
 from server.sessions.tick import TickResult
 from server.sources import KINDS
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from tests.server.service import Service, Watcher, running, settings_for
 
 GEOMETRY = GridGeometry(0.5, rows=4, cols=6)

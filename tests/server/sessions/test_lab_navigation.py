@@ -16,7 +16,6 @@ from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.io import ros_parameters, untrusted_yaml
-from mapper.planning.nav2_parameters import parse_nav2_path
 from server.parts.costmap.messages import CostmapCommand
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
@@ -26,8 +25,9 @@ from server.sessions.tick import TickResult
 from server.sources.history import History
 from server.sources.simulation import SimulationModel
 from server.stream.commands import DriveCommand
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from server.stream.protocol import ProtocolError
+from tests.mapper.planning.nav2_file import parse_nav2_path
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 from tests.server.service import eventually

@@ -6,7 +6,7 @@ from mapper.grid import OccupancyGrid
 from server.parts.wire import command_of
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from tests.server.begin import new_simulation
 
 

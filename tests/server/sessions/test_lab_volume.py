@@ -34,6 +34,7 @@ from server.sessions.tick import TickResult
 from server.sources.simulation import SimulationModel
 from server.stream.commands import TeleportCommand
 from server.stream.protocol import fields_of
+from tests.mapper.volume.voxel_values import log_odds_at
 from tests.server.begin import new_simulation
 from tests.server.sent import sent
 
@@ -122,7 +123,7 @@ async def test_the_low_table_is_in_the_3d_map_and_not_in_the_flat_one(lab: Lab) 
     x, y = LOW_TABLE
     row, col = lab.model.grid.geometry.world_to_cell(LOW_TABLE)
     assert lab.model.grid.log_odds[row, col] < 0.0  # free in the belief
-    assert lab.map.volume.log_odds_at([(x, y, 0.24)])[0] > 0.0  # occupied in space
+    assert log_odds_at(lab.map.volume, [(x, y, 0.24)])[0] > 0.0  # occupied in space
     assert lab.state_at(x, y) == 2
     assert lab.state_at(x, 0.15) == 1  # a wall is in both
     assert lab.state_at(x, y + 1.2) == 0  # the floor, which the band leaves out
@@ -321,7 +322,7 @@ async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab)
     command = lab.model.on_scene_ray((4.02, 3.02, 1.0), (0.0, 0.0, -1.0))
     assert command is not None
     why = next(one for one in sent(lab.do(**fields_of(command)).slots.values()) if one["type"] == "voxel")
-    value = float(lab.map.volume.log_odds_at([why["centre"]])[0])
+    value = float(log_odds_at(lab.map.volume, [why["centre"]])[0])
     assert why["state"] == "occupied"
     assert 0.2 <= why["centre"][2] <= 0.4
     assert why["log_odds"] == pytest.approx(value)
@@ -382,7 +383,7 @@ async def test_other_programs_read_its_files(lab: Lab, tmp_path: Path) -> None:
     path.write_bytes(files.octree_bytes(".ot"))
     tree = pyoctomap.OcTree(0.1).read(str(path))
     node = tree.search([4.02, 3.02, 0.24])
-    assert node.getLogOdds() == pytest.approx(float(lab.map.volume.log_odds_at([(4.02, 3.02, 0.24)])[0]))
+    assert node.getLogOdds() == pytest.approx(float(log_odds_at(lab.map.volume, [(4.02, 3.02, 0.24)])[0]))
     mesh = trimesh.load_mesh(io.BytesIO(files.mesh_bytes(".glb")), file_type="glb", process=False)
     keys, _ = lab.map.volume.voxels(0.0)
     low, high = (keys.min(axis=0) - 32768) * 0.1, (keys.max(axis=0) - 32767) * 0.1

@@ -8,7 +8,7 @@ import pytest
 
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import LaserScan
-from server.sessions.messages import scan_of
+from server.sessions.model import scan_of
 from server.sessions.view import RobotState
 
 POSE = (0.0, 0.0, 0.0)

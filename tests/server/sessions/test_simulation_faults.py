@@ -20,7 +20,7 @@ from server.sessions import SessionRegistry
 from server.sources.history import Replayable, SimulationHistory
 from server.sources.simulation_replay import history_of, replayed
 from server.stream.commands import AutoCommand
-from server.stream.layers import GridLayer
+from server.stream.grid_layer import GridLayer
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 

@@ -18,8 +18,7 @@ from server.sessions.tick import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
 from server.sources.simulation import SimulationModel
 from server.stream.hub import STALLED_S
 from server.stream.protocol import ProtocolError
-from server.work.scheduler import Scheduler
-from server.work.waiting_turns import JobOwner
+from server.work.scheduler import JobOwner, Scheduler
 from tests.server.service import eventually
 
 

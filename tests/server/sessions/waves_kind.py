@@ -20,10 +20,10 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.tick import TickResult
 from server.stream.commands import StepCommand
-from server.stream.layers import GridLayer, Layer
+from server.stream.grid_layer import GridLayer
+from server.stream.layers import Layer, TableLayer
 from server.stream.messages import FrameMessage
 from server.stream.protocol import ProtocolError
-from server.stream.whole_layers import TableLayer
 
 GEOMETRY = GridGeometry(0.25, 80, 120)  #: cells of 0.25 m, 80 rows and 120 columns, from the origin of the map frame
 AMPLITUDE = 0.5  #: metres

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from mapper.grid import TILE
-from server.stream.codecs import (
+from server.stream.protocol import (
     CHANGES,
     CHANGES_HEADER,
     FLAG_COMPLETE,
@@ -24,10 +24,10 @@ from server.stream.codecs import (
     Codec,
     Columns,
     Graph,
+    ProtocolError,
     TilePayload,
     join_frame,
 )
-from server.stream.protocol import ProtocolError
 
 C = TypeVar("C")
 

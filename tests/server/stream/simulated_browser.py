@@ -11,10 +11,9 @@ import numpy as np
 
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
+from server.stream.grid_layer import GridLayer, TilePicture
 from server.stream.hub import Hub
-from server.stream.layers import GridLayer
 from server.stream.messages import FrameMessage, ScanFields
-from server.stream.tiles import TilePicture
 from tests.server.stream.applied_frames import apply_frame
 
 ROWS, COLS = 64 * 4, 64 * 5

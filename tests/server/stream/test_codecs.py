@@ -10,8 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from server.stream.codecs import CHANGES, CODECS, GRAPH, TABLE, TILES, CellChanges, Codec, Graph, TilePayload
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import (
+    CHANGES,
+    CODECS,
+    GRAPH,
+    TABLE,
+    TILES,
+    CellChanges,
+    Codec,
+    Graph,
+    ProtocolError,
+    TilePayload,
+)
 from tests.server.stream.frame_decoding import decode_frame, encode_frame
 
 U16, U32 = st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1)

@@ -9,8 +9,8 @@ from websockets.streams import StreamReader
 
 from server.stream.frames import binary_frame, text_frame
 from server.stream.hub import Hub
+from server.stream.layers import TableLayer
 from server.stream.messages import ScanFields
-from server.stream.whole_layers import TableLayer
 from tests.server.stream.simulated_browser import frame_message
 
 

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from mapper.grid import CellBox
 from server.parts.notes.messages import NotesMessage
+from server.stream.grid_layer import MOST_CHANGES
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client
 from server.stream.messages import Pong, ScanFields
 from server.stream.protocol import ProtocolError
-from server.stream.tiles import MOST_CHANGES
 from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source, frame_message
 
 ACTIONS = st.lists(

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
-from server.stream.codecs import CHANGES, GRAPH, TILES
+from server.stream.grid_layer import GridLayer
 from server.stream.hub import MIN_BATCH_BYTES, Hub
-from server.stream.layers import GridLayer, Layer
+from server.stream.layers import GraphLayer, Layer, TableLayer
 from server.stream.messages import ScanFields
-from server.stream.whole_layers import GraphLayer, TableLayer
+from server.stream.protocol import CHANGES, GRAPH, TILES
 from tests.server.stream.applied_frames import apply_frame
 from tests.server.stream.frame_decoding import decode_frame, decode_table
 from tests.server.stream.simulated_browser import Clock, frame_message

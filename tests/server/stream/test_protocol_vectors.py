@@ -21,9 +21,20 @@ from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.textbook_traversal import bresenham
 from server.parts import wire
 from server.parts.wire import decode_command
-from server.stream.codecs import CHANGES, GRAPH, HEADER, TABLE, TILES, CellChanges, Graph, TilePayload
-from server.stream.protocol import ProtocolError, encode_text, fields_of
-from server.stream.tiles import STATE_BOUNDS
+from server.stream.grid_layer import STATE_BOUNDS
+from server.stream.protocol import (
+    CHANGES,
+    GRAPH,
+    HEADER,
+    TABLE,
+    TILES,
+    CellChanges,
+    Graph,
+    ProtocolError,
+    TilePayload,
+    encode_text,
+    fields_of,
+)
 from tests.server.stream.examples import COMMANDS, MESSAGES
 from tests.server.stream.frame_decoding import decode_frame, encode_frame
 

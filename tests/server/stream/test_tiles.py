@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
-from server.stream.codecs import TilePayload
-from server.stream.tiles import TilePicture, picture_range
+from server.stream.grid_layer import TilePicture, picture_range
+from server.stream.protocol import TilePayload
 
 
 def payload_of(picture: TilePicture, ty: int, tx: int) -> TilePayload:

@@ -11,8 +11,18 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from mapper.core.parallel import cores
-from server.work.scheduler import DEFERRED_EVERY_S, URGENT_S, Scheduler, checkpoint
-from server.work.waiting_turns import HEAVY_S, LIGHTER, RECENT_S, JobOwner, RecentComputing, Turn
+from server.work.scheduler import (
+    DEFERRED_EVERY_S,
+    HEAVY_S,
+    LIGHTER,
+    RECENT_S,
+    URGENT_S,
+    JobOwner,
+    RecentComputing,
+    Scheduler,
+    Turn,
+    checkpoint,
+)
 from tests.server.service import PATIENCE_S
 
 SLICE_S = 1.0 / 16.0  #: exact in binary, so that sums of it are

@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from server.work.waiting_turns import JobOwner, Turn, WaitingTurns
+from server.work.scheduler import JobOwner, Turn, WaitingTurns
 
 
 class Plain:

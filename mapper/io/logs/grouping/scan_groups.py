@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import wrap_angle
@@ -101,8 +102,6 @@ MOST_NOISE = 5.0  #: standard deviations
 HALF_NORMAL_QUARTILE = 0.3186  #: of the distances from the middle of a normal distribution, standard deviations
 NOISE_HALVES = 1.5  #: times as many readings may be on one side of range_max as on the other
 NOISE_WALLS = 0.1  #: of the readings below it are, at most, as far again as noise reaches
-
-Int64Array = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,13 +27,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.se2 import wrap_angle
 from mapper.io.logs.recording.poses3 import Poses3, angles_between, interpolated, rotated
 from mapper.io.logs.recording.timeline import Moments, Timeline
 from mapper.io.logs.recording.transforms import FrameTree, Path
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 LEAST_AHEAD_NS, MOST_AHEAD_NS = 50_000_000, 3_000_000_000  #: by which corrections are stamped ahead
 DENSER = 1.5  #: times as many poses: then odometry tells the motion between those of another source

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.limits import Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs.recording.clocks import AHEAD_NS
@@ -17,8 +18,6 @@ from mapper.sensors.georeference import Offset, note_on_offset, offset_of
 from mapper.sensors.scan import Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_before
 
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
 SAME = 1e-3  #: metres and radians
 STILL = "standing still"

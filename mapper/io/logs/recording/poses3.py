@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.sensors.georeference import FARTHEST_M
-
-Float64Array = NDArray[np.float64]
 
 UNIT_TOLERANCE = 10e-3  #: of the squared length of a quaternion, as tf2's QUATERNION_NORMALIZATION_TOLERANCE
 

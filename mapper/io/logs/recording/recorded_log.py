@@ -10,7 +10,6 @@ from copy import copy
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs.grouping.scan_groups import ScanGroup, scan_groups
@@ -31,8 +30,6 @@ from mapper.sensors.planar.cloud import cut_tilted, first_beam
 from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
-
-Int64Array = NDArray[np.int64]
 
 #: Which sensor is mapped where none is named: the first of these types.
 PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", *CLOUD_DECODERS, IMAGE, SONAR)

@@ -12,13 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.se2 import compose, wrap_angle
 from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
 from mapper.io.logs.recording.poses3 import Poses3
 from mapper.io.logs.recording.timeline import Moments
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 EXACT = 1e-3  #: metres and radians from 0: only odometry that begins is there
 NEAR = 0.02  #: the same, where the robot would have come there faster than it ever moves

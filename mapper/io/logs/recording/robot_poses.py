@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mapper.io.logs.recording.clocks import AHEAD_NS
 from mapper.io.logs.recording.corrections import DENSER, Leap, Motion, leaps_of, motion_along, shared_out
@@ -26,8 +25,6 @@ from mapper.io.logs.recording.tf_topics import namespaces
 from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.recording.transforms import FrameTree, Path, is_fixed_name
 from mapper.io.logs.ros.ros_messages import PATH, WITHOUT_HEADER
-
-Int64Array = NDArray[np.int64]
 
 #: Types of poses, the one that is most likely to be of the robot's own motion first.
 KINDS = (

@@ -25,9 +25,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Int64Array = NDArray[np.int64]
+from mapper.core.array_types import Int64Array
 
 #: A step back by less is none: threads and buffers of one publisher put its messages into another order by so much, tf2
 #: puts late transforms in order, and topics of 2 Hz and more all notice a step by more.

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mapper.core.array_types import Int64Array
 from mapper.io.logs.recording.clocks import FAR_NS
-from mapper.io.logs.recording.runs import NEAR_S, Int64Array, Track
+from mapper.io.logs.recording.runs import NEAR_S, Track
 
 LEAST_NS = 500_000_000  #: by which a clock is set; less is what threads and networks disorder
 REGULAR, SHARE = 0.25, 0.8  #: the share of the intervals that are so near to the usual one, of a regular sender

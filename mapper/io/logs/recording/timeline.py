@@ -9,15 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.io.logs.recording.clocks import with_set_stamps
 from mapper.io.logs.recording.poses3 import Poses3, interpolated, poses_of, why_no_pose
 from mapper.io.logs.recording.runs import LEAST_STEP_NS
 from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 LEAST_APART_NS = 1_000_000  #: mean interval of the recorded times, from which they count as times of messages
 LEAST_ALIKE = 3  #: messages of one stamp that are a fault of their sender

@@ -34,10 +34,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Int64Array
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.io.logs.recording.poses3 import Poses3, identity, poses_of, why_no_pose
-from mapper.io.logs.recording.timeline import Int64Array, Moments, Timeline
+from mapper.io.logs.recording.timeline import Moments, Timeline
 from mapper.io.logs.ros.message_fields import Pose7
 from mapper.io.logs.ros.ros_messages import StampedPose
 from mapper.sensors.robot_log import TransformEdge

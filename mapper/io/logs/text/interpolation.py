@@ -8,10 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.se2 import compose, interpolate, inverse, wrap_angle
-
-Float64Array = NDArray[np.float64]
-Int64Array = NDArray[np.int64]
 
 
 def poses_at_scans(

@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { run, saturatedAt } from "../digits/model";
-import { foundAgain } from "../localization/foundAgain";
-import { walk } from "../localization/state";
+import { foundAgain, walk } from "../localization/state";
 import { FIRST_PLACE, GLASS, WALLS, withoutReturn } from "../noreturn/model";
 import { byOdometry, errorOf, USUAL } from "../odometry/model";
 import { sizeOf } from "../resolution/model";

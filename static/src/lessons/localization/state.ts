@@ -6,7 +6,7 @@ import { seeded } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
 import { onPath } from "../stage/path";
 import { endPoints, logLikelihood, randomPose } from "./field";
-import { firstState, INITIAL, type Settings, type Walk } from "./kidnap";
+import { advance, firstState, INITIAL, type Settings, type Walk } from "./kidnap";
 
 /** Where the robot is whose scan weighs the poses of the first section. */
 export const scanningAt = onPath<Pose>([7.6, 4.3, 2.6]);
@@ -41,3 +41,18 @@ export const continueWalk = (change: (now: Walk) => Walk): void => {
 export const walkAgain = (): void => {
   continued.value = null;
 };
+
+const MOST_SCANS = 200;
+const MOST_OF_THE_BELIEF = 0.5;
+
+/** Continue the first walk of the figure until the robot is found; return the scans since its first state. */
+export function foundAgain(): number {
+  let walk = firstState(INITIAL);
+  const before = walk.past.length;
+  while ((walk.past.at(-1)?.near ?? 0) <= MOST_OF_THE_BELIEF && walk.past.length < before + MOST_SCANS) {
+    walk = advance(walk, INITIAL);
+  }
+  settings.value = INITIAL;
+  continueWalk(() => walk);
+  return walk.past.length - before;
+}

@@ -6,7 +6,7 @@ import { written } from "../../ui/numbers";
 
 interface HeadProps {
   readonly store: Store;
-  /** Back to the logs; not for a guest. */
+  /** Back to the logs; not for a guest, who is told that the session is one of their own. */
   readonly onClose: (() => void) | undefined;
   /** At the right end. */
   readonly children?: ComponentChildren;
@@ -21,13 +21,10 @@ export function Head({ store, onClose, children }: HeadProps) {
       <h1>{hello?.title ?? "…"}</h1>
       <RecomputeTime store={store} />
       {children}
-      {!onClose && <GuestNote />}
+      {!onClose && <span class="guest-note">Shared view: your changes are not seen by others.</span>}
     </header>
   );
 }
-
-/** Tells visitors with a link that they have a session of their own. */
-export const GuestNote = () => <span class="guest-note">Shared view: your changes are not seen by others.</span>;
 
 /** Time that the server took to compute the whole map again. */
 function RecomputeTime({ store }: { readonly store: Store }) {

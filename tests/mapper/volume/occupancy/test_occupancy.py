@@ -20,6 +20,7 @@ from mapper.volume import (
     voxels_in_box,
 )
 from mapper.volume.occupancy.queries import HIT, OUTSIDE, TOO_FAR, UNKNOWN
+from tests.mapper.volume.voxel_values import log_odds_at
 
 CONFIG = VolumeConfig(resolution=0.1)
 ORIGIN, WALL = [0.05, 0.05, 0.05], [1.05, 0.05, 0.05]
@@ -35,15 +36,15 @@ def one_beam(config: VolumeConfig = CONFIG, times: int = 1) -> OccupancyVolume:
 
 def test_a_beam_frees_what_it_passes_and_ends_in_the_last_voxel() -> None:
     places = [[x / 10 + 0.05, 0.05, 0.05] for x in range(12)]
-    found = one_beam().log_odds_at(places)
+    found = log_odds_at(one_beam(), places)
     np.testing.assert_allclose(found[:10], MISS_LOG_ODDS, rtol=1e-6)
     assert found[10] == pytest.approx(HIT_LOG_ODDS)
     assert np.isnan(found[11])
-    assert np.isnan(one_beam().log_odds_at([[np.nan, 0.0, 0.0], [1e7, 0.0, 0.0]])).all()
+    assert np.isnan(log_odds_at(one_beam(), [[np.nan, 0.0, 0.0], [1e7, 0.0, 0.0]])).all()
 
 
 def test_log_odds_are_clamped() -> None:
-    free, occupied = one_beam(times=50).log_odds_at([ORIGIN, WALL])
+    free, occupied = log_odds_at(one_beam(times=50), [ORIGIN, WALL])
     assert (free, occupied) == (CONFIG.log_odds_min, CONFIG.log_odds_max)
     assert (free, occupied) == (pytest.approx(-2.0, abs=1e-3), pytest.approx(3.5, abs=0.02))
 
@@ -51,7 +52,7 @@ def test_log_odds_are_clamped() -> None:
 def test_log_odds_halve_with_time_and_are_forgotten() -> None:
     volume = one_beam(replace(CONFIG, half_life=10.0))
     volume.decay(10.0)
-    assert volume.log_odds_at([WALL])[0] == pytest.approx(HIT_LOG_ODDS / 2)
+    assert log_odds_at(volume, [WALL])[0] == pytest.approx(HIT_LOG_ODDS / 2)
     volume.decay(20.0)  # now an eighth: that of the hit is 0.106, that of the misses 0.05
     assert volume.n_known == 1
     assert cast(volume, ORIGIN, [[1.0, 0.0, 0.0]]).ends[0] == HIT

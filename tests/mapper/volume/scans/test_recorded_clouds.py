@@ -15,6 +15,7 @@ from mapper.volume import OccupancyVolume, VolumeConfig, read_octree
 from server.cli import app
 from tests.mapper.io.logs.recorded import KINDS
 from tests.mapper.volume.moving_lidar import record
+from tests.mapper.volume.voxel_values import log_odds_at
 
 CONFIG = VolumeConfig(resolution=0.1)
 
@@ -73,7 +74,7 @@ def test_given_poses_are_of_the_clouds_and_a_recording_before_them_takes_none(ro
         arguments = ["map3d", str(run.path), *map(str, clouds), "--poses", str(poses), "--out", str(out), *more]
         done = CliRunner().invoke(app, [*arguments, "--resolution", "0.1"])
         assert done.exit_code == 0, done.output
-    places = (
-        read_octree(tmp_path / "a.ot").tree.volume(CONFIG).log_odds_at([[100.55, 0.05, 0.05], [200.75, 0.05, 0.05]])
+    places = log_odds_at(
+        read_octree(tmp_path / "a.ot").tree.volume(CONFIG), [[100.55, 0.05, 0.05], [200.75, 0.05, 0.05]]
     )
     assert (places > 0.0).all()

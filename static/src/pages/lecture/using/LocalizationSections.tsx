@@ -102,7 +102,7 @@ export function KidnappingSection(head: SectionHead) {
           text="The robot was carried away four scans ago. After how many more scans is most of the belief within half a metre of it?"
           axis={{ low: 0, high: 60, unit: "scans" }}
           step={1}
-          reveal={async () => (await import("../../../lessons/localization/foundAgain")).foundAgain()}
+          reveal={async () => (await import("../../../lessons/localization/state")).foundAgain()}
         />
       }
       sources={[["probabilistic-robotics", "table 8.3"], "amcl"]}

@@ -6,14 +6,13 @@ import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/costmap/CostFiles";
 import { MapTools } from "../../../tools/measure/MapTools";
 import { BeliefView } from "../../../tools/picture/BeliefView";
-import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import { Panel } from "../../../ui/Panel";
 import { Select } from "../../../ui/Select";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
-import { GuestNote } from "../Head";
+import { Head } from "../Head";
 import { ShareLinks } from "../share/ShareLinks";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/shown";
 import { Transport } from "../Transport";
@@ -228,11 +227,7 @@ export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewer
         />
       }
     >
-      <header class="viewer-head">
-        {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
-        <h1>{hello?.title ?? "…"}</h1>
-        {guest && <GuestNote />}
-      </header>
+      <Head store={store} onClose={onClose} />
       <div class="viewer-stage" ref={stage}>
         <div class="viewer-map">
           <BeliefView

@@ -27,6 +27,7 @@ import { Panel } from "../../../ui/Panel";
 import { ask } from "../../../wire/ask";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
+import { Head } from "../Head";
 import type { LogRecord } from "../library/library";
 import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
 import "../../../tools/readout/readout.css";
@@ -308,11 +309,9 @@ export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
         />
       }
     >
-      <header class="viewer-head">
-        <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
-        <h1>{hello?.title ?? "…"}</h1>
+      <Head store={store} onClose={onClose}>
         <UndoRedo store={store} />
-      </header>
+      </Head>
       <div class="viewer-stage" ref={stage}>
         <div class="viewer-map">
           <MapView

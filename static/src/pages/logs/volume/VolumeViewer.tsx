@@ -3,11 +3,11 @@ import type { Store } from "../../../store/store";
 import { ComputingMap } from "../../../tools/picture/ComputingMap";
 import { lookOf } from "../../../tools/volume/useLook";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
-import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/dock/Dock";
 import { bytes } from "../../../ui/numbers";
 import { SessionEnded } from "../../SessionEnded";
 import { useConnected } from "../../useConnected";
+import { Head } from "../Head";
 import { Transport } from "../Transport";
 import { ViewerFrame, ViewerStatus } from "../ViewerFrame";
 import { type Axis, volumeGroups } from "./volumeGroups";
@@ -84,10 +84,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
         <Dock label="About this map" groups={volumeGroups({ store, session, log, onCompare, onUp })} open={openGroup} />
       }
     >
-      <header class="viewer-head">
-        <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
-        <h1>{hello?.title ?? "…"}</h1>
-      </header>
+      <Head store={store} onClose={onClose} />
       <div class="viewer-stage">
         <div class="viewer-map">
           <VolumeStage session={session} store={store} />
