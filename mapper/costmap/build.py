@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PureWindowsPath
 
 from mapper.core.array_types import Int8Array
-from mapper.core.errors import ConfigError, ReadError
+from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.costmap.container_layer import ContainerLayer
 from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.denoise_layer import DenoiseLayer
@@ -160,7 +160,7 @@ class _Builder:
                 if inflation is not None:
                     raise ConfigError("costmap.inflation", "A costmap can have one inflation layer only.")
                 below += [painted] if painted is not None else []
-                inflation = InflationLayer(self.geometry, config, self.outline.inscribed_radius)
+                inflation = self._inflation(config, f"{parameters.node}.{named.name}")
             elif isinstance(config, StaticConfig):
                 place.append(StaticLayer(self.geometry, self.values, config, parameters.general))
             elif isinstance(config, DenoiseConfig):
@@ -190,6 +190,13 @@ class _Builder:
             elif one.kind == "speed" and one.enabled:
                 self.speed.append(SpeedFilter(mask, one.type, one.base, one.multiplier))
         return LayeredCostmap(self.geometry, general, self.outline, below, inflation, above)
+
+    def _inflation(self, config: InflationConfig, path: str) -> InflationLayer:
+        """Return the layer; ``path`` is its place in a parameter file, for the error of a radius of too many cells."""
+        try:
+            return InflationLayer(self.geometry, config, self.outline.inscribed_radius)
+        except LimitError as error:
+            raise LimitError(error.code, f"{path}.inflation_radius: {error.message}") from error
 
     def _keepouts(self, parameters: Nav2Costmap, n_below: int | None, within: str) -> Iterator[KeepoutLayer]:
         """Yield the keepout filters of ``parameters`` that are on, have a mask and lie over ``n_below`` layers."""

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import LimitError, MapperError
 from mapper.costmap import textbook
 from mapper.costmap.build import build_costmap
 from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION
@@ -570,3 +570,18 @@ def test_a_path_over_cells_that_count_as_free_says_so(tmp_path: Path, run: Run, 
     assert done.status == 0
     assert "300 cells are unknown in the map and count as free: track_unknown_space is off" in done.out
     assert "10 of the points are in cells that the map does not know" in done.out
+
+
+def test_a_footprint_beside_the_robots_centre_is_taken_with_a_note() -> None:
+    """makeFootprintFromString of nav2_costmap_2d asks for three points, and no more."""
+    found = node('footprint: "[[1, -1], [2, -1], [2, 1], [1, 1]]"\nfootprint_padding: 0.0\n')
+    assert found.outline.inscribed_radius == pytest.approx(1.0)
+    assert found.notes[0].startswith("global_costmap.footprint does not hold (0, 0), about which the robot turns.")
+
+
+def test_an_inflation_radius_of_too_many_cells_is_refused_by_its_path() -> None:
+    found = node("inflation_layer: {inflation_radius: 15.0}")
+    with pytest.raises(
+        LimitError, match=r"^global_costmap\.inflation_layer\.inflation_radius: An .* is 300 cells of 0\.05"
+    ):
+        build_costmap(GridGeometry(0.05, 8, 8), np.zeros((8, 8), np.int8), found)

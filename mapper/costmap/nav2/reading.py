@@ -400,10 +400,16 @@ def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
     if not isinstance(points, list):
         raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.")
     try:
-        return Footprint(tuple(tuple(point) for point in points))
+        made = Footprint(tuple(tuple(point) for point in points))
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
+    if not made.holds_origin:
+        notes.append(
+            f"{where}.footprint does not hold (0, 0), about which the robot turns. As in Nav2 it is taken as it is: "
+            "the inscribed radius is the distance from there to the outline."
+        )
+    return made
 
 
 def _points_of(text: str) -> list[Any] | None:
