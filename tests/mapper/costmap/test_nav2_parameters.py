@@ -13,6 +13,7 @@ from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import (
     InflationConfig,
     NamedSource,
+    ObstacleConfig,
     SourceConfig,
     StaticConfig,
     VoxelConfig,
