@@ -12,7 +12,7 @@ import yaml
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.costmap import ContainerConfig, LayerConfig, NamedLayer, Nav2Costmap
 from mapper.costmap.nav2.filters import NamedFilter, filter_nodes
-from mapper.costmap.nav2.reading import costmap_of
+from mapper.costmap.nav2.reading import DEFAULT_LAYERS, costmap_of
 from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import (
     DecayConfig,
@@ -24,7 +24,8 @@ from mapper.costmap.parameters import (
 )
 from mapper.io.nav2_declared import COSTMAP, RENAMED
 from mapper.io.ros_parameters import find_node, with_node
-from mapper.planning.nav2_parameters import Nav2Path, nav2_path_yaml
+from mapper.planning.nav2_parameters import CONTROLLER, Nav2Path, nav2_path_yaml, path_of
+from mapper.planning.nav2_parameters import NODE as PLANNER
 
 #: Parameters of the table, by the table's name of the layer that has them.
 PARAMETERS: Mapping[str, Sequence[str]] = {
@@ -52,6 +53,14 @@ def source_of_scans(config: ObstacleConfig) -> SourceConfig | None:
     """Return the parameters of the first source that sees a lidar's scans; None where only others see something."""
     names = config.sources_of_scans()
     return config.source(names[0]) if names else None
+
+
+class _Plain(yaml.SafeDumper):
+    """Writes a part that stands twice twice: the parameter reader of ROS 2 refuses aliases."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        del data
+        return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +97,7 @@ class Nav2File:
         return self._with(given)
 
     def yaml(self, filters: Sequence[NamedFilter], path: Nav2Path) -> str:
-        """Return the file with painted ``filters`` besides its own, and with a planner and a follower."""
+        """Return the file with painted ``filters`` too, and the planner and the follower where they are others."""
         given = self._parameters()
         servers: dict[str, Any] = {}
         for one in filters:
@@ -97,19 +106,17 @@ class Nav2File:
             given[name], nodes = filter_nodes(one, name)
             servers |= nodes
         root = {**self._with(given).root} | servers
-        for name, node in yaml.safe_load(nav2_path_yaml(path)).items():
-            root = with_node(root, name, node["ros__parameters"], (name,))
-        return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+        before, nodes = path_of(dict(self.root)), yaml.safe_load(nav2_path_yaml(path))
+        changed = {PLANNER: path.planner != before.planner, CONTROLLER: path.pursuit != before.pursuit}
+        for name, has_changed in changed.items():
+            if has_changed:
+                root = with_node(root, name, nodes[name]["ros__parameters"], (name,))
+        return yaml.dump(root, Dumper=_Plain, sort_keys=False, default_flow_style=None)
 
     def _parameters(self) -> dict[str, Any]:
         """Return a copy of the costmap's parameters, with a level for each dot in their names."""
         found = find_node(self.root, (self.costmap.node,), COSTMAP)
-        given: dict[str, Any] = copy.deepcopy(found[1]) if found is not None else {}
-        if "plugins" not in given:  # the names that are in the file by Nav2's defaults, or by those of Eloquent
-            given["plugins"] = [one.name for one in self.costmap.layers]
-            for name, kind in zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=False):
-                given[name] = {"plugin": kind} | (given.get(name) or {})
-        return given
+        return {} if found is None else copy.deepcopy(found[1])
 
     def _with(self, given: dict[str, Any]) -> Nav2File:
         node = self.costmap.node
@@ -123,7 +130,11 @@ class Nav2File:
         given[name] = node[name]
         _change(config, kind, given[name], changes)
         inflations = [one.name for one in self.costmap.layers if isinstance(one.config, InflationConfig)]
-        plugins = list(given["plugins"])
+        types = dict(zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=True))  # of Eloquent
+        types = types or {name: f"nav2_costmap_2d::{one}" for name, one in DEFAULT_LAYERS.items()}
+        plugins = list(given.get("plugins", types))
+        for named in [one for one in plugins if one in types]:  # Nav2 knows a layer by its name in that list alone
+            given[named] = {"plugin": types[named]} | (given.get(named) or {})
         places = {"static_layer": 0, "inflation_layer": len(plugins)}
         last = plugins.index(inflations[0]) if inflations else len(plugins)
         plugins.insert(places.get(kind, last), name)
