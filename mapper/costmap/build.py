@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PureWindowsPath
+from typing import TypeAlias, TypeVar
 
 from mapper.core.array_types import Int8Array
-from mapper.core.errors import ConfigError, ReadError
+from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.costmap.container_layer import ContainerLayer
 from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.denoise_layer import DenoiseLayer
@@ -29,7 +30,7 @@ from mapper.costmap.parameters import (
     VoxelConfig,
 )
 from mapper.costmap.speed_filter import SpeedFilter
-from mapper.costmap.voxel_layer import VoxelLayer
+from mapper.costmap.voxel_layer import VoxelLayer, heights_of
 from mapper.grid.occupancy_grid import GridGeometry
 from mapper.io.maps import load_map
 
@@ -42,6 +43,8 @@ DEFAULT = Nav2Costmap(
 
 
 ObservedLayer = ObstacleLayer | VoxelLayer | DecayLayer
+L = TypeVar("L", ObstacleLayer, VoxelLayer, DecayLayer, GivenLayer)
+_BelowInflation: TypeAlias = "StaticConfig | ObstacleConfig | DenoiseConfig | GivenConfig | ContainerConfig"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +52,8 @@ class BuiltCostmap:
     """A costmap with those of its layers that are given observations, painted or asked.
 
     ``unmasked`` are the names of filters without a mask, which have no effect. ``given`` are layers whose costs have to
-    be set, by their names; without costs they have no effect. ``observed`` are the names of ``obstacles``.
+    be set, by their names; without costs they have no effect. ``observed`` are the names of ``obstacles``, ``statics``
+    the layers of the map. ``layers`` are all layers that are built, by their names.
     """
 
     costmap: LayeredCostmap
@@ -59,6 +63,8 @@ class BuiltCostmap:
     unmasked: tuple[str, ...] = field(default=())
     given: Mapping[str, GivenLayer] = field(default_factory=dict)
     observed: tuple[str, ...] = ()
+    statics: tuple[StaticLayer, ...] = ()
+    layers: Mapping[str, Layer | InflationLayer] = field(default_factory=dict)
 
 
 def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) -> dict[str, Mask]:
@@ -111,21 +117,26 @@ def build_costmap(
     parameters: Nav2Costmap = DEFAULT,
     footprint: Footprint | None = None,
     masks: Mapping[str, Mask] | None = None,
+    keepout: KeepoutLayer | None = None,
+    kept: Sequence[ObservedLayer | GivenLayer] = (),
 ) -> BuiltCostmap:
     """Return the costmap of a map with the layers and filters of ``parameters``, and a keepout layer to paint on.
 
     ``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid. ``footprint`` replaces the parameters' padded
     outline. ``masks`` are those of the filters, by their names. The painted keepout layer lies below the inflation;
-    filters lie where the parameters have them, which in Nav2's list of filters is above all layers. Raises
-    :class:`ConfigError` for two inflation layers.
+    filters lie where the parameters have them, which in Nav2's list of filters is above all layers. Layers that are not
+    enabled are built, and not laid. ``keepout`` is a layer that was painted on before, and ``kept`` are layers over the
+    same geometry that were observed or given costs before: of each kind the first layer is the first of them, with its
+    new parameters. Raises :class:`ConfigError` for two inflation layers.
     """
     outline = footprint or parameters.outline
-    keepout = KeepoutLayer(geometry, name="painted_keepout" if _has_keepouts(parameters) else "keepout_filter")
-    builder = _Builder(geometry, values, outline, masks or {})
+    if keepout is None:
+        keepout = KeepoutLayer(geometry, name="painted_keepout" if _has_keepouts(parameters) else "keepout_filter")
+    builder = _Builder(geometry, values, outline, masks or {}, kept)
     built = builder.stack(parameters, parameters.general, keepout)
     return BuiltCostmap(
         built, tuple(builder.obstacles), keepout, tuple(builder.speed), tuple(builder.unmasked), builder.given,
-        tuple(builder.observed),
+        tuple(builder.observed), tuple(builder.statics), builder.layers,
     )  # fmt: skip
 
 
@@ -133,9 +144,17 @@ class _Builder:
     """Builds costmaps of layers over one map; what it built of the layers that are asked or given something is kept."""
 
     def __init__(
-        self, geometry: GridGeometry, values: Int8Array, outline: Footprint, masks: Mapping[str, Mask]
+        self,
+        geometry: GridGeometry,
+        values: Int8Array,
+        outline: Footprint,
+        masks: Mapping[str, Mask],
+        kept: Sequence[ObservedLayer | GivenLayer],
     ) -> None:
         self.geometry, self.values, self.outline, self.masks = geometry, values, outline, masks
+        self._kept = [*kept]
+        self.statics: list[StaticLayer] = []
+        self.layers: dict[str, Layer | InflationLayer] = {}
         self.obstacles: list[ObservedLayer] = []
         self.observed: list[str] = []
         self.given: dict[str, GivenLayer] = {}
@@ -160,24 +179,13 @@ class _Builder:
                 if inflation is not None:
                     raise ConfigError("costmap.inflation", "A costmap can have one inflation layer only.")
                 below += [painted] if painted is not None else []
-                inflation = InflationLayer(self.geometry, config, self.outline.inscribed_radius)
-            elif isinstance(config, StaticConfig):
-                place.append(StaticLayer(self.geometry, self.values, config, parameters.general))
-            elif isinstance(config, DenoiseConfig):
-                place.append(DenoiseLayer(self.geometry, config, parameters.general, name))
-            elif isinstance(config, GivenConfig):
-                if config.enabled:
-                    self.given[name] = GivenLayer(self.geometry, name)
-                    place.append(self.given[name])
-            elif isinstance(config, ContainerConfig):
-                if config.enabled:
-                    none_known = replace(general, track_unknown_space=True)
-                    inner = self.stack(config.inner, none_known, None, f"{name}.")
-                    place.append(ContainerLayer(inner, config.combination_method, name))
+                self.layers[name] = made = self._inflation(config, f"{parameters.node}.{named.name}")
+                inflation = made if config.enabled else None
             else:
-                self.obstacles.append(_observed(self.geometry, config, parameters.general))
-                self.observed.append(name)
-                place.append(self.obstacles[-1])
+                layer = self._layer(config, name, parameters.general, general)
+                self.layers[name] = layer
+                if config.enabled:
+                    place.append(layer)
         if inflation is None and painted is not None:
             below.append(painted)
         place = below if inflation is None else above
@@ -191,6 +199,56 @@ class _Builder:
                 self.speed.append(SpeedFilter(mask, one.type, one.base, one.multiplier))
         return LayeredCostmap(self.geometry, general, self.outline, below, inflation, above)
 
+    def _layer(self, config: _BelowInflation, name: str, own: CostmapConfig, general: CostmapConfig) -> Layer:
+        """Return a layer of the parameters ``own``; ``general`` are those of the costmap, or of the container."""
+        if isinstance(config, StaticConfig):
+            self.statics.append(StaticLayer(self.geometry, self.values, config, own))
+            return self.statics[-1]
+        if isinstance(config, DenoiseConfig):
+            return DenoiseLayer(self.geometry, config, own, name)
+        if isinstance(config, GivenConfig):
+            given = self._kept_one(GivenLayer) or GivenLayer(self.geometry, name)
+            if config.enabled:
+                self.given[name] = given
+            return given
+        if isinstance(config, ContainerConfig):
+            inner = self.stack(config.inner, replace(general, track_unknown_space=True), None, f"{name}.")
+            return ContainerLayer(inner, config.combination_method, name)
+        layer = self._observed(config, own)
+        self.obstacles.append(layer)
+        self.observed.append(name)
+        return layer
+
+    def _observed(self, config: ObstacleConfig, general: CostmapConfig) -> ObservedLayer:
+        if isinstance(config, DecayConfig):
+            decay = self._kept_one(DecayLayer) or DecayLayer(self.geometry, config, general)
+            decay.configure(config)
+            return decay
+        if isinstance(config, VoxelConfig):
+            voxels = self._kept_one(VoxelLayer)
+            if voxels is None or voxels.heights != heights_of(config):
+                voxels = VoxelLayer(self.geometry, config, general)
+            voxels.configure(config)
+            return voxels
+        layer = self._kept_one(ObstacleLayer) or ObstacleLayer(self.geometry, config, general)
+        layer.configure(config)
+        return layer
+
+    def _kept_one(self, kind: type[L]) -> L | None:
+        """Return the first layer of a kind that is kept, and keep it no longer; None where there is none."""
+        for one in self._kept:
+            if isinstance(one, kind):
+                self._kept.remove(one)
+                return one
+        return None
+
+    def _inflation(self, config: InflationConfig, path: str) -> InflationLayer:
+        """Return the layer; ``path`` is its place in a parameter file, for the error of a radius of too many cells."""
+        try:
+            return InflationLayer(self.geometry, config, self.outline.inscribed_radius)
+        except LimitError as error:
+            raise LimitError(error.code, f"{path}.inflation_radius: {error.message}") from error
+
     def _keepouts(self, parameters: Nav2Costmap, n_below: int | None, within: str) -> Iterator[KeepoutLayer]:
         """Yield the keepout filters of ``parameters`` that are on, have a mask and lie over ``n_below`` layers."""
         for one in parameters.filters:
@@ -201,11 +259,3 @@ class _Builder:
 
 def _has_keepouts(parameters: Nav2Costmap) -> bool:
     return any(one.kind == "keepout" for one in parameters.filters)
-
-
-def _observed(geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> ObservedLayer:
-    if isinstance(config, VoxelConfig):
-        return VoxelLayer(geometry, config, general)
-    if isinstance(config, DecayConfig):
-        return DecayLayer(geometry, config, general)
-    return ObstacleLayer(geometry, config, general)

@@ -6,10 +6,20 @@ import heapq
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.costmap.costs import LETHAL, NO_INFORMATION
 from mapper.costmap.kernels.observation import lay_over
-from mapper.costmap.layers import Observation, Robot, box_of, clear, clear_footprint, mark, no_bounds, part_of
+from mapper.costmap.layers import (
+    Observation,
+    Robot,
+    box_of,
+    clear,
+    clear_footprint,
+    mark,
+    no_bounds,
+    part_of,
+    seen_by_sources,
+)
 from mapper.costmap.parameters import COMBINATIONS, CostmapConfig, DecayConfig
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import GridGeometry
@@ -34,20 +44,32 @@ class DecayLayer:
         self._waiting: list[tuple[float, int, CellBox]] = []  #: stamp, number and box of what has not expired
         self._n = 0
 
+    @property
+    def config(self) -> DecayConfig:
+        """The present parameters."""
+        return self._config
+
     def configure(self, config: DecayConfig) -> None:
         """Take other parameters; what was marked stays, and is forgotten or remembered by the new lifetime."""
         self._config = config
         self._wait_for_all()
 
-    def observe(self, observation: Observation) -> None:
-        """Clear what the beams of an observation passed, then mark its end points with its stamp."""
-        marked = no_bounds()
-        clear(self._geometry, self._config, observation, -np.inf, self._marked, self._bounds)
-        mark(self._geometry, self._config, observation, observation.stamp, self._marked, marked)
+    def observe(self, *observations: Observation) -> None:
+        """Clear what the beams of all observations passed, then mark their end points with the stamps of these."""
+        seen = seen_by_sources(self._config, observations)
+        for source, one in seen:
+            clear(self._geometry, source, one, -np.inf, self._marked, self._bounds)
+        for source, one in seen:
+            marked = no_bounds()
+            mark(self._geometry, self._config, source, one, one.stamp, self._marked, marked)
+            self._remember(marked, one.stamp)
+
+    def _remember(self, marked: Int64Array, stamp: float) -> None:
+        """Look at what was marked now, and when its lifetime ends."""
         box = box_of(marked)
         if box is not None:
             self._touch(box)
-            heapq.heappush(self._waiting, (observation.stamp, self._n, box))
+            heapq.heappush(self._waiting, (stamp, self._n, box))
             self._n += 1
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:

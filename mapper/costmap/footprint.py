@@ -21,11 +21,11 @@ MAX_VERTICES = 200
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """A simple polygon around the robot's centre: its vertices in the frame of the robot, metres.
+    """A simple polygon: the outline of a robot, its vertices in the frame of the robot, metres.
 
-    A vertex that is the next one again, as the last of a closed outline is the first, is left out.
-    Raises :class:`ConfigError` for fewer than three or more than 200 vertices, values that are not finite, edges that
-    cross, and an outline that does not hold the origin.
+    A vertex that is the next one again, as the last of a closed outline is the first, is left out. As in Nav2, the
+    polygon need not hold the origin. Raises :class:`ConfigError` for fewer than three or more than 200 vertices, values
+    that are not finite, and edges that cross.
     """
 
     vertices: Vertices
@@ -50,8 +50,6 @@ class Footprint:
                 "footprint.crosses",
                 f"The footprint crosses itself: the edges from point {crossing[0]} and from point {crossing[1]} meet.",
             )
-        if not _holds_origin(points):
-            raise ConfigError("footprint.origin", "The footprint must hold the robot’s centre (0, 0).")
         object.__setattr__(self, "vertices", tuple((float(x), float(y)) for x, y in points))
 
     @classmethod
@@ -70,6 +68,18 @@ class Footprint:
         points = np.asarray(self.vertices)
         signs = np.where(points > 0.0, 1.0, np.where(points < 0.0, -1.0, 0.0))
         return Footprint(tuple((float(x), float(y)) for x, y in points + padding * signs))
+
+    @property
+    def holds_origin(self) -> bool:
+        """Whether the origin, about which the robot turns, is in the polygon or on its outline."""
+        points, origin = np.asarray(self.vertices), np.zeros(2)
+        inside = False
+        for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
+            if _turn(a, b, origin) == 0.0 and _on(a, b, origin):
+                return True
+            if (a[1] > 0.0) != (b[1] > 0.0) and (b[0] - a[0]) * -a[1] / (b[1] - a[1]) + a[0] > 0.0:
+                inside = not inside
+        return inside
 
     @property
     def inscribed_radius(self) -> float:
@@ -117,14 +127,3 @@ def _crossing(points: Float64Array) -> tuple[int, int] | None:
             if (j + 1) % n != i and _meet(points[i], points[i + 1], points[j], points[(j + 1) % n]):
                 return i, j
     return None
-
-
-def _holds_origin(points: Float64Array) -> bool:
-    """Whether (0, 0) is in the polygon or on its outline."""
-    inside = False
-    for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
-        if _turn(a, b, np.zeros(2)) == 0.0 and _on(a, b, np.zeros(2)):
-            return True
-        if (a[1] > 0.0) != (b[1] > 0.0) and (b[0] - a[0]) * -a[1] / (b[1] - a[1]) + a[0] > 0.0:
-            inside = not inside
-    return inside

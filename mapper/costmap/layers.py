@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -20,6 +20,7 @@ from mapper.costmap.parameters import (
     CostmapConfig,
     InflationConfig,
     ObstacleConfig,
+    SourceConfig,
     StaticConfig,
 )
 from mapper.grid.cell_box import CellBox
@@ -34,12 +35,14 @@ _SHORT_OF_RANGE_MAX = 1e-4  #: metres, as Nav2 shortens a beam without return
 class Observation:
     """End points of readings: ``points`` (n, 3) and the sensor's place (3,) in map metres; ``stamp`` in seconds.
 
+    ``source`` is the name of the source of observations in its layer, None for the first one.
     Raises :class:`ConfigError` for other shapes and for values that are not finite.
     """
 
     sensor: Float64Array
     points: Float64Array
     stamp: float = 0.0
+    source: str | None = None
 
     def __post_init__(self) -> None:
         sensor, points = np.asarray(self.sensor, dtype=np.float64), np.asarray(self.points, dtype=np.float64)
@@ -191,6 +194,15 @@ class MarkedLayer:
         self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
         self._bounds = no_bounds()
 
+    @property
+    def config(self) -> ObstacleConfig:
+        """The present parameters."""
+        return self._config
+
+    def configure(self, config: ObstacleConfig) -> None:
+        """Take other parameters; what was marked stays."""
+        self._config = config
+
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
         """Clear the costs under the robot, not the voxels, as Nav2 does; return what changed."""
         del now
@@ -212,14 +224,13 @@ class ObstacleLayer(MarkedLayer):
 
     name = "obstacle_layer"
 
-    def configure(self, config: ObstacleConfig) -> None:
-        """Take other parameters; what was marked stays."""
-        self._config = config
-
-    def observe(self, observation: Observation) -> None:
-        """Clear what the beams of an observation passed, then mark its end points."""
-        clear(self._geometry, self._config, observation, FREE, self.costs, self._bounds)
-        mark(self._geometry, self._config, observation, LETHAL, self.costs, self._bounds)
+    def observe(self, *observations: Observation) -> None:
+        """Clear what the beams of all observations passed, then mark their end points, each as its source does."""
+        seen = seen_by_sources(self._config, observations)
+        for source, one in seen:
+            clear(self._geometry, source, one, FREE, self.costs, self._bounds)
+        for source, one in seen:
+            mark(self._geometry, self._config, source, one, LETHAL, self.costs, self._bounds)
 
     def why(self, row: int, col: int) -> str:
         """Say whether a reading marked or cleared the cell."""
@@ -281,39 +292,61 @@ class InflationLayer:
         return at_row, at_col, float(np.sqrt(squared[best])) * self._geometry.resolution
 
 
+def seen_by_sources(
+    config: ObstacleConfig, observations: Sequence[Observation]
+) -> list[tuple[SourceConfig, Observation]]:
+    """Return the parameters of each observation's source, and its points that are within that source's heights.
+
+    Source: nav2_costmap_2d, observation_buffer.cpp, bufferCloud.
+    """
+    seen = []
+    for one in observations:
+        source, z = config.source(one.source), one.points[:, 2]
+        kept = (z >= source.min_obstacle_height) & (z <= source.max_obstacle_height)
+        seen.append((source, one if kept.all() else replace(one, points=one.points[kept])))
+    return seen
+
+
 def clear(
     geometry: GridGeometry,
-    config: ObstacleConfig,
+    source: SourceConfig,
     observation: Observation,
     value: float,
     out: np.ndarray,
     bounds: Int64Array,
 ) -> None:
     """Write ``value`` into the cells that the beams of an observation passed."""
-    if config.clearing:
-        least, most = (cells_of(r, geometry.resolution) for r in (config.raytrace_min_range, config.raytrace_max_range))
+    if source.clearing:
+        least, most = clearing_cells(source, geometry)
         as_stored = out.dtype.type(value)
         clear_lines(observation.points, observation.sensor, geometry.frame, least, most, as_stored, out, bounds)
+
+
+def clearing_cells(source: SourceConfig, geometry: GridGeometry) -> tuple[int, int]:
+    """Return between which distances from the sensor a beam clears, in cells."""
+    least, most = (cells_of(r, geometry.resolution) for r in (source.raytrace_min_range, source.raytrace_max_range))
+    return least, most
 
 
 def mark(
     geometry: GridGeometry,
     config: ObstacleConfig,
+    source: SourceConfig,
     observation: Observation,
     value: float,
     out: np.ndarray,
     bounds: Int64Array,
 ) -> None:
     """Write ``value`` into the cells of the end points that mark."""
-    if config.marking:
-        marking, as_stored = marking_of(config), out.dtype.type(value)
+    if source.marking:
+        marking, as_stored = marking_of(config, source), out.dtype.type(value)
         mark_cells(observation.points, observation.sensor, geometry.frame, marking, as_stored, out, bounds)
 
 
-def marking_of(config: ObstacleConfig) -> Marking:
-    """Return which points mark, for the kernels."""
+def marking_of(config: ObstacleConfig, source: SourceConfig) -> Marking:
+    """Return which points of a source mark, for the kernels: the heights are the layer's."""
     return Marking(
-        config.obstacle_min_range, config.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
+        source.obstacle_min_range, source.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
     )
 
 

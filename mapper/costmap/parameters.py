@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mapper.core.errors import ConfigError
 from mapper.core.parameter import check_fields, choice, flag, number, table_of
 
 #: Nav2's combination_method 0, 1 and 2; see :func:`mapper.costmap.textbook.combine`
@@ -70,8 +71,64 @@ class StaticConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class SourceConfig:
+    """Parameters of a source of observations of an obstacle layer. Raises as :class:`CostmapConfig`.
+
+    A point lower or higher than its heights neither marks nor clears. The initial values are Nav2's, by which a
+    source marks what is at a height of 0 m, and clears nothing.
+    """
+
+    # fmt: off
+    marking: bool = flag("Marking", "source", True, "Whether readings mark obstacles.")
+    clearing: bool = flag("Clearing", "source", False, "Whether readings clear what the beam passes.")
+    obstacle_min_range: float = number(
+        "Minimum obstacle range", "source", 0.0, "Nearer readings mark nothing.", "m", 0.0, 100.0, 0.05,
+    )
+    obstacle_max_range: float = number(
+        "Maximum obstacle range", "source", 2.5, "Farther readings mark nothing.", "m", 0.0, 200.0, 0.1,
+    )
+    raytrace_min_range: float = number(
+        "Minimum clearing range", "source", 0.0, "Nearer cells are not cleared.", "m", 0.0, 100.0, 0.05,
+    )
+    raytrace_max_range: float = number(
+        "Maximum clearing range", "source", 3.0, "Farther cells are not cleared.", "m", 0.0, 200.0, 0.1,
+    )
+    inf_is_valid: bool = flag(
+        "No return clears", "source", False,
+        "Whether a beam without return clears as far as the scan’s greatest range.",
+    )
+    min_obstacle_height: float = number(
+        "Minimum height", "source", 0.0, "Lower points are left out.", "m", -10.0, 10.0, 0.05,
+    )
+    max_obstacle_height: float = number(
+        "Maximum height", "source", 0.0, "Higher points are left out.", "m", -10.0, 50.0, 0.05,
+    )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True)
+class NamedSource:
+    """A source of observations of a parameter file: its name there, its parameters, and what it listens to.
+
+    Without ``topic`` that is named as the source. ``data_type`` is LaserScan or PointCloud2.
+    """
+
+    name: str
+    config: SourceConfig
+    topic: str = ""
+    data_type: str = "LaserScan"
+
+
+@dataclass(frozen=True, slots=True)
 class ObstacleConfig:
-    """Parameters of the obstacle layer and its one source of observations. Raises as :class:`CostmapConfig`."""
+    """Parameters of the obstacle layer and its sources of observations. Raises as :class:`CostmapConfig`.
+
+    Without ``sources`` there is one source, and the parameters from ``marking`` to ``inf_is_valid`` are its own; with
+    them each has these for itself. The heights are the layer's, within which a point marks.
+    """
 
     # fmt: off
     enabled: bool = _enabled("obstacle")
@@ -108,9 +165,27 @@ class ObstacleConfig:
         COMBINATIONS,
     )
     # fmt: on
+    sources: tuple[NamedSource, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+    def source(self, name: str | None) -> SourceConfig:
+        """Return the parameters of a source: None for the first one. Raises :class:`ConfigError` for no such source."""
+        if not self.sources and name is None:
+            own = {row.name: getattr(self, row.name) for row in SOURCE_PARAMETERS}
+            return SourceConfig(**own)
+        for one in self.sources:
+            if name in (None, one.name):
+                return one.config
+        raise ConfigError("costmap.source", f"The layer has no source of observations {name!r:.80}.")
+
+    def sources_of_scans(self) -> tuple[str | None, ...]:
+        """Return the names of the sources that see one lidar's scans: those of LaserScan with the first one's topic."""
+        scans = [one for one in self.sources if one.data_type == "LaserScan"]
+        if not self.sources:
+            return (None,)
+        return tuple(one.name for one in scans if (one.topic or one.name) == (scans[0].topic or scans[0].name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +281,7 @@ class InflationConfig:
 
 COSTMAP_PARAMETERS = table_of(CostmapConfig)
 STATIC_PARAMETERS = table_of(StaticConfig)
+SOURCE_PARAMETERS = table_of(SourceConfig)
 OBSTACLE_PARAMETERS = table_of(ObstacleConfig)
 VOXEL_PARAMETERS = table_of(VoxelConfig)
 DECAY_PARAMETERS = table_of(DecayConfig)

@@ -5,14 +5,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.costmap.costs import LETHAL, cells_of
+from mapper.costmap.costs import LETHAL
 from mapper.costmap.kernels.voxels import Heights, clear_columns, mark_columns
-from mapper.costmap.layers import MarkedLayer, Observation, marking_of
+from mapper.costmap.layers import MarkedLayer, Observation, clearing_cells, marking_of, seen_by_sources
 from mapper.costmap.parameters import CostmapConfig, VoxelConfig
 from mapper.grid.occupancy_grid import GridGeometry
 
 VOXEL_BITS = 16  #: voxels of a column that the bits hold
 _UNKNOWN_COLUMN = 0xFFFF
+
+
+def heights_of(config: VoxelConfig) -> Heights:
+    """Return the voxels of a column, for the kernels."""
+    n = int(config.z_voxels)
+    # The bits above the column stay unknown, and are not counted as such.
+    unknown = int(config.unknown_threshold) + VOXEL_BITS - n
+    return Heights(config.origin_z, config.z_resolution, n, int(config.mark_threshold), unknown)
 
 
 class VoxelLayer(MarkedLayer):
@@ -26,31 +34,30 @@ class VoxelLayer(MarkedLayer):
     def __init__(self, geometry: GridGeometry, config: VoxelConfig, general: CostmapConfig) -> None:
         super().__init__(geometry, config, general)
         self.columns: NDArray[np.uint32] = np.full(geometry.shape, _UNKNOWN_COLUMN, dtype=np.uint32)
-        n = int(config.z_voxels)
-        # The bits above the column stay unknown, and are not counted as such.
-        unknown = int(config.unknown_threshold) + VOXEL_BITS - n
-        self._heights = Heights(config.origin_z, config.z_resolution, n, int(config.mark_threshold), unknown)
+        self.heights = heights_of(config)
 
-    def observe(self, observation: Observation) -> None:
-        """Clear the voxels that the beams of an observation passed, then mark those of its points."""
-        config, frame, heights = self._config, self._geometry.frame, self._heights
-        points, sensor = observation.points, observation.sensor
-        if config.clearing:
-            least, most = (
-                cells_of(r, self._geometry.resolution) for r in (config.raytrace_min_range, config.raytrace_max_range)
-            )
-            clear_columns(points, sensor, frame, least, most, heights, self.columns, self.costs, self._bounds)
-        if config.marking:
-            mark_columns(points, sensor, frame, marking_of(config), heights, self.columns, self.costs, self._bounds)
+    def observe(self, *observations: Observation) -> None:
+        """Clear the voxels that the beams of all observations passed, then mark those of their points."""
+        seen, frame, heights = seen_by_sources(self._config, observations), self._geometry.frame, self.heights
+        for source, one in seen:
+            if source.clearing:
+                least, most = clearing_cells(source, self._geometry)
+                clear_columns(
+                    one.points, one.sensor, frame, least, most, heights, self.columns, self.costs, self._bounds
+                )
+        for source, one in seen:
+            if source.marking:
+                marking = marking_of(self._config, source)
+                mark_columns(one.points, one.sensor, frame, marking, heights, self.columns, self.costs, self._bounds)
 
     def marked(self, row: int, col: int) -> list[float]:
         """Return the heights in metres of the lower faces of the marked voxels of a column, lowest first."""
-        bits, heights = int(self.columns[row, col]) >> VOXEL_BITS, self._heights
+        bits, heights = int(self.columns[row, col]) >> VOXEL_BITS, self.heights
         return [heights.origin_z + k * heights.z_resolution for k in range(heights.z_voxels) if bits >> k & 1]
 
     def why(self, row: int, col: int) -> str:
         """Say how many voxels of the column are marked and unknown."""
-        column, n = int(self.columns[row, col]), self._heights.z_voxels
+        column, n = int(self.columns[row, col]), self.heights.z_voxels
         marked = self.marked(row, col)
         unknown = sum(not column >> (VOXEL_BITS + k) & 1 and column >> k & 1 for k in range(n))
         if self.costs[row, col] == LETHAL:

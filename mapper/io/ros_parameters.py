@@ -195,3 +195,44 @@ def names_of(value: object, where: str) -> list[str]:
         return value
     quoted = "; ROS 2 takes what is in quotes for a text" if isinstance(value, str) and "[" in value else ""
     raise ConfigError("nav2.plugins", f"{where} must be a list of names, not {value!r:.80}{quoted}.")
+
+
+def with_node(
+    root: Mapping[str, Any], name: str, parameters: Mapping[str, Any], path: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return a file's mapping in which the node that :func:`find_node` takes has these parameters alone.
+
+    Where the file has no such node it is added at ``path``. What else is in the file stays.
+    """
+    target = next((one for one, _ in nodes_of(root) if one and one[-1] == name), None)
+    if target is not None:
+        made, _ = _replaced(root, (), target, parameters)
+        return made
+    inner: Any = {"ros__parameters": {**parameters}}
+    for key in reversed(path):
+        inner = {key: inner}
+    return _merged({**root}, inner, "/".join(path))
+
+
+def _replaced(
+    given: Mapping[str, Any], path: tuple[str, ...], target: tuple[str, ...], parameters: Mapping[str, Any] | None
+) -> tuple[dict[str, Any], bool]:
+    """Return a mapping with the parameters of the node ``target`` replaced where it stands first, and whether it does.
+
+    Where the node stands again its parameters are left out; None leaves them out everywhere.
+    """
+    made: dict[str, Any] = {}
+    is_done = False
+    for key, value in given.items():
+        if not isinstance(value, dict):
+            made[key] = value
+        elif key == "ros__parameters":
+            if path != target:
+                made[key] = value
+            elif parameters is not None and not is_done:
+                made[key], is_done = {**parameters}, True
+        else:
+            below = (*path, *(part for part in str(key).split("/") if part))
+            made[key], done = _replaced(value, below, target, None if is_done else parameters)
+            is_done |= done
+    return made, is_done

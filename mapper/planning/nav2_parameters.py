@@ -91,7 +91,8 @@ def nav2_path_yaml(path: Nav2Path) -> str:
     for node, (name, block) in own.items():
         kept = {one[1:]: value for one, value in path.others.items() if one[0] == node}
         general = {one[0]: value for one, value in kept.items() if len(one) == 1}
-        listed = general.pop(_LISTS[node], [])
+        default = _DEFAULTS[node][0]  # which is listed where the file lists none
+        listed = general.pop(_LISTS[node], [default] if (node, default) in path.others else [])
         of_block = {one[1]: value for one, value in kept.items() if one[:-1] == (name,)}
         names = [*listed] if name in listed else [*listed, name]
         parameters = {_LISTS[node]: names, **general, name: block | of_block}

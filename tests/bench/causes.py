@@ -15,8 +15,11 @@ from mapper.core.errors import MapperError
 from mapper.core.se2 import compose
 from mapper.diagnosis import diagnose, first_cause
 from mapper.io.logs import open_log
+from mapper.io.logs.understanding import understood
 from mapper.mapping.parameters import RECORDED, MappingConfig
+from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.timed_poses import TimedPoses
 from mapper.simulation import WORLDS, sample_log
 from mapper.simulation.odometry import WORN_ALPHAS, WORN_TURN_BIAS, drifting_odometry
 from tests.bench.disturbed_scans import crowded, polished
@@ -47,6 +50,16 @@ def _late(log: ScanLog, seconds: float) -> ScanLog:
     times, poses = log.stamps_ns * 1e-9, log.trajectory().poses
     columns = (poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2]))
     return _along(log, np.stack([np.interp(times - seconds, times, one) for one in columns], axis=-1))
+
+
+def _stamped(log: ScanLog, late: float, rate: float = 0.0) -> ScanLog:
+    """The log as it is read with poses whose stamps are ``late`` seconds too late, and by a clock that is fast."""
+    after = 1e-9 * (log.stamps_ns - log.stamps_ns.mean())
+    stamps_ns = log.stamps_ns + np.round(1e9 * (late + rate * after)).astype(np.int64)
+    timed = TimedPoses(stamps_ns, log.trajectory().poses)
+    log = log.take(timed.covers(log.stamps_ns))
+    given = replace(log.trajectory(), poses=timed.at(log.stamps_ns), timed=timed)
+    return understood(RobotLog.of_one(replace(log, trajectories={"odom": given}))).first
 
 
 def _by_distance(log: ScanLog) -> ScanLog:
@@ -103,6 +116,9 @@ FAULTS: Mapping[str, tuple[str, Fault]] = {
     "mount off by 14 cm and 3°": ("mount.offset", lambda log: replace(log, mount=(-0.1, 0.1, 0.05))),
     "poses late by 0.3 s": ("timing.delay", lambda log: _late(log, 0.3)),
     "poses early by 0.5 s": ("timing.delay", lambda log: _late(log, -0.5)),
+    "poses with stamps of their own": (NONE, lambda log: _stamped(log, 0.0)),
+    "poses stamped 0.15 s late": ("timing.clock", lambda log: _stamped(log, 0.15)),
+    "clock of the poses 0.5 % fast": ("timing.clock", lambda log: _stamped(log, 0.0, 0.005)),
     "time_increment of scans that are taken at once": (
         "timing.increment",
         lambda log: replace(log, time_increment=0.4 / (log.n_beams - 1)),
@@ -132,6 +148,7 @@ CORRECTED = {
 #: Of the logs of ../reports/logs beside the test data, what is true of those with a fault that a reader cannot settle.
 REPORTED = {
     "log_open20_all_inf.csv": "readings.few",
+    "multi_robot_same_frames": "timing.clock",  # its scans are stamped 10 ms after they were measured
     "range_fixed_distance": "readings.few",
     "sim_reset": "clock.backwards",
     "time_increment_4x": "timing.increment",

@@ -526,6 +526,27 @@ def test_ply_with_types_in_capitals_and_vertices_of_another_name(tmp_path: Path)
         assert notes == ()
 
 
+@pytest.mark.parametrize("per_line", [2, 3, 30], ids=["2 on a line", "3 on a line", "all on one line"])
+def test_an_ascii_ply_with_several_vertices_on_a_line(tmp_path: Path, per_line: int) -> None:
+    """Of rply, which Open3D reads PLY with: words of a file are separated by blanks and ends of lines alike."""
+    head = (
+        b"ply\nformat ascii 1.0\nelement camera 2\nproperty float a\nproperty float b\nelement vertex 30\n"
+        b"property float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int i\nend_header\n"
+    )
+    words = [f"{x:.4f} {y:.4f} {z:.4f}" for x, y, z in POINTS]
+    body = "\n".join(" ".join(words[k : k + per_line]) for k in range(0, len(words), per_line))
+    found, _ = read(tmp_path, head + f"1 2 3 4\n{body}\n3 0 1 2\n".encode())
+    np.testing.assert_allclose(found, POINTS, atol=1e-4)
+
+
+def test_more_numbers_for_a_vertex_than_the_header_says_are_no_vertices(tmp_path: Path) -> None:
+    head = (
+        b"ply\nformat ascii 1.0\nelement vertex 30\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    )
+    with pytest.raises(ReadError, match="6 numbers each, but the header says 3"):
+        read(tmp_path, head + lines("{} {} {} {} {} {}", np.hstack([POINTS, POINTS])))
+
+
 def test_packed_colours_of_a_pcd_that_are_written_as_whole_floats(tmp_path: Path) -> None:
     """Of a field of the type F in text, PCL reads the bits of a float, and other programs write the number itself."""
     packed = COLOURS @ (65536, 256, 1)
@@ -547,6 +568,7 @@ HEADERS: dict[str, tuple[str, bytes]] = {
     "words in lower case": (PCD.lower(), ROWS),
     "neither width nor height": (PCD.replace("WIDTH 30\nHEIGHT 1\n", ""), ROWS),
     "another width": (PCD.replace("WIDTH 30", "WIDTH 32"), ROWS),
+    "POINTS 0": (PCD.replace("POINTS 30", "POINTS 0"), ROWS),
     "no counts, sizes and types": (PCD.replace("SIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n", ""), ROWS),
     "fields without numbers, and padding": (
         PCD.replace("x y z", "x y z gone _ _").replace("8 8 8", "8 8 8 4 1 2").replace("F F F", "F F F F U U")
@@ -562,8 +584,11 @@ def test_headers_of_pcd(tmp_path: Path, case: str) -> None:
     head, rows = HEADERS[case]
     points, notes = read(tmp_path, head.encode() + rows, "a.pcd")
     np.testing.assert_allclose(points, POINTS, atol=1e-6)
-    assert [note for note in notes if "width and height 32 × 1" in note] == list(notes)
-    assert bool(notes) == (case == "another width")
+    said = {
+        "another width": "30 points, but its width and height 32 × 1; the former is",
+        "POINTS 0": "the latter are taken",
+    }
+    assert [said[case] in note for note in notes] == [True] * (case in said)
 
 
 def cut_pcd() -> bytes:

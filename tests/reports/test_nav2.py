@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 import yaml
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.costmap import textbook
 from mapper.costmap.build import build_costmap
 from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION
+from mapper.costmap.layers import Observation
 from mapper.costmap.nav2.costmap import Nav2Costmap
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.costmap.nav2.writing import nav2_yaml
@@ -393,8 +394,8 @@ def test_an_old_name_is_read_and_named_with_the_new_one() -> None:
         "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true, "
         "max_obstacle_height: 2.0}}"
     )
-    config = found.layers[1].config
-    assert isinstance(config, ObstacleConfig)
+    assert isinstance(found.layers[1].config, ObstacleConfig)
+    config = found.layers[1].config.source("scan")
     assert (config.obstacle_max_range, config.raytrace_max_range, config.clearing) == (4.5, 6.0, True)
     assert [note.partition(";")[0] for note in found.notes] == [
         "global_costmap.o.scan.obstacle_range is named obstacle_max_range since Galactic",
@@ -570,3 +571,73 @@ def test_a_path_over_cells_that_count_as_free_says_so(tmp_path: Path, run: Run, 
     assert done.status == 0
     assert "300 cells are unknown in the map and count as free: track_unknown_space is off" in done.out
     assert "10 of the points are in cells that the map does not know" in done.out
+
+
+def test_a_footprint_beside_the_robots_centre_is_taken_with_a_note() -> None:
+    """makeFootprintFromString of nav2_costmap_2d asks for three points, and no more."""
+    found = node('footprint: "[[1, -1], [2, -1], [2, 1], [1, 1]]"\nfootprint_padding: 0.0\n')
+    assert found.outline.inscribed_radius == pytest.approx(1.0)
+    assert found.notes[0].startswith("global_costmap.footprint does not hold (0, 0), about which the robot turns.")
+
+
+def test_an_inflation_radius_of_too_many_cells_is_refused_by_its_path() -> None:
+    found = node("inflation_layer: {inflation_radius: 15.0}")
+    with pytest.raises(
+        LimitError, match=r"^global_costmap\.inflation_layer\.inflation_radius: An .* is 300 cells of 0\.05"
+    ):
+        build_costmap(GridGeometry(0.05, 8, 8), np.zeros((8, 8), np.int8), found)
+
+
+SOURCES = """
+plugins: [o]
+o:
+  plugin: nav2_costmap_2d::{}
+  max_obstacle_height: 1.0
+  observation_sources: near far clears
+  near: {{obstacle_max_range: 1.0, max_obstacle_height: 2.0}}
+  far: {{obstacle_min_range: 1.5, obstacle_max_range: 9.0, min_obstacle_height: 0.3, max_obstacle_height: 2.0}}
+  clears: {{marking: false, clearing: true, raytrace_max_range: 9.0, max_obstacle_height: 0.5}}
+"""
+
+
+@pytest.mark.parametrize("kind", ["ObstacleLayer", "VoxelLayer"])
+def test_each_source_of_observations_has_its_own_parameters(kind: str) -> None:
+    """Of nav2_costmap_2d: obstacle_layer.cpp (onInitialize, updateBounds), observation_buffer.cpp (bufferCloud)."""
+    found = node(SOURCES.format(kind))
+    again = parse_nav2_costmap(nav2_yaml(found, 0.1).encode())
+    assert again.layers == found.layers
+    layer = build_costmap(GridGeometry(0.1, 20, 60), np.zeros((20, 60), np.int8), again).obstacles[0]
+    sensor = np.array([0.55, 1.05, 0.4])
+
+    def marked() -> list[int]:
+        layer.changed(0.0, None)
+        return [int(col) for col in np.flatnonzero((layer.costs == 254).any(axis=0))]
+
+    def see(source: str, *points: tuple[float, float]) -> None:
+        layer.observe(Observation(sensor, np.array([[x, 1.05, z] for x, z in points]), source=source))
+
+    everywhere = [(1.25, 0.4), (3.05, 0.4), (3.55, 0.1), (4.05, 1.4)]
+    see("near", *everywhere)
+    assert marked() == [12], "the others are farther than 1 m"
+    see("far", *everywhere)
+    assert marked() == [12, 30], "too near, then too low for the source, and too high for the layer"
+    see("clears", (5.05, 0.7))
+    assert marked() == [12, 30], "what is higher than its source's limit does not clear either"
+    see("clears", (5.05, 0.4))
+    assert marked() == []
+    seen = np.array([[1.25, 1.05, 0.4]])
+    layer.observe(Observation(sensor, seen, source="near"), Observation(sensor, seen, source="clears"))
+    assert marked() == [12], "all sources clear first, then all mark"
+    with pytest.raises(ConfigError, match="no source of observations 'rear'"):
+        see("rear", (1.0, 0.4))
+
+
+def test_a_value_of_a_source_is_refused_by_its_path() -> None:
+    with pytest.raises(ConfigError, match=r"^global_costmap\.o\.far\.obstacle_min_range: "):
+        node(SOURCES.format("ObstacleLayer").replace("obstacle_min_range: 1.5", "obstacle_min_range: -1.5"))
+
+
+def test_what_only_sources_have_does_nothing_in_their_layer() -> None:
+    found = node(SOURCES.format("ObstacleLayer").replace("max_obstacle_height: 1.0", "obstacle_max_range: 1.0", 1))
+    assert found.others["o", "obstacle_max_range"] == 1.0
+    assert any("declares no parameter 'obstacle_max_range'" in note for note in found.notes)

@@ -16,6 +16,7 @@ from mapper.costmap.parameters import (
     GIVEN_PARAMETERS,
     INFLATION_PARAMETERS,
     OBSTACLE_PARAMETERS,
+    SOURCE_PARAMETERS,
     STATIC_PARAMETERS,
     VOXEL_PARAMETERS,
     CostmapConfig,
@@ -46,13 +47,8 @@ PLUGINS: Mapping[str, tuple[type[PluginConfig], tuple[Parameter, ...]]] = {
 OF_STATIC = (
     "trinary_costmap", "lethal_cost_threshold", "inscribed_obstacle_cost_value", "unknown_cost_value", "use_maximum",
 )  # fmt: skip
-#: Parameters of the first source of observations that its layer's configuration has.
-OF_SOURCE = (
-    "marking", "clearing", "obstacle_min_range", "obstacle_max_range", "raytrace_min_range", "raytrace_max_range",
-    "inf_is_valid",
-)  # fmt: skip
-#: Parameters that both a layer and its sources have; that of the source has no default from the layer in Nav2.
-HEIGHTS = ("min_obstacle_height", "max_obstacle_height")
+#: Parameters that a source of observations has, and not its layer.
+OF_SOURCE = frozenset(row.name for row in SOURCE_PARAMETERS) - {"min_obstacle_height", "max_obstacle_height"}
 CONTAINER = "PluginContainerLayer"  #: the plugin that holds layers
 
 

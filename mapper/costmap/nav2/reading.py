@@ -17,7 +17,6 @@ from mapper.core.parameter import Parameter, table_of
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2.costmap import (
     CONTAINER,
-    HEIGHTS,
     OF_SOURCE,
     OF_STATIC,
     PLUGINS,
@@ -31,10 +30,13 @@ from mapper.costmap.nav2.filters import NamedFilter, is_filter, named_filter
 from mapper.costmap.parameters import (
     COMBINATIONS,
     COSTMAP_PARAMETERS,
+    SOURCE_PARAMETERS,
     STATIC_PARAMETERS,
     CostmapConfig,
     InflationConfig,
+    NamedSource,
     ObstacleConfig,
+    SourceConfig,
     StaticConfig,
 )
 from mapper.io.nav2_declared import COSTMAP, LAYERS, NODE, RENAMED, SOURCE, WHOLE, checked, undeclared, wrong_type
@@ -246,11 +248,13 @@ class _Reader:
             self.notes += [undeclared(".".join(path), name, LAYERS[kind]) for name in OF_STATIC if name in values]
             values = {name: value for name, value in values.items() if name not in OF_STATIC}
         if issubclass(config, ObstacleConfig):
-            values |= self._of_source(self._sources(values, path), path)
-            # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
-            values.setdefault("clearing", False)
+            sources = self._of_sources(self._sources(values, path), path)
             _name_combination(values, ".".join(path))
-        start = config(**of_static) if config is StaticConfig else config()
+            # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
+            start: Any = config(sources=sources, clearing=False)
+            table = tuple(row for row in table if not sources or row.name not in OF_SOURCE)
+        else:
+            start = config(**of_static) if config is StaticConfig else config()
         made: PluginConfig = self._config(start, table, values, path, LAYERS.get(kind, LAYERS["ObstacleLayer"]))
         return made
 
@@ -286,13 +290,18 @@ class _Reader:
             )
         return made
 
-    def _of_source(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> dict[str, Any]:
-        """Return the parameters of the first source of observations; those of further sources have no effect."""
+    def _of_sources(self, blocks: list[tuple[str, dict[str, Any]]], path: tuple[str, str]) -> tuple[NamedSource, ...]:
+        """Return the sources of observations of a layer, each with its own parameters."""
         where = ".".join(path)
-        values: dict[str, Any] = {}
-        for k, (source, block) in enumerate(blocks):
-            acting = (*OF_SOURCE, *HEIGHTS)
-            known = {name: block[name] for name in block if name in acting}
+        sources = []
+        for source, block in blocks:
+            values: dict[str, Any] = {
+                row.name: checked(row, block[row.name], f"{where}.{source}.{row.name}", self.notes)
+                for row in SOURCE_PARAMETERS
+                if row.name in block
+            }
+            stated = {name: block[name] for name in ("topic", "data_type") if isinstance(block.get(name), str)}
+            sources.append(NamedSource(source, SourceConfig(**values), **stated))
             unknown = [name for name in block if name not in SOURCE]
             self.notes += [undeclared(f"{where}.{source}", name, SOURCE) for name in unknown]
             if block.get("marking", True) is True and "max_obstacle_height" not in block:
@@ -300,11 +309,10 @@ class _Reader:
                     f"{where}.{source} states no max_obstacle_height, which is 0 m then in Nav2: what a sensor sees "
                     "above that marks nothing there. Files of Nav2 have 2.0."
                 )
-            if k == 0:
-                values = known
-            without_effect = block if k else {name: block[name] for name in block if name not in known}
-            self.others.update({(path[1], source, name): value for name, value in without_effect.items()})
-        return values
+            self.others.update(
+                {(path[1], source, name): value for name, value in block.items() if name not in values | stated}
+            )
+        return tuple(sources)
 
     def _config(
         self,
@@ -400,10 +408,16 @@ def _footprint(given: object, where: str, notes: list[str]) -> Footprint | None:
     if not isinstance(points, list):
         raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is not a list of points.")
     try:
-        return Footprint(tuple(tuple(point) for point in points))
+        made = Footprint(tuple(tuple(point) for point in points))
     except (ConfigError, TypeError) as error:
         message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
         raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error
+    if not made.holds_origin:
+        notes.append(
+            f"{where}.footprint does not hold (0, 0), about which the robot turns. As in Nav2 it is taken as it is: "
+            "the inscribed radius is the distance from there to the outline."
+        )
+    return made
 
 
 def _points_of(text: str) -> list[Any] | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 import yaml
 
-from mapper.costmap.nav2.costmap import CONTAINER, HEIGHTS, OF_SOURCE, OF_STATIC, PLUGINS, ContainerConfig, Nav2Costmap
+from mapper.costmap.nav2.costmap import CONTAINER, OF_SOURCE, OF_STATIC, PLUGINS, ContainerConfig, Nav2Costmap
 from mapper.costmap.nav2.filters import filter_nodes
-from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
+from mapper.costmap.parameters import COMBINATIONS, NamedSource, ObstacleConfig, StaticConfig
 from mapper.io.nav2_declared import WHOLE
 
 _OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
@@ -57,8 +57,8 @@ def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict
         if isinstance(config, ObstacleConfig | ContainerConfig):
             values["combination_method"] = COMBINATIONS.index(config.combination_method)
         if isinstance(config, ObstacleConfig):
-            source = {key: values.pop(key) for key in OF_SOURCE} | {key: values[key] for key in HEIGHTS}
-            block |= _sources(costmap.others, layer.name, source)
+            block |= _sources(costmap.others, layer.name, config)
+            values = {key: value for key, value in values.items() if key not in OF_SOURCE and key != "sources"}
         block |= {key: int(value) if key in WHOLE else value for key, value in values.items() if key != "inner"}
         if isinstance(config, ContainerConfig):
             inner, of_filters, of_inner = _stack(config.inner, f"{within}{layer.name}_")
@@ -84,11 +84,12 @@ def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict
     return {one[-1]: value for one, value in others.items() if one[:-1] == path}
 
 
-def _sources(others: Mapping[tuple[str, ...], Any], layer: str, source: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sources of observations of a layer; the first one has the values of ``source``."""
-    names = dict.fromkeys(path[1] for path in others if len(path) == 3 and path[0] == layer)
-    blocks = {name: _below(others, (layer, name)) for name in names}
-    if not blocks:
-        blocks = {"scan": {"topic": "/scan", "data_type": "LaserScan"}}
-    next(iter(blocks.values())).update(source)
+def _sources(others: Mapping[tuple[str, ...], Any], layer: str, config: ObstacleConfig) -> dict[str, Any]:
+    """Return the sources of observations of a layer: those of the file, or one of scans."""
+    sources = config.sources or (NamedSource("scan", config.source(None), "/scan"),)
+    blocks = {}
+    for one in sources:
+        topic = {"topic": one.topic} if one.topic else {}
+        of_file = _below(others, (layer, one.name))
+        blocks[one.name] = {**topic, "data_type": one.data_type, **of_file, **asdict(one.config)}
     return {"observation_sources": " ".join(blocks), **blocks}

@@ -149,7 +149,10 @@ def _count(lines: dict[str, list[str]]) -> tuple[int, tuple[int, int] | None, tu
     """Return the number of points, their height and width, and a note where both disagree: POINTS counts then."""
     given = {name: _whole(lines[name][0], name) for name in ("WIDTH", "HEIGHT", "POINTS") if lines.get(name)}
     width, height = given.get("WIDTH"), given.get("HEIGHT", 1)
-    points = given.get("POINTS", None if width is None else width * height)  # version .6 and before lack POINTS
+    points = given.get("POINTS")
+    if not points and width and height:  # version .6 and before lack POINTS
+        note = f"The header says 0 points, but its width and height {width} × {height}; the latter are taken."
+        return width * height, (height, width), () if points is None else (note,)
     if points is None:
         raise ReadError("cloud.header", "The PCD header states no whole number of points.")
     if width is None or width * height == points:

@@ -296,14 +296,17 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
 
 
 def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
-    text, end = _lines(file.data, at, element.count)
+    n_lines, width = _line_count(file.data, at, element), len(element.properties)
+    text, end = _lines(file.data, at, n_lines)
+    if n_lines < element.count:
+        words = text.split()
+        text = b"".join(b" ".join(words[k : k + width]) + b"\n" for k in range(0, len(words), width))
     if not keep:
         return Rows(text.count(b"\n") + (not text.endswith(b"\n") and bool(text)), end)
     first_line = file.data.count(b"\n", 0, at) + 1
     is_list = [one.length_kind is not None for one in element.properties]
     if is_list == [True]:
         return _text_lists(text, element, end, limits, first_line)
-    width = len(element.properties)
     if any(is_list):
         text = b"".join(_without_lists(text, is_list, first_line))
         width -= sum(is_list)
@@ -345,6 +348,24 @@ def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterato
         if at > len(words) and not line.endswith(b"\n"):
             return
         yield b" ".join(kept) + b"\n"
+
+
+def _line_count(data: bytes, at: int, element: Element) -> int:
+    """Return on how many lines the rows of an element stand: as many as it has rows, or fewer with several on each.
+
+    Blanks and ends of lines are alike to rply, which Open3D reads PLY with. Where the lines go on as long behind the
+    last row, each is a row with more numbers than the header says.
+    """
+    n, width = element.count, len(element.properties)
+    if n < 2 or any(one.length_kind is not None for one in element.properties):
+        return n
+    in_first = len(_lines(data, at, 1)[0].split())
+    if in_first <= width or in_first % width:
+        return n
+    lines = -(-n * width // in_first)
+    text, end = _lines(data, at, lines)
+    goes_on = len(_lines(data, end, 1)[0].split()) == in_first
+    return n if goes_on or len(text.split()) != n * width else lines
 
 
 def _lines(data: bytes, at: int, n: int) -> tuple[bytes, int]:

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
+from mapper.io.logs.pose_clocks import pose_clock
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 
@@ -17,7 +19,8 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
     """Return ``poses`` at every scan of ``log`` (n_scans, 3), m and rad, in their own frame, and what is to be noted.
 
     Poses as many as the scans and with their stamps are taken scan by scan, others are interpolated, as
-    :func:`mapper.io.trajectories.with_trajectory` does. Scans before the first or after the last pose continue the
+    :func:`mapper.io.trajectories.with_trajectory` does, by the clock of the scans where the readings contradict their
+    stamps (:mod:`mapper.io.logs.pose_clocks`). Scans before the first or after the last pose continue the
     trajectory as the log's own poses move there: the transform between the two frames (map → odom of REP 105) stays
     what it is at the nearest scan that has a pose.
 
@@ -26,13 +29,14 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
     """
     if is_scan_by_scan(log, poses):
         return poses.poses, []
+    poses, notes = _by_the_clock_of_scans(log, poses, TUM)
     inside = poses.covers(log.stamps_ns)
     outside = int(np.count_nonzero(~inside))
     if outside == log.n_scans:
         raise time_error(log, poses)
     at_scans = poses.at(log.stamps_ns)
     if not outside:
-        return at_scans, []
+        return at_scans, notes
     own = next((trajectory.poses for trajectory in log.trajectories.values() if not trajectory.is_placeholder), None)
     if own is None:
         raise ConfigError(
@@ -47,7 +51,8 @@ def poses_at_all_scans(log: ScanLog, poses: TimedPoses) -> tuple[NDArray[np.floa
         t_map_odom = compose(at_scans[nearest], inverse(own[nearest]))
         at_scans[scans] = compose(t_map_odom, own[scans])
     are = "1 scan lies" if outside == 1 else f"{outside} scans lie"
-    return at_scans, [f"{are} before the first or after the last pose: the log’s own poses continue the trajectory."]
+    said = f"{are} before the first or after the last pose: the log’s own poses continue the trajectory."
+    return at_scans, [*notes, said]
 
 
 TUM = "tum"  #: name of the trajectory that a TUM file is in a log
@@ -71,13 +76,26 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
     notes: list[str] = []
     at_scans = poses.poses
     if not is_scan_by_scan(log, poses):
+        poses, said = _by_the_clock_of_scans(log, poses, name)
         log, notes = cut_to(log, poses)
+        notes += said
         at_scans = poses.at(log.stamps_ns)
     added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
     known = {own: one for own, one in log.trajectories.items() if not one.is_placeholder}
     outdated = {trajectory.placeholder_note for trajectory in log.trajectories.values()}
     kept = [note for note in log.notes if note not in outdated]
     return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))
+
+
+def _by_the_clock_of_scans(log: ScanLog, poses: TimedPoses, name: str) -> tuple[TimedPoses, list[str]]:
+    """Return poses that are stamped late or early as the readings have it, and a note then."""
+    longest = max(sensors_of(log), key=lambda part: part.n_scans)
+    given = Trajectory(poses.at(longest.stamps_ns), timed=poses, offset=poses.offset)
+    alone = replace(longest, trajectories={name: given})
+    clock = pose_clock(alone, name)
+    if clock is None:
+        return poses, []
+    return clock.corrected(alone, name).timed or poses, [clock.why]
 
 
 def is_scan_by_scan(log: ScanLog, poses: TimedPoses) -> bool:

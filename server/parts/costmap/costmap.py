@@ -2,40 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
-from mapper.core.errors import ConfigError
+from mapper.core.errors import MapperError
 from mapper.costmap import (
     NO_INFORMATION,
     CellReason,
-    DecayLayer,
     GivenLayer,
     InflationLayer,
     KeepoutLayer,
-    LayeredCostmap,
     Mask,
-    ObstacleLayer,
     SpeedFilter,
     SpeedLimit,
-    StaticConfig,
-    StaticLayer,
 )
+from mapper.costmap.build import ObservedLayer, build_costmap
 from mapper.costmap.layers import Layer as CostLayer
-from mapper.costmap.layers import observation_of_scan
+from mapper.costmap.layers import observation_of_scan, part_of
+from mapper.costmap.nav2.filters import NamedFilter
+from mapper.costmap.parameters import InflationConfig
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.planning.parameters import PlannerConfig, PursuitConfig
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
+from server.parts.costmap.nav2_file import table_name
 from server.parts.costmap.parameters import LAYERS, CostmapParameters
 from server.parts.costmap.zones import SpeedZones, Stroke
 from server.sessions.part import StaticMap
 from server.sessions.parts import LayerCosts
 from server.stream.grid_layer import GridLayer
 from server.stream.layers import Layer
+
+_ZONES = "map_keepout"  #: name of the keepout zones of a map that was given
 
 
 class Costmap:
@@ -65,37 +67,41 @@ class Costmap:
         """Make all layers again over the present map; what was painted stays."""
         map_ = grid if self._plan is None else self._plan.grid
         self.geometry = map_.geometry
-        parameters, general = self.parameters, self.parameters.general
-        self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
-        self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
-        self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
+        self._values = map_.classify()
         self._graded = GivenLayer(self.geometry, "terrain_layer", self._why_terrain)
         if self._terrain is not None:
             self._graded.take(self._terrain.costs(), self._terrain.geometry)
         self._keepout = KeepoutLayer(self.geometry)
         given_limits = None if self._plan is None else self._plan.speed
-        self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"], given_limits)
+        self._speed = SpeedZones(self.geometry, self.parameters.values["speed_limits"], given_limits)
         self._zones = None
         if self._plan is not None and self._plan.keepout is not None:
             zones = np.where(self._plan.keepout > 0, self._plan.keepout, -1).astype(np.int8)
-            self._zones = KeepoutLayer(self.geometry, Mask(self.geometry, zones), "map_keepout")
+            self._zones = Mask(self.geometry, zones)
         for stroke in self.strokes:
             self._paint(stroke)
-        self._stack()
+        self._stack(())
         self._show_speed()
 
-    def _stack(self) -> None:
-        """Lay the layers that are on over each other."""
+    def _stack(self, observed: Sequence[ObservedLayer]) -> None:
+        """Lay all layers over each other; those that were ``observed`` keep what they saw."""
         parameters = self.parameters
-        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout)
-        below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
-        if self._zones is not None and parameters.is_on("keepout_filter"):
-            below.append(self._zones)
-        inflation = None
-        if parameters.is_on("inflation_layer"):
-            inflation = InflationLayer(self.geometry, parameters.inflation, parameters.outline.inscribed_radius)
-        self.costmap = LayeredCostmap(self.geometry, parameters.general, parameters.outline, below, inflation)
-        self._inflation = inflation
+        stack, masks, is_painted = parameters.stack, {}, parameters.is_on("keepout_filter")
+        if self._zones is not None and is_painted:
+            at = next((k for k, one in enumerate(stack.layers) if isinstance(one.config, InflationConfig)), None)
+            stack = replace(stack, filters=(NamedFilter(_ZONES, "keepout", _ZONES, below=at),))
+            masks[_ZONES] = self._zones
+        self._built = build_costmap(
+            self.geometry, self._values, stack, parameters.outline, masks,
+            self._keepout if is_painted else KeepoutLayer(self.geometry), (*observed, self._graded),
+        )  # fmt: skip
+        self.costmap = self._built.costmap
+        self._own: dict[str, CostLayer | InflationLayer] = {"keepout_filter": self._keepout}
+        enabled = sorted(stack.all_layers(), key=lambda one: not one.config.enabled)
+        for layer in enabled:
+            kind = table_name(layer.config)
+            if kind is not None:
+                self._own.setdefault(kind, self._built.layers[layer.name])
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -106,7 +112,13 @@ class Costmap:
     @property
     def cells(self) -> int:
         """Cells of the grids that it holds."""
-        return 20 * self.geometry.rows * self.geometry.cols
+        return (20 + 3 * len(self._built.layers)) * self.geometry.rows * self.geometry.cols
+
+    @property
+    def blind(self) -> list[str]:
+        """The names of the layers of obstacles that see no scans."""
+        layers = zip(self._built.observed, self._built.obstacles, strict=True)
+        return [name for name, layer in layers if not layer.config.sources_of_scans()]
 
     @property
     def costs(self) -> UInt8Array:
@@ -138,13 +150,23 @@ class Costmap:
         if whole or box is None:
             box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
         state = grid.band(slice(box.row0, box.row1)).classify()[:, box.col0 : box.col1]
-        self._static.renew(np.ascontiguousarray(state), box)
+        self._values[part_of(box)] = state
+        for layer in self._built.statics:
+            layer.renew(np.ascontiguousarray(state), box)
 
     def look(self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array) -> None:
         """Mark and clear by a scan, in the layers of obstacles."""
-        observation = observation_of_scan(scan, sensor_pose, inf_is_valid=True)
-        self._obstacle.observe(observation)
-        self._dynamic.observe(observation)
+        for layer in self._built.obstacles:
+            config = layer.config
+            seen = []
+            for name in config.sources_of_scans():
+                source = config.source(name)
+                # How high the sensor is is not known: its scans are within the heights that are looked at.
+                least = max(0.0, source.min_obstacle_height, config.min_obstacle_height)
+                height = min(least, source.max_obstacle_height, config.max_obstacle_height)
+                one = observation_of_scan(scan, sensor_pose, inf_is_valid=source.inf_is_valid, height=height)
+                seen.append(replace(one, source=name))
+            layer.observe(*seen)
 
     def lay_terrain(self, terrain: LayerCosts | None) -> None:
         """Take other costs for the terrain's layer; None for none."""
@@ -172,8 +194,8 @@ class Costmap:
     def change(
         self, parameters: CostmapParameters, grid: OccupancyGrid, plan: Callable[[str], StaticMap | None]
     ) -> None:
-        """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
-        before, old_plan = self.parameters, self._plan
+        """Use other parameters. Raises :class:`MapperError`, and nothing has changed then."""
+        before, old_plan, geometry = self.parameters, self._plan, self.geometry
         try:
             self.parameters = parameters
             wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
@@ -182,13 +204,15 @@ class Costmap:
                     self._plan = plan(wanted)
                 self.begin(grid)
                 return
-            self._obstacle.configure(parameters.obstacle)
-            self._dynamic.configure(parameters.dynamic)
-            self._stack()
+            self._stack(self._built.obstacles)
             self._speed.interpret(parameters.values["speed_limits"])
             self._show_speed()
-        except ConfigError:
+        except MapperError:
             self.parameters, self._plan = before, old_plan
+            if self.geometry == geometry:
+                self._stack(self._built.obstacles)
+            else:
+                self.begin(grid)
             raise
 
     def paint(self, strokes: tuple[Stroke, ...]) -> None:
@@ -221,8 +245,8 @@ class Costmap:
         box = self.costmap.update(now, pose)
         if box is None:
             return False
-        own = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout, self._inflation)
-        for (name, sheet), layer in zip(self._sheets.items(), own, strict=True):
+        for name, sheet in self._sheets.items():
+            layer = self._own.get(name)
             costs = None if layer is None or not self.parameters.is_on(name) else layer.costs
             self._show(sheet, costs)
         return self._show(self._master, self.costmap.costs)

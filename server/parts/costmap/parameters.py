@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap.footprint import Footprint
-from mapper.costmap.nav2.costmap import ContainerConfig, LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
+from mapper.costmap.nav2.costmap import LayerConfig, NamedLayer, Nav2Costmap
+from mapper.costmap.nav2.filters import NamedFilter
+from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import (
     COSTMAP_PARAMETERS,
     DECAY_PARAMETERS,
@@ -23,9 +25,10 @@ from mapper.costmap.parameters import (
     StaticConfig,
 )
 from mapper.costmap.speed_filter import ABSOLUTE
-from mapper.planning.nav2_parameters import Nav2Path
+from mapper.planning.nav2_parameters import Nav2Path, nav2_path_yaml
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 from mapper.simulation.robot import HEXAGON
+from server.parts.costmap.nav2_file import CLEARED_BEYOND_M, PARAMETERS, Nav2File, source_of_scans, table_name
 from server.sessions.parts import FootprintAnswer
 from server.stream.message_parts import Parameter as ParameterRow
 from server.stream.message_parts import rows_of
@@ -93,28 +96,48 @@ INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
 
 MOST_CORNERS = 24  #: of a footprint here
 _OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), OF_THE_FOLLOWER
-_CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
+PAGE_ONLY = ("dynamic_layer", "terrain_layer")  #: layers of the page that a loaded file may lack
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedFile:
+    """A Nav2 parameter file that was loaded, ``first`` as it was and ``now`` with what was changed since.
+
+    ``values`` and ``footprint`` are those that it set at first: a value beyond the bounds of the table is the nearest
+    one in them, and counts as it is in the file until it is changed. ``path`` is its planner and its follower.
+    """
+
+    first: Nav2File
+    now: Nav2File
+    values: Mapping[str, Any]
+    footprint: Footprint
+    path: Nav2Path
+
+    def changed(self, values: Mapping[str, Any], footprint: Footprint) -> LoadedFile:
+        """Return the file with the present values of the table and the present footprint."""
+        changes = {name: value for name, value in values.items() if value != self.values.get(name, value)}
+        outline = None if footprint == self.footprint else footprint
+        return replace(self, now=self.first.changed(changes, outline) if changes or outline else self.first)
 
 
 @dataclass(frozen=True, slots=True)
 class CostmapParameters:
     """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
 
-    ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2.reading.Nav2Costmap`
-    has them, with the table's names of its layers, and ``skipped`` the layers that are not built. ``loaded_path`` is
-    the planner and the follower of that file: of their parameters those that the table lacks.
+    ``loaded`` is the Nav2 file that was loaded, if any: its layers are in the place of the table's own.
     """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
     footprint: Footprint = field(default_factory=lambda: Footprint(HEXAGON))
-    others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
-    skipped: tuple[SkippedLayer, ...] = ()
-    loaded_path: Nav2Path = field(default_factory=Nav2Path)
+    loaded: LoadedFile | None = None
 
-    def with_values(self, values: Mapping[str, Any]) -> CostmapParameters:
-        """Return the parameters with other values; the rest stays."""
+    def with_values(self, values: Mapping[str, Any], footprint: Footprint | None = None) -> CostmapParameters:
+        """Return the parameters with other values, and another footprint if one is given; the rest stays."""
         check_names(values, TABLE, "navigation parameter")
-        return replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
+        present = {**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}}
+        outline = footprint or self.footprint
+        loaded = None if self.loaded is None else self.loaded.changed(present, outline)
+        return CostmapParameters(present, outline, loaded)
 
     def is_on(self, layer: str) -> bool:
         """Whether a layer is used."""
@@ -123,6 +146,8 @@ class CostmapParameters:
     @property
     def general(self) -> CostmapConfig:
         """Parameters of the whole costmap."""
+        if self.loaded is not None:
+            return self.loaded.now.costmap.general
         return CostmapConfig(track_unknown_space=self.values["track_unknown_space"])
 
     @property
@@ -137,71 +162,77 @@ class CostmapParameters:
             [*self.footprint.vertices], round(outline.inscribed_radius, 4), round(outline.circumscribed_radius, 4)
         )
 
-    @property
-    def obstacle(self) -> ObstacleConfig:
-        """Parameters of the obstacle layer."""
+    def _of_readings(self) -> dict[str, Any]:
+        """Return the parameters of the layers that see scans."""
         farthest = self.values["obstacle_max_range"]
-        return ObstacleConfig(
-            clearing=self.values["clearing"],
-            obstacle_max_range=farthest,
-            raytrace_max_range=farthest + _CLEARED_BEYOND_M,
-            inf_is_valid=True,
-        )
+        return {
+            "clearing": self.values["clearing"],
+            "obstacle_max_range": farthest,
+            "raytrace_max_range": farthest + CLEARED_BEYOND_M,
+            "inf_is_valid": True,
+        }
 
     @property
-    def dynamic(self) -> DecayConfig:
-        """Parameters of the layer of obstacles with a lifetime."""
-        return DecayConfig(**asdict(self.obstacle), lifetime=self.values["lifetime"])
+    def _own(self) -> dict[str, LayerConfig]:
+        """The table's own layers, bottom first."""
+        on = {name: self.is_on(name) for name in LAYERS}
+        return {
+            "static_layer": StaticConfig(enabled=on["static_layer"]),
+            "obstacle_layer": ObstacleConfig(enabled=on["obstacle_layer"], **self._of_readings()),
+            "dynamic_layer": DecayConfig(
+                enabled=on["dynamic_layer"], **self._of_readings(), lifetime=self.values["lifetime"]
+            ),
+            "terrain_layer": GivenConfig(enabled=on["terrain_layer"]),
+            "inflation_layer": InflationConfig(
+                enabled=on["inflation_layer"],
+                inflation_radius=self.values["inflation_radius"],
+                cost_scaling_factor=self.values["cost_scaling_factor"],
+            ),
+        }
 
     @property
-    def inflation(self) -> InflationConfig:
-        """Parameters of the inflation layer."""
-        return InflationConfig(
-            inflation_radius=self.values["inflation_radius"], cost_scaling_factor=self.values["cost_scaling_factor"]
-        )
+    def stack(self) -> Nav2Costmap:
+        """The costmap with all layers: those of the loaded file and, below its inflation, what that file lacks."""
+        own = self._own
+        if self.loaded is None:
+            layers = tuple(NamedLayer(name, config) for name, config in own.items())
+            return Nav2Costmap("global_costmap", self.general, self.footprint, layers)
+        found = self.loaded.now.costmap
+        kinds = {table_name(layer.config) for layer in found.all_layers()}
+        missing = [NamedLayer(name, own[name]) for name in PAGE_ONLY if name not in kinds]
+        inflations = [k for k, one in enumerate(found.layers) if isinstance(one.config, InflationConfig)]
+        at = inflations[0] if inflations else len(found.layers)
+        return replace(found, layers=(*found.layers[:at], *missing, *found.layers[at:]), filters=())
 
     @property
     def planner(self) -> PlannerConfig:
         """Parameters of the planner."""
-        return replace(
-            self.loaded_path.planner,
-            **{name: self.values[name] for name in _OF_PLANNER},
-        )
+        first = PlannerConfig() if self.loaded is None else self.loaded.path.planner
+        return replace(first, **self._of_path(_OF_PLANNER))
 
     @property
     def pursuit(self) -> PursuitConfig:
         """Parameters of the follower of the path."""
-        return replace(
-            self.loaded_path.pursuit,
-            **{name: self.values[name] for name in _OF_PURSUIT},
-        )
+        first = PursuitConfig() if self.loaded is None else self.loaded.path.pursuit
+        return replace(first, **self._of_path(_OF_PURSUIT))
 
-    @property
-    def path(self) -> Nav2Path:
-        """Planner and follower as Nav2's parameters have them."""
-        return replace(self.loaded_path, planner=self.planner, pursuit=self.pursuit)
+    def _of_path(self, names: tuple[str, ...]) -> dict[str, Any]:
+        """Return the values of some names; without those that are as in the file that was loaded."""
+        loaded = {} if self.loaded is None else self.loaded.values
+        return {name: self.values[name] for name in names if loaded.get(name) != self.values[name]}
 
-    @property
-    def has_more(self) -> bool:
-        """Whether a Nav2 file was loaded that has more than the table: other parameters, or other names."""
-        first, path = CostmapParameters().path, self.path
-        planner = replace(first.planner, **{name: getattr(path.planner, name) for name in _OF_PLANNER})
-        pursuit = replace(first.pursuit, **{name: getattr(path.pursuit, name) for name in _OF_PURSUIT})
-        return bool(self.others or self.skipped) or path != replace(first, planner=planner, pursuit=pursuit)
+    def nav2_text(self, filters: tuple[NamedFilter, ...], resolution: float) -> str:
+        """Return the parameters as a Nav2 file, with the filters of painted zones; ``resolution`` is in m per cell.
 
-    @property
-    def nav2(self) -> Nav2Costmap:
-        """The costmap as Nav2's parameters have it: without the dynamic layer and the painted zones."""
-        configs: dict[str, LayerConfig] = {
-            "static_layer": StaticConfig(),
-            "obstacle_layer": self.obstacle,
-            "terrain_layer": GivenConfig(),
-            "inflation_layer": self.inflation,
-        }
-        layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
-        return Nav2Costmap(
-            "global_costmap", self.general, self.footprint, layers, others=self.others, skipped=self.skipped
-        )
+        A file that was loaded is returned with what was changed since. The layer of obstacles with a lifetime, which
+        Nav2 does not have, is only in a file that has it already.
+        """
+        loaded = self.loaded
+        if loaded is not None:
+            return loaded.now.yaml(filters, replace(loaded.path, planner=self.planner, pursuit=self.pursuit))
+        layers = tuple(NamedLayer(name, one) for name, one in self._own.items() if name in IN_NAV2 and one.enabled)
+        costmap = Nav2Costmap("global_costmap", self.general, self.footprint, layers, filters)
+        return nav2_yaml(costmap, resolution) + nav2_path_yaml(Nav2Path(self.planner, self.pursuit))
 
 
 def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
@@ -216,53 +247,33 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
     return footprint
 
 
-def _as_one_list(found: Nav2Costmap, others: dict[tuple[str, ...], Any]) -> Iterator[NamedLayer]:
-    """Yield the layers, those of containers in their places; what the latter have besides is put into ``others``."""
-    for layer in found.layers:
-        config = layer.config
-        if isinstance(config, ContainerConfig):
-            others |= {path: value for path, value in config.inner.others.items() if len(path) > 1}
-            for one in _as_one_list(config.inner, others):
-                is_on = config.enabled and one.config.enabled
-                yield replace(one, config=replace(one.config, enabled=is_on))
-        else:
-            yield layer
+def from_nav2(
+    before: CostmapParameters, root: Mapping[str, Any], found: Nav2Costmap, path: Nav2Path
+) -> tuple[CostmapParameters, list[str]]:
+    """Return the parameters of a Nav2 parameter file, of others those ``before``, and what is to be noted.
 
-
-def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> CostmapParameters:
-    """Return the parameters of a Nav2 parameter file, of others those ``before``.
-
-    The table has one layer of each kind: those of containers are taken as if they stood in the list of plugins. Of its
-    filters only their kind and whether they are on is taken: their masks are other files.
-
-    Raises :class:`ConfigError` for a value beyond the bounds of the table.
+    ``found`` and ``path`` are what its mapping ``root`` describes. Where it has several layers of a kind, the table
+    shows the first that is enabled. Of its filters only their kind and whether they are on is taken: their masks are
+    other files.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
-    named: dict[str, str] = {}  # the file's names of the layers, and the table's
     values |= dict.fromkeys(IN_NAV2, False)
-    others: dict[tuple[str, ...], Any] = {**found.others}
-    for layer in _as_one_list(found, others):
-        config = layer.config
-        if isinstance(config, StaticConfig):
-            named[layer.name] = "static_layer"
-            values["static_layer"] = config.enabled
-        elif isinstance(config, GivenConfig):
-            named[layer.name] = "terrain_layer"
-            values["terrain_layer"] = config.enabled
-        elif isinstance(config, InflationConfig):
-            named[layer.name] = "inflation_layer"
-            values |= {
-                "inflation_layer": config.enabled,
-                "inflation_radius": config.inflation_radius,
-                "cost_scaling_factor": config.cost_scaling_factor,
-            }
-        elif isinstance(config, ObstacleConfig):
-            named[layer.name] = "obstacle_layer"
-            values |= {
-                "obstacle_layer": config.enabled,
-                "clearing": config.clearing,
-                "obstacle_max_range": config.obstacle_max_range,
-            }
+    shown = [one for one in found.all_layers() if table_name(one.config) is not None]
+    paths: dict[str, str] = {}
+    for layer in sorted(shown, key=lambda one: one.config.enabled):  # the first that is enabled comes last
+        kind = table_name(layer.config) or ""
+        values[kind] = layer.config.enabled
+        of_layer: dict[str, Any] = {}
+        where = f"{found.node}.{layer.name}"
+        if isinstance(layer.config, InflationConfig):
+            of_layer = {name: getattr(layer.config, name) for name in PARAMETERS[kind]}
+        elif isinstance(layer.config, ObstacleConfig):
+            source = source_of_scans(layer.config)
+            of_layer = {} if source is None else {name: getattr(source, name) for name in PARAMETERS["obstacle_layer"]}
+            if isinstance(layer.config, DecayConfig):
+                of_layer["lifetime"] = layer.config.lifetime
+        values |= of_layer
+        paths |= {name: f"{where}.{name}" for name in of_layer}
     for one in found.filters:
         if one.kind == "speed":
             kind = "absolute" if one.type == ABSOLUTE else "percentage"
@@ -271,7 +282,18 @@ def from_nav2(before: CostmapParameters, found: Nav2Costmap, path: Nav2Path) -> 
             values["keepout_filter"] = one.enabled
     values |= {name: getattr(path.planner, name) for name in _OF_PLANNER}
     values |= {name: getattr(path.pursuit, name) for name in _OF_PURSUIT}
+    paths |= {name: f"planner_server.{path.planner_name}.{name}" for name in _OF_PLANNER}
+    paths |= {name: f"controller_server.{path.follower_name}.{name}" for name in _OF_PURSUIT}
+    notes = []
+    for name, value in values.items():
+        row = _ROWS[name]
+        if row.kind == "number" and not row.low <= value <= row.high:
+            values[name] = min(max(value, row.low), row.high)
+            notes.append(
+                f"{paths[name]} is {value:g}, and the slider goes from {row.low:g} to {row.high:g}: {value:g} counts "
+                "until the slider is moved."
+            )
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
-    others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in others.items()}
-    loaded = replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)
-    return replace(loaded, skipped=found.skipped)
+    file = Nav2File(root, found)
+    present = replace(before, loaded=None).with_values(values, footprint)
+    return replace(present, loaded=LoadedFile(file, file, values, footprint, path)), notes

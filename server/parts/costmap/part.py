@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,10 @@ from mapper.core.errors import ConfigError
 from mapper.core.parameter import Values
 from mapper.costmap import NO_INFORMATION
 from mapper.costmap.nav2.reading import costmap_of
-from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.ros_parameters import parse_ros_parameters
-from mapper.planning.nav2_parameters import nav2_path_yaml, path_of
+from mapper.planning.nav2_parameters import path_of
 from server.parts.costmap.costmap import Costmap
 from server.parts.costmap.messages import (
     CostCommand,
@@ -29,7 +27,6 @@ from server.parts.costmap.messages import (
     Nav2Message,
 )
 from server.parts.costmap.parameters import (
-    IN_NAV2,
     INITIAL,
     OF_THE_FOLLOWER,
     CostmapParameters,
@@ -49,6 +46,7 @@ from server.stream.protocol import ProtocolError
 
 MOST_CELLS = 5_000_000  #: of the map: each costmap holds a dozen grids of its size
 _MOST_NAMES = 12  #: of parameters in one notice
+_UNSEEN = "{} has no source of the type LaserScan: it sees nothing of the scans here."
 
 
 class CostmapPart(Part, Costed):
@@ -114,9 +112,8 @@ class CostmapPart(Part, Costed):
     def history(self) -> list[Struct]:
         """Return the commands from which another session gets the same costmap.
 
-        Where a Nav2 file was loaded that has more than the table of parameters, the command ``nav2`` has that. It has
-        all layers, since a layer that is off may have such parameters too, and the command after it switches them as
-        they are. The command ``use_terrain`` names an upload, which the service then reads.
+        Where a Nav2 file was loaded, the command ``nav2`` has it as it is now. The command ``use_terrain`` names an
+        upload, which the service then reads.
         """
         costmap = self.costmap
         if costmap is None:
@@ -124,12 +121,10 @@ class CostmapPart(Part, Costed):
         loaded = costmap.parameters
         values = {name: value for name, value in loaded.values.items() if value != INITIAL[name]}
         (message,) = self.messages()
-        commands: list[Struct] = [CostmapCommand(values=values, footprint=message.footprint, keepout=message.keepout)]
-        if loaded.has_more:
-            flags = {name: loaded.values[name] for name in IN_NAV2}
-            every = loaded.with_values(dict.fromkeys(IN_NAV2, True))
-            text = nav2_yaml(every.nav2, costmap.geometry.resolution) + nav2_path_yaml(every.path)
-            commands += [Nav2Command(text), CostmapCommand(values=flags)]
+        outline = None if loaded.loaded is not None else message.footprint
+        commands: list[Struct] = [CostmapCommand(values=values, footprint=outline, keepout=message.keepout)]
+        if loaded.loaded is not None:
+            commands.append(Nav2Command(loaded.nav2_text((), costmap.geometry.resolution)))
         if self._uploaded is not None:
             commands.append(UseTerrain(self._uploaded.log_id))
         return commands
@@ -174,9 +169,8 @@ class CostmapPart(Part, Costed):
         costmap = self.costmap
         self._check(command.values)
         first = CostmapParameters().with_values(self._first_values()) if costmap is None else costmap.parameters
-        parameters = first.with_values(command.values)
-        if command.footprint is not None:
-            parameters = replace(parameters, footprint=footprint_of(command.footprint))
+        outline = None if command.footprint is None else footprint_of(command.footprint)
+        parameters = first.with_values(command.values, outline)
         strokes = None if command.keepout is None else strokes_of(command.keepout)
         if costmap is None:
             self.costmap = costmap = Costmap(self._map(parameters), self._plan, parameters)
@@ -243,22 +237,16 @@ class CostmapPart(Part, Costed):
         if command.text is None:
             masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
             filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
-            parts = nav2_yaml(replace(costmap.parameters.nav2, filters=filters), costmap.geometry.resolution)
-            result.answer(Nav2Message(parts + nav2_path_yaml(costmap.parameters.path)))
+            result.answer(Nav2Message(costmap.parameters.nav2_text(filters, costmap.geometry.resolution)))
             return
         root = parse_ros_parameters(command.text.encode())
         read, read_path = costmap_of(root), path_of(root)
-        exchange = from_nav2(costmap.parameters, read, read_path)
+        exchange, notes = from_nav2(costmap.parameters, root, read, read_path)
         costmap.change(exchange, self._map(exchange), self._plan)
         unused = *read.unused, *read_path.unused
-        said = [*read.notes, *read_path.notes]
+        said = [*read.notes, *read_path.notes, *notes, *(_UNSEEN.format(name) for name in costmap.blind)]
         if not read.general.track_unknown_space:
             said.append("track_unknown_space is off: cells that the map does not know count as free.")
-        if read.containers:
-            said.append(
-                "Here the layers of a PluginContainerLayer are read, and written again, as if they stood in the list "
-                "of plugins; gridbloom costmap lays them together, as Nav2 does."
-            )
         if unused:
             names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
             said.append(f"Without effect here, and kept in the yaml that you download: {names}.")

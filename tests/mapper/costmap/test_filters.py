@@ -44,7 +44,7 @@ global_costmap:
       filters: [keepout_filter, speed_filter, lights]
       static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}
       zones: {plugin: "nav2_costmap_2d::KeepoutFilter", filter_info_topic: "zones_info"}
-      dynamic: {plugin: "gridbloom::DecayLayer", lifetime: 3.0}
+      dynamic: {plugin: "gridbloom::DecayLayer", lifetime: 3.0, observation_sources: scan}
       inflation_layer: {plugin: "nav2_costmap_2d::InflationLayer"}
       keepout_filter: {plugin: "nav2_costmap_2d::KeepoutFilter", filter_info_topic: "/keepout_info"}
       speed_filter: {plugin: "nav2_costmap_2d::SpeedFilter", filter_info_topic: "/speed_info", speed_limit_topic: "/s"}

@@ -45,10 +45,18 @@ def test_the_outline_turns_with_the_robot() -> None:
         (((0.1, 0.1), (-0.1, -0.1)), "3 to 200 points"),
         (((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)), "crosses itself: .* point 0 and from point 2"),
         (((1.0, 0.0), (float("nan"), 1.0), (-1.0, 0.0)), "finite"),
-        (((1.0, 1.0), (2.0, 1.0), (2.0, 2.0)), "must hold the robot’s centre"),
         ((("a", 1.0), (2.0, 1.0), (2.0, 2.0)), "list of points"),
     ],
 )  # fmt: skip
 def test_outlines_that_are_refused(vertices: tuple[tuple[float, float], ...], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
         Footprint(vertices)
+
+
+def test_an_outline_beside_the_origin_has_the_radii_of_nav2() -> None:
+    """calculateMinAndMaxDistances of nav2_costmap_2d: the least distance to an edge, and the greatest to a corner."""
+    beside = Footprint(((1.0, -1.0), (2.0, -1.0), (2.0, 1.0), (1.0, 1.0)))
+    assert not beside.holds_origin
+    assert beside.inscribed_radius == pytest.approx(1.0)
+    assert beside.circumscribed_radius == pytest.approx(math.sqrt(5.0))
+    assert Footprint(SQUARE).holds_origin

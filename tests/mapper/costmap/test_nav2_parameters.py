@@ -10,7 +10,14 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.costmap.nav2.writing import nav2_yaml
-from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
+from mapper.costmap.parameters import (
+    InflationConfig,
+    NamedSource,
+    ObstacleConfig,
+    SourceConfig,
+    StaticConfig,
+    VoxelConfig,
+)
 from mapper.grid import GridGeometry
 
 FILE = b"""
@@ -72,7 +79,10 @@ def test_the_global_costmap_of_a_whole_file() -> None:
     assert [layer.name for layer in found.layers] == ["static_layer", "obstacle_layer", "inflation_layer"]
     static, obstacle, inflation = (layer.config for layer in found.layers)
     assert static == StaticConfig(lethal_cost_threshold=65)
-    assert obstacle == ObstacleConfig(raytrace_max_range=4.5, obstacle_max_range=3.5, combination_method="overwrite")
+    scans = SourceConfig(clearing=True, raytrace_max_range=4.5, obstacle_max_range=3.5)
+    assert isinstance(obstacle, ObstacleConfig)
+    assert obstacle.sources == (NamedSource("scan", scans, "/scan"),)
+    assert obstacle.combination_method == "overwrite"
     assert inflation == InflationConfig(inflation_radius=0.7, cost_scaling_factor=3.0)
     assert [(one.name, one.kind, one.mask) for one in found.filters] == [("keepout_filter", "keepout", None)]
     assert "global_costmap.update_frequency" in found.unused
@@ -80,7 +90,8 @@ def test_the_global_costmap_of_a_whole_file() -> None:
 
 def test_the_local_costmap_with_a_footprint() -> None:
     found = parse_nav2_costmap(FILE, "local_costmap")
-    assert found.layers[0].config == VoxelConfig(z_voxels=16, mark_threshold=2, max_obstacle_height=1.5)
+    scans = NamedSource("scan", SourceConfig(clearing=True, max_obstacle_height=1.5), "/scan")
+    assert found.layers[0].config == VoxelConfig(z_voxels=16, mark_threshold=2, clearing=False, sources=(scans,))
     assert found.outline.inscribed_radius == pytest.approx(0.21)
 
 
@@ -101,9 +112,7 @@ def test_what_changes_no_cost_is_said_and_written_again() -> None:
     found = parse_nav2_costmap(two)
     assert set(found.unused) == {
         "global_costmap.update_frequency", "global_costmap.global_frame", "global_costmap.always_send_full_costmap",
-        "global_costmap.static_layer.map_subscribe_transient_local", "global_costmap.obstacle_layer.front.topic",
-        "global_costmap.obstacle_layer.front.data_type", "global_costmap.obstacle_layer.rear.topic",
-        "global_costmap.obstacle_layer.rear.clearing",
+        "global_costmap.static_layer.map_subscribe_transient_local",
     }  # fmt: skip
     text = nav2_yaml(found, 0.05)
     values = yaml.safe_load(text)["global_costmap"]["global_costmap"]["ros__parameters"]
@@ -111,7 +120,7 @@ def test_what_changes_no_cost_is_said_and_written_again() -> None:
     layer = values["obstacle_layer"]
     assert layer["observation_sources"] == "front rear"
     assert (layer["front"]["topic"], layer["front"]["raytrace_max_range"]) == ("/scan", 4.5)
-    assert layer["rear"] == {"topic": "/rear", "clearing": True}
+    assert [layer["rear"][key] for key in ("topic", "clearing", "raytrace_max_range")] == ["/rear", True, 3.0]
     assert values["static_layer"]["map_subscribe_transient_local"] is True
     assert replace(parse_nav2_costmap(text.encode()), notes=()) == replace(found, notes=())
 

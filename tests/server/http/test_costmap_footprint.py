@@ -82,7 +82,6 @@ def test_what_is_no_footprint_changes_nothing(service: Service, session: str) ->
         (circle, "footprint.vertices"),
         ([[100.0 * x / 0.3, 100.0 * y / 0.3] for x, y in SQUARE], "footprint.vertices"),
         ([SQUARE[0], SQUARE[2], SQUARE[1], SQUARE[3]], "footprint.crosses"),
-        ([[x + 1.0, y] for x, y in SQUARE], "footprint.origin"),
         ([[1.0, 2.0, 3.0]] * 4, "request.invalid"),
         ([["nan", 0.0]] * 4, "request.invalid"),
         (None, "request.invalid"),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from collections.abc import AsyncIterator
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
@@ -15,8 +18,9 @@ from mapper.core.errors import ConfigError, MapperError
 from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2.reading import parse_nav2_costmap
+from mapper.costmap.parameters import ObstacleConfig
 from mapper.io import ros_parameters, untrusted_yaml
-from server.parts.costmap.messages import CostmapCommand
+from server.parts.costmap.messages import CostmapCommand, Nav2Command
 from server.parts.costmap.parameters import CostmapParameters
 from server.parts.costmap.part import CostmapPart
 from server.parts.wire import command_of
@@ -133,7 +137,7 @@ async def test_the_costs_are_those_of_the_library_over_the_whole_map(lab: Lab) -
     # Box by box as the robot mapped, against all layers over the finished map at once.
     grid = lab.model.grid
     parameters = CostmapParameters().with_values(STATIC_ONLY | {"inflation_radius": 0.8})
-    whole = build_costmap(grid.geometry, grid.classify(), parameters.nav2, parameters.outline).costmap
+    whole = build_costmap(grid.geometry, grid.classify(), parameters.stack, parameters.outline).costmap
     whole.update()
     np.testing.assert_array_equal(lab.costs.costs, whole.costs)
 
@@ -371,7 +375,9 @@ async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: 
     assert path.unused == ("controller_server.controller_frequency",)
     found = parse_nav2_costmap(lab.answers[0]["text"].encode())
     assert found.others[("update_frequency",)] == 3.5
-    assert found.others["obstacle_layer", "scan", "topic"] == "/scan"
+    (laser,) = (one for one in found.layers if one.name == "laser")
+    assert isinstance(laser.config, ObstacleConfig)
+    assert laser.config.sources[0].topic == "/scan"
 
 
 def resumed(navigation: list[Struct]) -> History:
@@ -441,5 +447,123 @@ async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
     lab.do(type="nav2")
     found = parse_nav2_costmap(lab.answers[0]["text"].encode())
     assert found.others[("update_frequency",)] == 3.5
-    assert found.others["obstacle_layer", "scan", "topic"] == "/front"
+    (laser,) = (one.config for one in found.layers if one.name == "obstacle_layer")
+    assert isinstance(laser, ObstacleConfig)
+    assert laser.sources[0].topic == "/front"
     assert parse_nav2_path(lab.answers[0]["text"].encode()).pursuit.rotate_to_heading_angular_vel == 0.9
+
+
+LOADED = """
+amcl: {ros__parameters: {alpha1: 0.25}}
+planner_server: {ros__parameters: {GridBased: {plugin: nav2_smac_planner::SmacPlanner2D, max_iterations: 7}}}
+robot/global_costmap:
+  global_costmap:
+    ros__parameters:
+      width: 9
+      robot_radius: 0.2
+      footprint_padding: 0.03
+      track_unknown_space: true
+      plugins: [map, sensors, sonar, gradient]
+      filters: [zones]
+      map: {plugin: "nav2_costmap_2d::StaticLayer", map_topic: /m, footprint_clearing_enabled: true}
+      sensors:
+        plugin: "nav2_costmap_2d::PluginContainerLayer"
+        combination_method: 1
+        plugins: [boxes, tables, near]
+        boxes:
+          plugin: "nav2_costmap_2d::ObstacleLayer"
+          observation_sources: front
+          front: {topic: /scan, clearing: true, obstacle_max_range: 4.0, raytrace_min_range: 0.2}
+        tables: {plugin: "my_pkg::Tables", from: /tables}
+        near: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.2}
+      sonar: {plugin: "nav2_costmap_2d::RangeSensorLayer", topics: [/sonar]}
+      gradient: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 5.0, cost_scaling_factor: 2.5}
+      zones: {plugin: "nav2_costmap_2d::KeepoutFilter", transform_tolerance: 0.4}
+"""
+
+
+async def test_nothing_of_a_loaded_yaml_is_lost_and_only_what_is_changed_changes(lab: Lab) -> None:
+    lab.do(type="costmap")
+    lab.do(type="nav2", text=LOADED)
+    assert lab.costmap["values"]["inflation_radius"] == 3.0, "the slider ends there"
+    lab.do(type="nav2")
+    before = yaml.safe_load(lab.answers[0]["text"])
+    given = yaml.safe_load(LOADED)
+    place = ("robot/global_costmap", "global_costmap", "ros__parameters")
+
+    def of(root: Any) -> dict[str, Any]:
+        return functools.reduce(operator.getitem, place, root)
+
+    assert before == given
+    # One layer in the container, and the one above, have the slider's value then.
+    lab.do(type="costmap", values={"inflation_radius": 0.5, "obstacle_max_range": 3.0})
+    lab.do(type="nav2")
+    after = yaml.safe_load(lab.answers[0]["text"])
+    wanted = of(given)
+    wanted["gradient"]["inflation_radius"] = wanted["sensors"]["near"]["inflation_radius"] = 0.5
+    wanted["sensors"]["boxes"]["front"] |= {"obstacle_max_range": 3.0, "raytrace_max_range": 3.5}
+    assert of(after) == wanted
+    assert (after["amcl"], after["planner_server"]) == (given["amcl"], given["planner_server"])
+    # A radius of more cells than there can be is refused by its path, and nothing has changed.
+    with pytest.raises(MapperError, match=r"global_costmap\.gradient\.inflation_radius: An inflation radius of 19 m"):
+        lab.do(type="nav2", text=LOADED.replace("inflation_radius: 5.0", "inflation_radius: 19.0"))
+    lab.do(type="nav2")
+    assert yaml.safe_load(lab.answers[0]["text"]) == after
+    # The same costmap begins again from what a link keeps, and a layer that is off is written as such.
+    lab.do(type="costmap", values={"static_layer": False})
+    commands = lab.model.history()
+    assert [type(one) for one in commands] == [CostmapCommand, Nav2Command]
+    lab.do(type="costmap", value=False)
+    lab.model.resume(resumed(commands))
+    lab.model.draw(TickResult())
+    assert lab.model.history() == commands
+    lab.do(type="nav2")
+    wanted["map"]["enabled"] = False
+    assert of(yaml.safe_load(lab.answers[0]["text"])) == wanted
+
+
+CONTAINER = """
+global_costmap:
+  global_costmap:
+    ros__parameters:
+      track_unknown_space: true
+      robot_radius: 0.2
+      plugins: [inside, gradient]
+      inside:
+        plugin: "nav2_costmap_2d::PluginContainerLayer"
+        plugins: [map, wide]
+        map: {plugin: "nav2_costmap_2d::StaticLayer"}
+        wide: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 1.2, cost_scaling_factor: 1.0}
+      gradient: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.4}
+"""
+
+
+async def test_a_loaded_container_is_laid_as_nav2_lays_it(lab: Lab) -> None:
+    """Its own inflation is wider than the one above it: as one list the costs would be those of one of them."""
+    lab.do(type="costmap", values={"dynamic_layer": False, "terrain_layer": False})
+    lab.do(type="nav2", text=CONTAINER)
+    lab.do(type="auto", value=True)
+    lab.pass_time(1.0)
+    grid = lab.model.grid
+    whole = build_costmap(grid.geometry, grid.classify(), parse_nav2_costmap(CONTAINER.encode())).costmap
+    whole.update()
+    np.testing.assert_array_equal(lab.costs.costs, whole.costs)
+    lab.do(type="costmap", values={"static_layer": False})
+    assert not (lab.costs.costs == 254).any()
+
+
+async def test_a_layer_and_a_planner_are_added_to_a_file_that_lacks_them(lab: Lab) -> None:
+    """Layers that Nav2 knows by their names in its default list alone have their types written beside the new one."""
+    smac = "planner_server: {ros__parameters: {GridBased: {plugin: nav2_smac_planner::SmacPlanner2D}}}\n"
+    lab.do(type="costmap")
+    lab.do(type="nav2", text=smac + "global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.2}}}\n")
+    lab.do(type="costmap", values={"terrain_layer": True, "tolerance": 1.5})
+    lab.do(type="nav2")
+    found = parse_nav2_costmap(lab.answers[0]["text"].encode())
+    assert [one.name for one in found.layers] == ["static_layer", "obstacle_layer", "terrain_layer", "inflation_layer"]
+    planners = yaml.safe_load(lab.answers[0]["text"])["planner_server"]["ros__parameters"]
+    assert planners["planner_plugins"] == ["GridBased", "NavFn"]
+    assert (planners["NavFn"]["tolerance"], planners["GridBased"]) == (
+        1.5,
+        {"plugin": "nav2_smac_planner::SmacPlanner2D"},
+    )

@@ -208,8 +208,9 @@ function Nav2({ store }: { readonly store: Store }) {
   return (
     <>
       <p class="navigation-note">
-        The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit. Nav2 has no layer with a lifetime: it
-        is left out. Painted zones are filters with a mask of their own below: save its files beside the yaml.
+        The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit; a loaded file with what was changed
+        here. Nav2 has no layer with a lifetime: it is left out. Painted zones are filters with a mask of their own
+        below: save its files beside the yaml.
       </p>
       <div class="actions">
         <Button icon="download" onClick={() => store.send({ type: "nav2" })}>

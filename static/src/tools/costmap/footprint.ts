@@ -59,14 +59,5 @@ export function refusalOf(corners: readonly Point[]): string | null {
     for (let j = i + 2; j < n; j++)
       if ((j + 1) % n !== i && meet(at(i), at(i + 1), at(j), at(j + 1)))
         return `The outline crosses itself: the edges from corner ${i + 1} and from corner ${j + 1} meet.`;
-  return holdsOrigin(corners) ? null : "The outline must hold the robot’s centre.";
-}
-
-function holdsOrigin(corners: readonly Point[]): boolean {
-  let isInside = false;
-  corners.forEach((a, i) => {
-    const b = corners[(i + 1) % corners.length] as Point;
-    if (a[1] > 0 !== b[1] > 0 && ((b[0] - a[0]) * -a[1]) / (b[1] - a[1]) + a[0] > 0) isInside = !isInside;
-  });
-  return isInside;
+  return null;
 }

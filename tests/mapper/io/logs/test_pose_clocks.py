@@ -12,6 +12,7 @@ from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis import examine
 from mapper.diagnosis.timing import CLOCK
 from mapper.io.logs.understanding import understood
+from mapper.io.trajectories import with_trajectory
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
@@ -104,3 +105,12 @@ def reckoned(scale: float = 1.0, turn: float = 1.0, bias: float = 0.0) -> np.nda
 )
 def test_poses_that_are_wrong_otherwise_are_not_called_late(poses: np.ndarray) -> None:
     assert read(seen(0.01), TIMES, poses).wrong_clock == ""
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.1])
+def test_poses_of_a_tum_file_that_are_stamped_late_are_taken_from_when_they_were(delay: float) -> None:
+    poses = TimedPoses(np.round((TIMES + delay) * 1e9).astype(np.int64), way(TIMES))
+    log = with_trajectory(seen(0.01), poses)
+    assert np.all(np.less(errors(log), (0.005, 0.012)))
+    assert [note for note in log.notes if "stamped 0.1 s too late" in note] == [*log.notes]
+    assert bool(log.notes) == (delay > 0.0)

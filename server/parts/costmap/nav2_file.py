@@ -1,0 +1,180 @@
+"""A Nav2 parameter file that was loaded, in which some parameters are changed: all else in it stays as it is."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from mapper.costmap.footprint import Footprint
+from mapper.costmap.nav2.costmap import ContainerConfig, LayerConfig, NamedLayer, Nav2Costmap
+from mapper.costmap.nav2.filters import NamedFilter, filter_nodes
+from mapper.costmap.nav2.reading import DEFAULT_LAYERS, costmap_of
+from mapper.costmap.nav2.writing import nav2_yaml
+from mapper.costmap.parameters import (
+    DecayConfig,
+    GivenConfig,
+    InflationConfig,
+    ObstacleConfig,
+    SourceConfig,
+    StaticConfig,
+)
+from mapper.io.nav2_declared import COSTMAP, RENAMED
+from mapper.io.ros_parameters import find_node, with_node
+from mapper.planning.nav2_parameters import CONTROLLER, Nav2Path, nav2_path_yaml, path_of
+from mapper.planning.nav2_parameters import NODE as PLANNER
+
+#: Parameters of the table, by the table's name of the layer that has them.
+PARAMETERS: Mapping[str, Sequence[str]] = {
+    "obstacle_layer": ("clearing", "obstacle_max_range"),
+    "dynamic_layer": ("lifetime",),
+    "inflation_layer": ("inflation_radius", "cost_scaling_factor"),
+}
+CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
+_OF_FILTERS = {"keepout": "keepout_filter", "speed": "speed_filter"}
+
+
+def table_name(config: LayerConfig) -> str | None:
+    """Return the table's name of the layers that have such parameters; None for one that the table lacks."""
+    kinds: tuple[tuple[type, str], ...] = (
+        (StaticConfig, "static_layer"),
+        (DecayConfig, "dynamic_layer"),
+        (ObstacleConfig, "obstacle_layer"),
+        (GivenConfig, "terrain_layer"),
+        (InflationConfig, "inflation_layer"),
+    )
+    return next((name for kind, name in kinds if isinstance(config, kind)), None)
+
+
+def source_of_scans(config: ObstacleConfig) -> SourceConfig | None:
+    """Return the parameters of the first source that sees a lidar's scans; None where only others see something."""
+    names = config.sources_of_scans()
+    return config.source(names[0]) if names else None
+
+
+class _Plain(yaml.SafeDumper):
+    """Writes a part that stands twice twice: the parameter reader of ROS 2 refuses aliases."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        del data
+        return True
+
+
+@dataclass(frozen=True, slots=True)
+class Nav2File:
+    """A parameter file's mapping ``root``, and the costmap that it describes."""
+
+    root: Mapping[str, Any]
+    costmap: Nav2Costmap
+
+    def changed(self, changes: Mapping[str, Any], footprint: Footprint | None) -> Nav2File:
+        """Return the file with other values of the table, by their names there, and another footprint if one is given.
+
+        A layer that is switched on and that the file lacks is added. Raises :class:`ConfigError` for a value that the
+        file cannot have.
+        """
+        given = self._parameters()
+        if "track_unknown_space" in changes:
+            given["track_unknown_space"] = changes["track_unknown_space"]
+        if footprint is not None:
+            given["footprint"] = str([list(vertex) for vertex in footprint.vertices])
+        kinds = set()
+        for layer, block in _blocks(self.costmap, given):
+            kind = table_name(layer.config)
+            if kind is not None:
+                kinds.add(kind)
+                _change(layer.config, kind, block, changes)
+        for one, block in _filter_blocks(self.costmap, given):
+            if _OF_FILTERS.get(one.kind) in changes:
+                block["enabled"] = changes[_OF_FILTERS[one.kind]]
+        for kind, config in (("static_layer", StaticConfig()), ("obstacle_layer", ObstacleConfig()),
+                             ("terrain_layer", GivenConfig()), ("inflation_layer", InflationConfig())):  # fmt: skip
+            if changes.get(kind) is True and kind not in kinds:
+                self._add(given, kind, config, changes)
+        return self._with(given)
+
+    def yaml(self, filters: Sequence[NamedFilter], path: Nav2Path) -> str:
+        """Return the file with painted ``filters`` too, and the planner and the follower where they are others."""
+        given = self._parameters()
+        servers: dict[str, Any] = {}
+        for one in filters:
+            name = one.name if one.name not in given else f"painted_{one.name}"
+            given["filters"] = [*(given.get("filters") or ()), name]
+            given[name], nodes = filter_nodes(one, name)
+            servers |= nodes
+        root = {**self._with(given).root} | servers
+        before, nodes = path_of(dict(self.root)), yaml.safe_load(nav2_path_yaml(path))
+        changed = {PLANNER: path.planner != before.planner, CONTROLLER: path.pursuit != before.pursuit}
+        for name, has_changed in changed.items():
+            if has_changed:
+                root = with_node(root, name, nodes[name]["ros__parameters"], (name,))
+        return yaml.dump(root, Dumper=_Plain, sort_keys=False, default_flow_style=None)
+
+    def _parameters(self) -> dict[str, Any]:
+        """Return a copy of the costmap's parameters, with a level for each dot in their names."""
+        found = find_node(self.root, (self.costmap.node,), COSTMAP)
+        return {} if found is None else copy.deepcopy(found[1])
+
+    def _with(self, given: dict[str, Any]) -> Nav2File:
+        node = self.costmap.node
+        root = with_node(self.root, node, given, (node, node))
+        return Nav2File(root, costmap_of(root, node))
+
+    def _add(self, given: dict[str, Any], kind: str, config: LayerConfig, changes: Mapping[str, Any]) -> None:
+        name = kind if kind not in given else f"gridbloom_{kind}"
+        alone = Nav2Costmap(self.costmap.node, self.costmap.general, None, (NamedLayer(name, config),))
+        node = yaml.safe_load(nav2_yaml(alone, 1.0))[alone.node][alone.node]["ros__parameters"]
+        given[name] = node[name]
+        _change(config, kind, given[name], changes)
+        inflations = [one.name for one in self.costmap.layers if isinstance(one.config, InflationConfig)]
+        types = dict(zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=True))  # of Eloquent
+        types = types or {name: f"nav2_costmap_2d::{one}" for name, one in DEFAULT_LAYERS.items()}
+        plugins = list(given.get("plugins", types))
+        for named in [one for one in plugins if one in types]:  # Nav2 knows a layer by its name in that list alone
+            given[named] = {"plugin": types[named]} | (given.get(named) or {})
+        places = {"static_layer": 0, "inflation_layer": len(plugins)}
+        last = plugins.index(inflations[0]) if inflations else len(plugins)
+        plugins.insert(places.get(kind, last), name)
+        given["plugins"] = plugins
+
+
+def _blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[NamedLayer, dict[str, Any]]]:
+    """Yield each layer, those in containers too, with its block in the parameters; one is made where there is none."""
+    for layer in costmap.layers:
+        block = given[layer.name] = given.get(layer.name) or {}
+        yield layer, block
+        if isinstance(layer.config, ContainerConfig):
+            yield from _blocks(layer.config.inner, block)
+
+
+def _filter_blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[NamedFilter, dict[str, Any]]]:
+    for one in costmap.filters:
+        yield one, given[one.name]
+    for layer in costmap.layers:
+        if isinstance(layer.config, ContainerConfig):
+            yield from _filter_blocks(layer.config.inner, given[layer.name])
+
+
+def _change(config: LayerConfig, kind: str, block: dict[str, Any], changes: Mapping[str, Any]) -> None:
+    """Write the changes that concern a layer into its block, those of readings into each of its sources."""
+    if kind in changes:
+        block["enabled"] = changes[kind]
+    values = {name: changes[name] for name in PARAMETERS.get(kind, ()) if name in changes}
+    if isinstance(config, ObstacleConfig) and kind == "dynamic_layer":
+        values |= {name: changes[name] for name in PARAMETERS["obstacle_layer"] if name in changes}
+    of_sources = {name: values.pop(name) for name in PARAMETERS["obstacle_layer"] if name in values}
+    block |= values
+    if isinstance(config, ObstacleConfig) and of_sources:
+        if "obstacle_max_range" in of_sources:
+            of_sources["raytrace_max_range"] = of_sources["obstacle_max_range"] + CLEARED_BEYOND_M
+        names = str(block.get("observation_sources", "")).split()
+        for name in names:
+            block[name] = block.get(name) or {}
+        for one in [block[name] for name in names] or [block]:
+            for old, (new, _) in RENAMED.items():
+                if new in of_sources:
+                    one.pop(old, None)
+            one.update(of_sources)
