@@ -16,7 +16,7 @@ import { connect } from "../store/connect";
 import { firstPicture } from "../store/firstPicture";
 import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
-import { followPages } from "../tools/classroom/pages";
+import { followPages, loadingPage } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
@@ -211,6 +211,10 @@ function Lab() {
       }),
     );
   });
+  const isAwaited = isFollowing && !isSeen.value;
+  useEffect(() => {
+    loadingPage.value = isAwaited ? "lab" : null;
+  }, [isAwaited]);
   useSignalEffect(() => {
     if (live.value?.status.value !== "gone" || followedCode !== null) return;
     live.value.stop();
