@@ -331,6 +331,7 @@ def test_a_slide_with_the_lab_says_that_it_loads(page: Page, server: str) -> Non
     held[0].continue_()
     expect(said).to_have_count(0)
     expect(page.locator("iframe.slide-frame")).to_have_css("opacity", "1")
+    assert page.frame_locator("iframe.slide-frame").locator(".ghost").count() == 0  # nothing in it is awaited
 
 
 def test_the_lab_is_loaded_while_the_slide_before_it_is_shown(page: Page, server: str) -> None:

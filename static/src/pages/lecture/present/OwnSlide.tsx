@@ -122,7 +122,7 @@ function Paragraph({ text, shown }: { text: string; shown: boolean }) {
 }
 
 /** How long a lab that has been loaded is awaited: after that it says itself why it shows no map. */
-const LONGEST_START_MS = 10_000;
+const LONGEST_START_MS = 30_000;
 
 /** A page of this service within the slide. Its window gives the keys of the presentation back. */
 function Framed({ kind, address, title }: PageSlide) {
