@@ -16,7 +16,8 @@ import { connect } from "../store/connect";
 import { firstPicture } from "../store/firstPicture";
 import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
-import { followPages } from "../tools/classroom/pages";
+import { slidesAround } from "../tools/classroom/pageInSlide";
+import { followPages, loadingPage } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
@@ -196,12 +197,14 @@ function Lab() {
   const store = session?.store ?? null;
   const comparison = useComparison(store);
   const openGroup = useOpenGroup(store, FIRST_GROUP);
-  const isFollowing = useClass(session, { page: "lab", group: openGroup });
+  // Curve and groups take longer to render, and wait until the pictures show a map.
+  const isSeen = useSignal(false);
+  // The slide around the lab shows it once it is complete.
+  const isComplete = slidesAround === null || isSeen.value;
+  const isFollowing = useClass(isComplete ? session : null, { page: "lab", group: openGroup });
   const isOwn = followedCode === null;
   const layout = useLayout({ kinds: KINDS, usual: WORLD_AND_MAP, last: isOwn ? lastLayout : null });
   const title = isFollowing ? classroom.value?.shown.value?.view.slide?.title : null;
-  // Curve and groups take longer to render, and wait until the pictures show a map.
-  const isSeen = useSignal(false);
   useSignalEffect(() => {
     const store = live.value?.store;
     if (isSeen.peek() || !store || !hasPicture(store)) return;
@@ -211,6 +214,10 @@ function Lab() {
       }),
     );
   });
+  const isAwaited = isFollowing && !isSeen.value;
+  useEffect(() => {
+    loadingPage.value = isAwaited ? "lab" : null;
+  }, [isAwaited]);
   useSignalEffect(() => {
     if (live.value?.status.value !== "gone" || followedCode !== null) return;
     live.value.stop();

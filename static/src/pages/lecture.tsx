@@ -38,6 +38,7 @@ import {
   sectionInSight,
   sectionOfSlide,
   setPresenting,
+  shownOf,
 } from "./lecture/present/state";
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
@@ -154,7 +155,9 @@ const FIRST_LATER = ENTRIES.findIndex(({ id }) => isLater(id));
  * its end only, so nothing in view moves.
  */
 const entriesNow = computed(() => (later.value || presenting.value ? ENTRIES : ENTRIES.slice(0, FIRST_LATER)));
-const isOnPage = ({ index }: { readonly index: number }): boolean => index < entriesNow.value.length;
+/** A picture of a slide has no other sections: it is there sooner. */
+const isOnPage = ({ id, index }: Part["lessons"][number]): boolean =>
+  isPreview ? shownOf(id) !== null : index < entriesNow.value.length;
 
 /** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
 const FONTS_MS = 1000;

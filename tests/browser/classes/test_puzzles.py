@@ -155,5 +155,14 @@ def test_a_puzzle_is_made_in_the_lab_and_given_to_a_class(
     expect(solver.get_by_role("heading", name="You are in the class")).to_be_visible()
     board.get_by_role("button", name="End the puzzle").click()
     expect(board).to_have_count(0)
+    # the class ends during an attempt
+    page.get_by_role("region", name="Your puzzles").get_by_role("button", name="Give to the class").first.click()
+    solver.get_by_role("link", name="Solve the puzzle").click()
+    await_map(solver)
+    failed: list[str] = []
+    solver.on("response", lambda answer: failed.append(answer.url) if answer.status == 404 else None)
     page.get_by_role("button", name="End …").click()
     page.get_by_role("button", name="End and delete results").click()
+    expect(solver.get_by_text("The class has ended, and with it this attempt.")).to_be_visible()
+    solver.evaluate("() => fetch('/livez')")  # what was asked before has been answered
+    assert failed == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.lecturing import open_section
@@ -144,3 +145,13 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     expect(section.locator("tbody tr").nth(2).locator("td").last).to_have_text("nothing stored")
     section.get_by_role("switch", name="Store free space too").press("Space")
     expect(section.locator("tbody tr").nth(2).locator("td").last).to_contain_text("D = +0.")
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_a_label_of_the_beam_model_keeps_off_the_bar_of_the_max_range(page: Page, server: str) -> None:
+    section = open_section(page, server, "sensor-models")
+    label = section.locator(".forward-name.rand").bounding_box()
+    bar = section.locator(".forward-max").bounding_box()
+    assert label is not None
+    assert bar is not None
+    assert label["x"] + label["width"] + 4 <= bar["x"]

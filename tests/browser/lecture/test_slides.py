@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.looking import drag_along, still, until
 from tests.browser.pages.test_axe import nothing_wrong, violations
@@ -215,7 +215,7 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     drag_to(page, grips.nth(1), grips.first)
     expect(titles.first).to_contain_text(first)
     expect(dialog.locator(".deck-picture figcaption")).to_have_text(f"1: {first}")
-    expect(dialog.frame_locator(".deck-picture iframe").locator("h1")).to_be_visible()
+    expect(dialog.get_by_role("img", name=f"Picture of “{first}”")).to_be_visible()
     # a slide of one's own can be changed again
     dialog.get_by_role("button", name="Edit “A room”").click()
     form = dialog.locator(".deck-row .deck-form")
@@ -276,9 +276,22 @@ _COLOURS = """async (image) => {
 }"""
 
 
+# How many boxes of an element have a scroll bar, itself among them.
+_SCROLLED = """(root) => [root, ...root.querySelectorAll("*")].filter((box) =>
+  /auto|scroll/.test(getComputedStyle(box).overflowY) && box.scrollHeight > box.clientHeight + 1).length"""
+
+
 def test_the_rows_in_view_have_pictures_of_their_slides(page: Page, server: str) -> None:
+    page.set_viewport_size({"width": 1024, "height": 700})
     present(page, server)
     page.get_by_role("button", name="Arrange the slides").click()
+    dialog = page.get_by_role("dialog")
+    assert dialog.evaluate(_SCROLLED) == 1
+    dialog.get_by_text("Add a slide").click()
+    assert dialog.evaluate(_SCROLLED) == 1
+    dialog.get_by_text("Add a slide").click()
+    expect(dialog.get_by_role("img", name="Picture of “Occupancy grid mapping”")).to_be_visible()
+    page.set_viewport_size({"width": 1440, "height": 900})
     rows = page.locator(".deck-row")
     pictures = [rows.nth(i).locator("img") for i in range(4)]
     for picture in pictures:
@@ -304,6 +317,21 @@ def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
     present(page, server, "#&deck=abc")
     expect(page.locator(".toast")).to_contain_text("incomplete or damaged")
     expect(page.locator(".title-map canvas")).to_be_visible()
+
+
+def test_a_slide_with_the_lab_says_that_it_loads(page: Page, server: str) -> None:
+    held: list[Route] = []
+    new_world = re.compile(r"/api/sessions(\?.*)?$")
+    page.route(new_world, lambda route: held.append(route))  # noqa: PLW0108 - Playwright marks the function
+    with page.expect_request(new_world):
+        present(page, server, "#own-lab")
+    said = page.locator(".own-lab").get_by_role("status")
+    expect(said).to_have_text("Loading the lab …")
+    expect(page.locator("iframe.slide-frame")).to_have_css("opacity", "0")
+    held[0].continue_()
+    expect(said).to_have_count(0)
+    expect(page.locator("iframe.slide-frame")).to_have_css("opacity", "1")
+    assert page.frame_locator("iframe.slide-frame").locator(".ghost").count() == 0  # nothing in it is awaited
 
 
 def test_the_lab_is_loaded_while_the_slide_before_it_is_shown(page: Page, server: str) -> None:

@@ -120,7 +120,7 @@ export function Octree() {
         </table>
       </div>
       <p>
-        Bytes: {BYTES.cell} a cell, {BYTES.leaf} a leaf, {BYTES.inner} an inner node, {BYTES.point} a point.
+        Bytes: {BYTES.cell} per cell, {BYTES.leaf} per leaf, {BYTES.inner} per inner node, {BYTES.point} per point.
       </p>
     </div>
   );

@@ -67,10 +67,13 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     });
     isChecking.value = false;
   };
+  // The attempt ends with its class, whose puzzle cannot be begun again.
+  const isOver = (classroom.value?.isFollowed && classroom.value.isOver.value) ?? false;
+  useEffect(() => {
+    if (isOver) connection.stop();
+  }, [isOver, connection]);
+  if (isOver) return <p class="viewer-message">The class has ended, and with it this attempt.</p>;
   if (status.value === "gone") {
-    // It ends with its class, whose puzzle cannot be begun again.
-    if (classroom.value?.isOver.value)
-      return <p class="viewer-message">The class has ended, and with it this attempt.</p>;
     return (
       <SessionEnded
         what="attempt"

@@ -5,8 +5,12 @@ import { act } from "preact/test-utils";
 import { afterEach, expect, test } from "vitest";
 import type { Classroom } from "../../store/classroom";
 import { FollowerBar } from "./FollowerBar";
+import { loadingPage } from "./pages";
 
-afterEach(() => render(null, document.body));
+afterEach(() => {
+  render(null, document.body);
+  loadingPage.value = null;
+});
 
 /** Show the line of a follower below the view that the lecturer controls; returns the view and a second place. */
 function shown(drives: boolean, isLecturerAway = false, page = "lab"): readonly HTMLElement[] {
@@ -45,6 +49,15 @@ test("a follower who clicks what the lecturer controls is told of the copy", () 
 test("a follower reads that the lecturer is away", () => {
   shown(false, true);
   expect(status()).toContain("The lecturer is away.");
+  expect(status()).not.toContain("Following");
+});
+
+test("a follower reads that the page is loaded which the lecturer has opened", () => {
+  shown(false);
+  act(() => {
+    loadingPage.value = "lab";
+  });
+  expect(status()).toContain("Loading the page that the lecturer has opened …");
   expect(status()).not.toContain("Following");
 });
 

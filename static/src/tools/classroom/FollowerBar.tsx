@@ -7,6 +7,7 @@ import { isTouched } from "../../ui/browser/media";
 import { ask } from "../../wire/ask";
 import { AnswerCard } from "./AnswerCard";
 import { OutdatedPage, useRefused } from "./bars";
+import { loadingPage } from "./pages";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {
@@ -110,6 +111,7 @@ function described(room: Classroom, isOwn: boolean): string {
   if (!room.isConnected.value) return "Connecting to the class …";
   if (isPuzzlePage) return "The puzzle of the class.";
   if (isOwn) return hasRobot(room) ? "Your own world." : "Your own copy of the map.";
+  if (loadingPage.value !== null) return "Loading the page that the lecturer has opened …";
   if (room.state.value?.is_lecturer_away) return "The lecturer is away.";
   if (room.drives.value)
     return isTouched()

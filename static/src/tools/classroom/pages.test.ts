@@ -10,7 +10,7 @@ vi.mock("../../store/classroom", () => ({
   classroom: signal({ code: "ABCDEF", shown, isFollowing }),
 }));
 
-const { followPages } = await import("./pages");
+const { followPages, loadingPage } = await import("./pages");
 
 test("a follower's page goes once to each page that the lecturer shows", () => {
   const gone: string[] = [];
@@ -21,10 +21,12 @@ test("a follower's page goes once to each page that the lecturer shows", () => {
   followPages("lecture");
   show("lecture", "#odometry");
   expect(gone).toEqual([]);
+  expect(loadingPage.value).toBeNull();
   show("logs");
   show("logs", "#a"); // before the browser has left this page
   show("logs", "#b");
   expect(gone).toEqual(["/class/ABCDEF/logs.html"]);
+  expect(loadingPage.value).toBe("logs");
   show("lab");
   show("lecture");
   expect(gone.slice(1)).toEqual(["/class/ABCDEF/lab.html", "/class/ABCDEF/lecture.html"]);

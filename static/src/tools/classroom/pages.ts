@@ -1,12 +1,15 @@
 /** Which page a follower's browser shows, and that of a lecturer who shows a page that cannot be followed. */
 
-import { effect, useSignalEffect } from "@preact/signals";
+import { effect, signal, useSignalEffect } from "@preact/signals";
 import { classroom, followedCode } from "../../store/classroom";
 import type { ClassView } from "../../wire/protocol";
 
 type Page = ClassView["page"];
 
 const OTHER: ClassView = { page: "other", hash: "", blank: false };
+
+/** The page that a follower's browser is loading, as the lecturer has opened it; null for none. */
+export const loadingPage = signal<Page | null>(null);
 
 /** Keep a follower on the page that the lecturer shows; `page` is this one, null one that no lecturer shows. */
 export function followPages(page: Page | null): void {
@@ -18,6 +21,7 @@ export function followPages(page: Page | null): void {
     const wanted = room?.shown.value?.view.page;
     if (!room?.isFollowing.value || !wanted || wanted === last) return;
     last = wanted;
+    loadingPage.value = wanted;
     location.replace(`/class/${room.code}/${wanted}.html`);
   });
 }

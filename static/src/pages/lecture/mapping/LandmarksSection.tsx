@@ -42,7 +42,7 @@ export function LandmarksSection(head: SectionHead) {
                   <td>one number per cell: grows with the area</td>
                 </tr>
                 <tr>
-                  <th scope="row">another look</th>
+                  <th scope="row">another reading</th>
                   <td>improves the estimate of its position</td>
                   <td>adds evidence for each cell that it touches</td>
                 </tr>

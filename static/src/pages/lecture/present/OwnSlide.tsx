@@ -5,7 +5,7 @@ import { useSeen, useSteps } from "../../../lessons/common/useSteps";
 import { DRIVE } from "../../../lessons/stage/floor";
 import { scene } from "../../../lessons/stage/scene";
 import { WorldStage } from "../../../lessons/stage/WorldStage";
-import { listenToPage } from "../../../tools/classroom/pageInSlide";
+import { listenToPage, pagesInSlides } from "../../../tools/classroom/pageInSlide";
 import { reducedMotion } from "../../../ui/browser/media";
 import { printing } from "../../../ui/browser/theme";
 import { act, canAct } from "./acts";
@@ -121,13 +121,27 @@ function Paragraph({ text, shown }: { text: string; shown: boolean }) {
   );
 }
 
+/** How long a lab that has been loaded is awaited: after that it says itself why it shows no map. */
+const LONGEST_START_MS = 30_000;
+
 /** A page of this service within the slide. Its window gives the keys of the presentation back. */
-function Framed({ address, title }: { address: string; title: string }) {
+function Framed({ kind, address, title }: PageSlide) {
   const frame = useRef<HTMLIFrameElement>(null);
+  const isLoaded = useSignal(false);
+  const isLate = useSignal(false);
+  const isStarting = kind === "lab" && !isLate.value && !pagesInSlides.value.get(address)?.show;
+  useEffect(() => {
+    if (!isLoaded.value) return;
+    const timer = setTimeout(() => {
+      isLate.value = true;
+    }, LONGEST_START_MS);
+    return () => clearTimeout(timer);
+  }, [isLoaded.value, isLate]);
   useEffect(() => {
     let stop = (): void => {};
     const listen = (): void => {
       stop();
+      isLoaded.value = true;
       const inside = frame.current?.contentWindow;
       if (inside) stop = listenToKeys(inside, act, canAct);
     };
@@ -140,10 +154,20 @@ function Framed({ address, title }: { address: string; title: string }) {
       stopPage();
       stop();
     };
-  }, [address]);
+  }, [address, isLoaded]);
   if (!address) return <p class="slide-frame-place">This page is on the lecturer’s screen.</p>;
   if (isPreview) return <p class="slide-frame-place">{address.split(/[?#]/)[0]}</p>;
-  return <iframe class="slide-frame" src={address} title={title} ref={frame} />;
+  const isAwaited = !isLoaded.value || isStarting;
+  return (
+    <>
+      <iframe class={`slide-frame ${isAwaited ? "is-awaited" : ""}`} src={address} title={title} ref={frame} />
+      {isAwaited && (
+        <p class="slide-frame-place" role="status">
+          Loading the {kind === "lab" ? "lab" : "map"} …
+        </p>
+      )}
+    </>
+  );
 }
 
 interface PageSlideProps {
@@ -153,10 +177,11 @@ interface PageSlideProps {
 }
 
 /** A slide with a page of this service, which is loaded while the slide before it is shown: that takes a second. */
-function PageOfSlide({ of: { kind, title, address }, isNow }: PageSlideProps) {
+function PageOfSlide({ of, isNow }: PageSlideProps) {
+  const { kind, title } = of;
   return (
     <section class={`own-slide own-${kind} ${isNow ? "on-slide" : "is-next"}`} aria-label={title} inert={!isNow}>
-      <Framed address={address} title={title} />
+      <Framed {...of} />
     </section>
   );
 }

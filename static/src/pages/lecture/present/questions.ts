@@ -20,7 +20,7 @@ export interface Answer {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "At least one of five cells echoed; a beam passes three. And the other two?",
+    question: "At least one of five cells gave an echo; a beam passes three. The other two?",
     options: [
       "They become more probably occupied",
       "They keep the value after the echo",
@@ -110,7 +110,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["That of the scan", "That of the odometry", "The most probable one given both"],
   },
   graph: {
-    question: "The robot is back at its start, but not by its odometry. Which pose is wrong?",
+    question: "The robot is at its start again; the odometry disagrees. Which pose is wrong?",
     options: ["The last one", "The first one", "All after the first, a little each"],
   },
   particles: {
@@ -161,7 +161,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["2 times as much", "4 times as much", "8 times, or 4 with an octree"],
   },
   tsdf: {
-    question: "Voxels of 10 cm, noise of 2 cm: how exactly can a wall be located?",
+    question: "Voxels of 10 cm, noise of 2 cm: how precisely can a wall be located?",
     options: ["To 10 cm, the voxel", "To 2 cm, the noise", "Better than both, from many readings"],
   },
   next: {

@@ -9,8 +9,29 @@ function rulesOf(page: Document): string {
     .join("\n");
 }
 
-/** A copy of what an element shows, without what `omitted` selects: canvases have their picture as background. */
-function stillCopy(root: HTMLElement, omitted: string): HTMLElement {
+/** A canvas of this size whose pixels are read back: without a graphics processor, which takes longer to give them. */
+function readable(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
+  const canvas = document.createElement("canvas");
+  canvas.width = Math.max(1, Math.round(width));
+  canvas.height = Math.max(1, Math.round(height));
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  if (!context) throw new Error("no canvas");
+  context.imageSmoothingQuality = "high";
+  return [canvas, context];
+}
+
+/** What a canvas shows, as the address of an image that is `width` pixels wide. */
+function canvasImage(from: HTMLCanvasElement, width: number): string {
+  const [canvas, context] = readable(width, (width * from.height) / from.width);
+  context.drawImage(from, 0, 0, canvas.width, canvas.height);
+  return canvas.toDataURL();
+}
+
+/**
+ * A copy of what an element shows, without what `omitted` selects: canvases have their picture as background, with
+ * `scale` pixels for each of CSS.
+ */
+function stillCopy(root: HTMLElement, omitted: string, scale: number): HTMLElement {
   const copy = root.cloneNode(true) as HTMLElement;
   const drawn = root.querySelectorAll("canvas");
   const view = root.ownerDocument.defaultView;
@@ -21,7 +42,8 @@ function stillCopy(root: HTMLElement, omitted: string): HTMLElement {
     canvas.style.display = display === "inline" ? "inline-block" : display;
     canvas.style.width = width;
     canvas.style.height = height;
-    canvas.style.background = `url(${from.toDataURL()}) 0 0 / 100% 100% no-repeat`;
+    const picture = canvasImage(from, Math.min(from.width, from.clientWidth * scale));
+    canvas.style.background = `url(${picture}) 0 0 / 100% 100% no-repeat`;
   });
   for (const one of copy.querySelectorAll(omitted)) one.remove();
   return copy;
@@ -30,13 +52,15 @@ function stillCopy(root: HTMLElement, omitted: string): HTMLElement {
 const escaped = (text: string): string => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
 /**
- * An SVG image of a document of `width` × `height` CSS pixels, in the light or dark colours. Its text is put together
- * here: in a document of this page, the Content-Security-Policy would forbid the styles.
+ * An SVG image of a document, in the light or dark colours. Its text is put together here: in a document of this page,
+ * the Content-Security-Policy would forbid the styles.
  */
-function imageSource(page: Document, width: number, height: number, dark: boolean, omitted: string): string {
+function imageSource(page: Document, { width, height, to, dark, omitted }: SnapshotOptions): string {
   const root = page.documentElement;
   const { fontSize } = (page.defaultView as Window).getComputedStyle(root);
-  const content = new XMLSerializer().serializeToString(stillCopy(root, `script, link, style, iframe, ${omitted}`));
+  const content = new XMLSerializer().serializeToString(
+    stillCopy(root, `script, link, style, iframe, ${omitted}`, to / width),
+  );
   // The root of the image, to which rem and the design tokens refer, is not that of the page.
   const style = `font-size: ${fontSize}; color-scheme: ${dark ? "dark" : "light"}`;
   const image =
@@ -58,19 +82,12 @@ interface SnapshotOptions {
 }
 
 /** Draw a document of this origin; returns the address of the picture. Rejects where the browser does not allow it. */
-export async function snapshotOf(
-  page: Document,
-  { width, height, to, dark, omitted }: SnapshotOptions,
-): Promise<string> {
+export async function snapshotOf(page: Document, options: SnapshotOptions): Promise<string> {
+  const { width, height, to } = options;
   const image = new Image(width, height);
-  image.src = imageSource(page, width, height, dark, omitted);
+  image.src = imageSource(page, options);
   await image.decode();
-  const canvas = document.createElement("canvas");
-  canvas.width = to;
-  canvas.height = Math.round((to * height) / width);
-  const context = canvas.getContext("2d");
-  if (!context) throw new Error("no canvas");
-  context.imageSmoothingQuality = "high";
+  const [canvas, context] = readable(to, (to * height) / width);
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
   const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
   if (!blob) throw new Error("no picture");

@@ -202,7 +202,8 @@ export async function readAddress(): Promise<void> {
   const index = ids.peek().indexOf(sectionOf(decodeURIComponent(id)));
   const at = slides.peek()[index];
   if (at) {
-    const most = stepsOf(at) - 1;
+    // In a picture of a slide the lines of a derivation are rendered afterwards.
+    const most = isPreview && at.kind === "derivation" ? LAST_STEP : stepsOf(at) - 1;
     place.value = { index, step: Math.min(most, Math.max(0, (Number.parseInt(step, 10) || 1) - 1)) };
   } else if (presenting.peek()) {
     place.value = endOf(slides.peek(), true);

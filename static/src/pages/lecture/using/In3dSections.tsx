@@ -25,7 +25,7 @@ export function OctreeSection(head: SectionHead) {
             Halving the side of the cells of a dense grid makes <b>eight</b> times as many, most of them in empty rooms.
             An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
             measured: it grows with the surfaces, about <b>four</b> times. Each access descends from the root, and nodes
-            are larger than cells: here it needs less memory only with fine cells.
+            are larger than cells, so here it saves memory only with fine cells.
           </p>
           <p>
             A <b>point cloud</b> keeps each reading; it grows with every scan and does not say what is free.

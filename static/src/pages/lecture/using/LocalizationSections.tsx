@@ -39,9 +39,9 @@ export function ParticlesSection(head: SectionHead) {
       }
     >
       <p>
-        Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
-        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where the belief is higher. A
-        reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        Now the map is given, and the pose is not. What the robot knows about its pose is a <b>belief</b>, a
+        distribution over poses. <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, denser where
+        the belief is higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
         ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
         three equal doors: after the second door only one group is left.
       </p>
@@ -67,9 +67,9 @@ export function SensorModelsSection(head: SectionHead) {
             density scaled to at most 1. Bayes’ rule gives log [p(z | m<sub>i</sub>) / p(z | ¬m<sub>i</sub>)]: how
             likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor with
             equal error rates both are the same. Otherwise the heuristic has the right sign before the reading and at
-            it; cells behind are left out, and the clamp limits its size. The sum over all maps, exact here for one
-            beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to have its shape.
-            Section 9.4 of the book searches for the most probable map instead.
+            it; programs leave out the cells behind it, and the clamp limits the error. The sum over all maps, exact
+            here for one beam, is too costly on a plane: the model of <SectionLink to="model" /> is chosen by hand to
+            have its shape. Section 9.4 of the book searches for the most probable map instead.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest

@@ -41,10 +41,10 @@ export function NextSection(head: SectionHead) {
           <SectionLink to="graph" />.
         </li>
         <li>
-          <b>Neural fields</b> keep the look or shape of a place in the weights of a network, and are slow to update.
+          <b>Neural fields</b> store the look or shape of a place in the weights of a network, and are slow to update.
         </li>
         <li>
-          <b>Gaussian splats</b> keep its look from any side; like point clouds, they do not say what is free.
+          <b>Gaussian splats</b> store how it looks from every side; like point clouds, they do not say what is free.
         </li>
       </ul>
       <p>

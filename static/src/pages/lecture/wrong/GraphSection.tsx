@@ -6,7 +6,7 @@ export function GraphSection(head: SectionHead) {
     <Section
       {...head}
       figure={<Springs />}
-      sources={["grisetti", ["zhang", "(kernels)"], ["yang", "(shrinking scale)"], ["kuemmerle", "(how it is judged)"]]}
+      sources={["grisetti", ["zhang", "(kernels)"], ["yang", "(shrinking scale)"], ["kuemmerle", "(evaluation)"]]}
       after={
         <p>
           The solution has the least sum of eᵀ Ω e over the springs: e is the residual of a spring, Ω the inverse of its

@@ -5,7 +5,7 @@ import { saveAs } from "../../../../ui/files/saveAs";
 import { Icon } from "../../../../ui/Icon";
 import { toast } from "../../../../ui/Toast";
 import { LECTURE_PARTS, type LessonId } from "../../lessons";
-import { changeDeck, deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "../state";
+import { changeDeck, deck, deckLink, place, takeDeck } from "../state";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
 import {
   allShown,
@@ -20,8 +20,7 @@ import {
   shown,
 } from "./deckOrder";
 import { type OwnSlide, SlideForm } from "./SlideForm";
-import { SlidePicture } from "./SlidePicture";
-import { Thumbnail, ThumbnailMaker } from "./Thumbnail";
+import { LargePicture, Thumbnail, ThumbnailMaker } from "./Thumbnail";
 import "./deckEditor.css";
 
 type Planned = readonly [slide: LessonId | "cell-derivation" | "title", minutes: number];
@@ -98,7 +97,9 @@ interface DeckRowProps {
 const rowsOf = (grip: HTMLElement): HTMLElement[] =>
   [...(grip.closest("ol")?.children ?? [])].filter((row): row is HTMLElement => row instanceof HTMLElement);
 
-/** How close to the edge of the list a dragged row makes it scroll, and by how much with each move. Pixels. */
+/** The part of the dialog that scrolls. */
+const BODY = ".deck-body";
+/** How close to its edge a dragged row makes it scroll, and by how much with each move. Pixels. */
 const EDGE = 36;
 const SCROLL = 14;
 
@@ -119,11 +120,11 @@ function DeckRow({ slide, index, isShown, isLast, drag, edited, onMove, onChange
   const carry = (event: PointerEvent): void => {
     if (!drag.peek()) return;
     const grip = event.currentTarget as HTMLElement;
-    const list = grip.closest("ol");
-    if (list) {
-      const { top, bottom } = list.getBoundingClientRect();
-      if (event.clientY < top + EDGE) list.scrollTop -= SCROLL;
-      if (event.clientY > bottom - EDGE) list.scrollTop += SCROLL;
+    const body = grip.closest(BODY);
+    if (body) {
+      const { top, bottom } = body.getBoundingClientRect();
+      if (event.clientY < top + EDGE) body.scrollTop -= SCROLL;
+      if (event.clientY > bottom - EDGE) body.scrollTop += SCROLL;
     }
     const gap = gapAt(
       event.clientY,
@@ -235,8 +236,7 @@ function Slides() {
   useEffect(() => {
     const frame = requestAnimationFrame(() => {
       // Once the dialog is open: rows have no place before.
-      const row = list.current?.children[place.peek().index];
-      if (list.current && row instanceof HTMLElement) list.current.scrollTop = row.offsetTop;
+      list.current?.children[place.peek().index]?.scrollIntoView({ block: "center" });
     });
     return () => {
       cancelAnimationFrame(frame);
@@ -248,7 +248,8 @@ function Slides() {
   const present = place.value.index;
   const lastRow = onlyShown.value ? isShown.lastIndexOf(true) : slides.length - 1;
   const shown = Math.min(atHand.value, slides.length - 1);
-  const title = titleOf(slides[shown] as Slide);
+  const atHandSlide = slides[shown] as Slide;
+  const title = titleOf(atHandSlide);
   const move = async (from: number, to: number): Promise<void> => {
     await change(reordered(slides, from, to));
     edited.value = -1;
@@ -327,7 +328,7 @@ function Slides() {
       </ol>
       <ThumbnailMaker />
       <figure class="deck-picture">
-        <SlidePicture hash={hashOf({ index: shown, step: LAST_STEP })} title={`Picture of “${title}”`} />
+        <LargePicture slide={atHandSlide} index={shown} />
         <figcaption>{isShown[shown] ? `${numberOf(isShown, shown)}: ${title}` : `${title} (hidden)`}</figcaption>
       </figure>
       <p class="visually-hidden" role="status">
@@ -355,10 +356,15 @@ async function copyLink(of: Deck): Promise<void> {
 /** The dialog in which the lecturer arranges the slides, adds own ones, and keeps the deck as a file or a link. */
 export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
+  const body = useRef<HTMLDivElement>(null);
   const file = useRef<HTMLInputElement>(null);
   const problem = useSignal("");
   useEffect(() => dialog.current?.showModal(), []);
   const { title } = deck.value;
+  const add = async (slide: Slide): Promise<void> => {
+    await change([...deck.peek().slides, slide]);
+    requestAnimationFrame(() => body.current?.scrollTo({ top: body.current.scrollHeight }));
+  };
   const load = async (chosen: File | undefined): Promise<void> => {
     if (!chosen) return;
     problem.value = "";
@@ -375,27 +381,29 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
         <h2 id="deck-title">The slides</h2>
         <Button icon="close" kind="quiet" label="Close" onClick={() => dialog.current?.close()} />
       </div>
-      <label class="deck-name">
-        <span>Name of the deck</span>
-        <input
-          class="field-text"
-          type="text"
-          value={title}
-          maxLength={LONGEST_TITLE}
-          onChange={({ currentTarget }) => {
-            const name = currentTarget.value.trim();
-            if (name) void changeDeck({ ...deck.peek(), title: name }, place.peek());
-            else currentTarget.value = title;
-          }}
-        />
-      </label>
-      <Slides />
-      <details class="deck-add">
-        <summary>
-          <Icon name="plus" /> Add a slide
-        </summary>
-        <SlideForm button="Add at the end" onSave={(slide) => void change([...deck.peek().slides, slide])} />
-      </details>
+      <div class="deck-body" ref={body}>
+        <label class="deck-name">
+          <span>Name of the deck</span>
+          <input
+            class="field-text"
+            type="text"
+            value={title}
+            maxLength={LONGEST_TITLE}
+            onChange={({ currentTarget }) => {
+              const name = currentTarget.value.trim();
+              if (name) void changeDeck({ ...deck.peek(), title: name }, place.peek());
+              else currentTarget.value = title;
+            }}
+          />
+        </label>
+        <details class="deck-add">
+          <summary>
+            <Icon name="plus" /> Add a slide
+          </summary>
+          <SlideForm button="Add at the end" onSave={(slide) => void add(slide)} />
+        </details>
+        <Slides />
+      </div>
       <p class="deck-problem" role="alert">
         {problem.value}
       </p>

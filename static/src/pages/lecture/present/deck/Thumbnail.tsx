@@ -5,17 +5,22 @@ import { watchVisibility, whenIdle } from "../../../../ui/browser/whenIdle";
 import { SLIDE } from "../scale";
 import { snapshotOf } from "../slideSnapshot";
 import { deck, hashOf, LAST_STEP } from "../state";
-import type { Slide } from "./deck";
+import { type Slide, titleOf } from "./deck";
+import { SlidePicture } from "./SlidePicture";
 
-/** Width of a picture, pixels: sharp on an enlarged page. */
-const WIDTH = 320;
-/** How long nothing on the slide changes before it is drawn, and how long that is awaited. */
-const STILL_MS = 250;
+/** Width of a picture, pixels: that of the large one beside the list, on a screen with two pixels for each of CSS. */
+const WIDTH = 608;
+/** How long, and for how many frames of the browser, nothing on the slide changes before it is drawn. */
+const STILL_MS = 120;
+const STILL_FRAMES = 2;
+/** How long that is awaited. */
 const LONGEST_MS = 4000;
 /** How many times that is awaited: on a slow machine the code of a figure may take longer. */
 const TRIES = 5;
 
-const tries = new Map<string, number>();
+/** How often the picture of a slide was awaited in vain, by the slide's key. */
+const tries = signal<ReadonlyMap<string, number>>(new Map());
+const triesOf = (key: string): number => tries.value.get(key) ?? 0;
 
 /** The address of each picture by the slide's key; empty where there is none. */
 const thumbnails = signal<ReadonlyMap<string, string>>(new Map());
@@ -26,22 +31,29 @@ const thumbnailKey = ({ hidden, notes, ...shown }: Slide): string => JSON.string
 /** Resolves when the slide is there and has been still for a while; with false if it was not after LONGEST_MS. */
 function still(page: Document): Promise<boolean> {
   return new Promise((resolve) => {
-    let timer: ReturnType<typeof setTimeout>;
+    let changedAt = performance.now();
+    let frames = 0;
+    // A figure learns its size in one frame and is drawn in the next: on a busy machine each takes a second.
+    const isReady = (): boolean =>
+      frames > STILL_FRAMES && page.querySelector(".on-slide, .own-slide") !== null && !isBusy(page);
     const finish = (isStill: boolean): void => {
-      clearTimeout(timer);
+      cancelAnimationFrame(frame);
       clearTimeout(limit);
       observer.disconnect();
       resolve(isStill);
     };
-    const isComing = (): boolean => page.querySelector(".on-slide, .own-slide") === null || isBusy(page);
-    const wait = (): void => {
-      clearTimeout(timer);
-      timer = setTimeout(() => (isComing() ? wait() : finish(true)), STILL_MS);
+    const look = (): void => {
+      frames++;
+      if (performance.now() - changedAt >= STILL_MS && isReady()) finish(true);
+      else frame = requestAnimationFrame(look);
     };
-    const limit = setTimeout(() => finish(!isComing()), LONGEST_MS);
-    const observer = new MutationObserver(wait);
+    const limit = setTimeout(() => finish(isReady()), LONGEST_MS);
+    const observer = new MutationObserver(() => {
+      changedAt = performance.now();
+      frames = 0;
+    });
     observer.observe(page.documentElement, { subtree: true, childList: true, attributes: true, characterData: true });
-    wait();
+    let frame = requestAnimationFrame(look);
   });
 }
 
@@ -49,8 +61,8 @@ function still(page: Document): Promise<boolean> {
 const isBusy = (page: Document): boolean =>
   [...page.querySelectorAll(".on-slide :is([aria-busy=true], .figure-awaited)")].some((one) => one.checkVisibility());
 
-/** Draw the slide that a window of this origin shows, and keep the picture under its key; false: try again later. */
-async function drawThumbnail(key: string, from: Window): Promise<boolean> {
+/** Draw the slide that a window of this origin shows, and keep the picture under its key, unless it is tried again. */
+async function drawThumbnail(key: string, from: Window): Promise<void> {
   let picture = "";
   try {
     if (await still(from.document)) {
@@ -61,22 +73,28 @@ async function drawThumbnail(key: string, from: Window): Promise<boolean> {
         omitted: ".lesson:not(.on-slide)",
       });
     } else {
-      tries.set(key, (tries.get(key) ?? 0) + 1);
-      if ((tries.get(key) ?? 0) < TRIES) return false;
+      tries.value = new Map(tries.peek()).set(key, triesOf(key) + 1);
+      if (triesOf(key) < TRIES) return;
     }
   } catch {
     // This browser does not draw pages: the row stands without a picture.
   }
   thumbnails.value = new Map(thumbnails.peek()).set(key, picture);
-  return true;
 }
 
 /** Time without input before the next picture is made. */
-const IDLE_MS = 200;
+const IDLE_MS = 50;
 
-/** Keys of the slides whose rows are in view and have no picture yet, in the order in which they came into view. */
+/** The key of the slide at hand, whose large picture is beside the list. */
+const atHand = signal<string | null>(null);
+/** Keys of the slides whose rows are in view and have no picture yet. */
 const wanted = signal<ReadonlySet<string>>(new Set());
-const next = computed(() => [...wanted.value].find((key) => !thumbnails.value.has(key)));
+/** The slide at hand comes first, then those in view from the top; those that were not ready in time come last. */
+const next = computed(() => {
+  const keys = [...(atHand.value === null ? [] : [atHand.value]), ...deck.value.slides.map(thumbnailKey)];
+  const missing = keys.filter((key) => !thumbnails.value.has(key) && (key === atHand.value || wanted.value.has(key)));
+  return missing.toSorted((one, other) => triesOf(one) - triesOf(other))[0];
+});
 
 function want(key: string, isWanted: boolean): void {
   if (wanted.peek().has(key) === isWanted) return;
@@ -84,13 +102,6 @@ function want(key: string, isWanted: boolean): void {
   if (isWanted) keys.add(key);
   else keys.delete(key);
   wanted.value = keys;
-}
-
-/** Have the other slides in view drawn before this one. */
-function postpone(key: string): void {
-  if (!wanted.peek().has(key)) return;
-  want(key, false);
-  want(key, true);
 }
 
 /** The picture of a slide in its row, made when the row is first in view. */
@@ -114,17 +125,38 @@ export function Thumbnail({ slide }: { readonly slide: Slide }) {
   );
 }
 
+/** The large picture of the slide at hand; where the browser draws no pages, a page that shows the slide. */
+export function LargePicture({ slide, index }: { readonly slide: Slide; readonly index: number }) {
+  const key = thumbnailKey(slide);
+  const address = thumbnails.value.get(key);
+  useEffect(() => {
+    atHand.value = key;
+    return () => {
+      atHand.value = null;
+    };
+  }, [key]);
+  const title = `Picture of “${titleOf(slide)}”`;
+  if (address === "") return <SlidePicture hash={hashOf({ index, step: LAST_STEP })} title={title} />;
+  return address === undefined ? (
+    <div class="slide-picture ghost" aria-busy="true" />
+  ) : (
+    <img class="slide-picture" src={address} alt={title} />
+  );
+}
+
 /** Show a slide in the frame, which is loaded with the first one. */
 async function show(frame: HTMLIFrameElement, key: string): Promise<void> {
   const index = deck.peek().slides.findIndex((slide) => thumbnailKey(slide) === key);
-  const address = `/lecture.html?present=view${hashOf({ index, step: LAST_STEP })}`;
-  if (frame.src) {
-    frame.contentWindow?.location.replace(address);
-    return;
-  }
-  const loaded = new Promise((resolve) => frame.addEventListener("load", resolve, { once: true }));
-  frame.src = address;
-  await loaded;
+  const hash = hashOf({ index, step: LAST_STEP });
+  const address = `/lecture.html?present=view${hash}`;
+  const inside = frame.src ? frame.contentWindow : null;
+  if (inside?.location.hash === hash) return;
+  const isShown = new Promise((resolve) =>
+    (inside ?? frame).addEventListener(inside ? "hashchange" : "load", resolve, { once: true }),
+  );
+  if (inside) inside.location.replace(address);
+  else frame.src = address;
+  await isShown;
 }
 
 /** The page in which the slides are laid out for their pictures, out of sight. */
@@ -139,7 +171,7 @@ export function ThumbnailMaker() {
       if (!element) return;
       isDrawing.value = true;
       await show(element, key);
-      if (element.contentWindow && !(await drawThumbnail(key, element.contentWindow))) postpone(key);
+      if (element.contentWindow) await drawThumbnail(key, element.contentWindow);
       isDrawing.value = false;
     });
   }, [key, isDrawing]);
