@@ -158,7 +158,10 @@ def test_a_link_opens_with_the_camera_that_follows_the_robot(
     solid.get_by_role("button", name="Controls").wait_for()
     if not follow.is_visible():
         solid.get_by_role("button", name="Controls").click()
-    follow.click()
+    with page.expect_response(lambda answer: answer.url.endswith("/settings")):
+        follow.click()
+    page.reload()  # the page has not seen the click any more
+    solid.get_by_role("button", name="Controls").wait_for()
     shared = open_group(page, "Share")
     shared.get_by_role("button", name="Create link").click()
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()

@@ -163,7 +163,7 @@ interface LogView {
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
   /** What else of the page a link shows. */
-  readonly shown: () => Shown;
+  readonly shown: () => Promise<Shown>;
 }
 
 interface Group {

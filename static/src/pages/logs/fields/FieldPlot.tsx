@@ -1,7 +1,7 @@
 /** A plot of any numbers of any topics: added by search, over time or over each other. */
 
 import { type Signal, useSignal } from "@preact/signals";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
@@ -21,6 +21,7 @@ import {
   type Made,
   matching,
   paired,
+  SPEED,
   WINDOWS,
 } from "./fields";
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
@@ -34,9 +35,11 @@ interface FieldPlotProps {
   readonly session: string;
   readonly fields: FieldsState;
   readonly zoom: Signal<Span | null>;
+  /** Whether the speed is plotted until somebody chooses, as nothing else is. */
+  readonly beginsWithSpeed?: boolean;
 }
 
-export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
+export function FieldPlot({ store, session, fields, zoom, beginsWithSpeed = false }: FieldPlotProps) {
   const chosen = fields.chosen.value;
   const across = chosen.length > 1 ? fields.across.value : null;
   const series = useFieldSeries(session, chosen, zoom.value, across !== null);
@@ -50,7 +53,7 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
   }, [chosen, series, across]);
   return (
     <section class="field-plot" aria-label="Plot of any field">
-      <Search session={session} fields={fields} />
+      <Search session={session} fields={fields} beginsWithSpeed={beginsWithSpeed} />
       {chosen.length > 0 && <Legend fields={fields} series={series} />}
       {plotted && (
         <Plot
@@ -100,7 +103,9 @@ function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, acr
   return one !== undefined && keyOf(one) === across;
 }
 
-function Search({ session, fields }: { readonly session: string; readonly fields: FieldsState }) {
+type SearchProps = Pick<FieldPlotProps, "session" | "fields" | "beginsWithSpeed">;
+
+function Search({ session, fields, beginsWithSpeed }: SearchProps) {
   const names = useFieldNames(session);
   const text = useSignal("");
   const topics = names.kind === "ready" ? names.value : [];
@@ -112,6 +117,12 @@ function Search({ session, fields }: { readonly session: string; readonly fields
     if (!one || fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))) return;
     fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
   };
+  useEffect(() => {
+    if (names.kind !== "ready" || !fields.isNew.peek()) return;
+    fields.isNew.value = false;
+    const isThere = topics.some(({ topic, fields: own }) => topic === SPEED.topic && own.includes(SPEED.field));
+    if (beginsWithSpeed && isThere) add(SPEED);
+  }, [names]);
   if (names.kind === "failed") return <p role="alert">{names.why}</p>;
   const recorded = topics.filter(({ computed }) => !computed);
   const without = recorded.filter(({ fields: own, why }) => own.length === 0 && why !== "");

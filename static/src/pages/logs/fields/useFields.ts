@@ -12,12 +12,15 @@ export interface FieldsState {
   readonly chosen: Signal<readonly Chosen[]>;
   /** The key of the field on the horizontal axis; null for time. */
   readonly across: Signal<string | null>;
+  /** Whether nobody has chosen what is plotted: neither a link nor, for a log without other plots, the page. */
+  readonly isNew: Signal<boolean>;
 }
 
 /** At first what a link `shown` has. */
 export function useFieldsState(session: string, shown: ShownPlots | null = null): FieldsState {
-  const state: FieldsState = { chosen: useSignal([]), across: useSignal(null) };
+  const state: FieldsState = { chosen: useSignal([]), across: useSignal(null), isNew: useSignal(false) };
   useEffect(() => {
+    state.isNew.value = !shown;
     state.chosen.value = shown?.fields ?? [];
     state.across.value = shown?.across ?? null;
   }, [session]);
