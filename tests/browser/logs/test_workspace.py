@@ -148,6 +148,7 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
 
     # Any field is found by a part of its name and plotted, over time and over another one.
     plots = open_group(page, "Plots")
+    plots.get_by_role("button", name="Remove (scans) speed").click()  # with which it begins
     field = plots.get_by_label("Add a field to the plot")
     field.fill("imu yaw")
     expect(plots.get_by_role("button", name="/imu orientation.yaw")).to_be_visible()

@@ -27,14 +27,7 @@ export function Plots({ store, session, fields, zoom }: PlotsProps) {
     <WhenKnown>
       {({ series }) => (
         <div class="plots">
-          <FieldPlot
-            key={store.trajectory.value?.name}
-            store={store}
-            session={session}
-            fields={fields}
-            zoom={zoom}
-            beginsWithSpeed={series.length === 0}
-          />
+          <FieldPlot key={store.trajectory.value?.name} store={store} session={session} fields={fields} zoom={zoom} />
           {series.length > 0 && <Topic store={store} session={session} series={series} zoom={zoom} />}
         </div>
       )}
@@ -42,16 +35,13 @@ export function Plots({ store, session, fields, zoom }: PlotsProps) {
   );
 }
 
-/** Whether a topic says how fast the robot is, which is looked for first. */
-const hasSpeed = ({ type }: PlottedTopic): boolean => /Odometry|Twist/.test(type);
-
 function Topic({
   store,
   session,
   series,
   zoom,
 }: Omit<PlotsProps, "fields"> & { readonly series: readonly PlottedTopic[] }) {
-  const chosen = useSignal((series.find(hasSpeed) ?? series[0])?.topic ?? "");
+  const chosen = useSignal(series[0]?.topic ?? "");
   const answer = useSignal<SeriesAnswer | null>(null);
   const failure = useSignal<string | null>(null);
   const topic = chosen.value;

@@ -35,11 +35,9 @@ interface FieldPlotProps {
   readonly session: string;
   readonly fields: FieldsState;
   readonly zoom: Signal<Span | null>;
-  /** Whether the speed is plotted until somebody chooses, as nothing else is. */
-  readonly beginsWithSpeed?: boolean;
 }
 
-export function FieldPlot({ store, session, fields, zoom, beginsWithSpeed = false }: FieldPlotProps) {
+export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
   const chosen = fields.chosen.value;
   const across = chosen.length > 1 ? fields.across.value : null;
   const series = useFieldSeries(session, chosen, zoom.value, across !== null);
@@ -53,7 +51,7 @@ export function FieldPlot({ store, session, fields, zoom, beginsWithSpeed = fals
   }, [chosen, series, across]);
   return (
     <section class="field-plot" aria-label="Plot of any field">
-      <Search session={session} fields={fields} beginsWithSpeed={beginsWithSpeed} />
+      <Search session={session} fields={fields} />
       {chosen.length > 0 && <Legend fields={fields} series={series} />}
       {plotted && (
         <Plot
@@ -103,9 +101,7 @@ function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, acr
   return one !== undefined && keyOf(one) === across;
 }
 
-type SearchProps = Pick<FieldPlotProps, "session" | "fields" | "beginsWithSpeed">;
-
-function Search({ session, fields, beginsWithSpeed }: SearchProps) {
+function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">) {
   const names = useFieldNames(session);
   const text = useSignal("");
   const topics = names.kind === "ready" ? names.value : [];
@@ -118,10 +114,10 @@ function Search({ session, fields, beginsWithSpeed }: SearchProps) {
     fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
   };
   useEffect(() => {
-    if (names.kind !== "ready" || !fields.isNew.peek()) return;
-    fields.isNew.value = false;
+    if (names.kind !== "ready" || !fields.isNew.current) return;
+    fields.isNew.current = false;
     const isThere = topics.some(({ topic, fields: own }) => topic === SPEED.topic && own.includes(SPEED.field));
-    if (beginsWithSpeed && isThere) add(SPEED);
+    if (isThere) add(SPEED);
   }, [names]);
   if (names.kind === "failed") return <p role="alert">{names.why}</p>;
   const recorded = topics.filter(({ computed }) => !computed);
