@@ -279,6 +279,10 @@ class Scene:
             if view is not None and view.viewer.visitor == visitor:
                 self._go(client, view, name)
 
+    def chosen(self, visitor: str) -> CameraName | RobotCameraName | None:
+        """Return the camera that a visitor has chosen last, in any page; None: none yet."""
+        return self._chosen.get(visitor)
+
     @property
     def layers(self) -> dict[str, bool]:
         """The labels of what the scene shows, and whether they are visible."""

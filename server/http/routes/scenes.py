@@ -76,9 +76,13 @@ class SceneSettings(BaseModel, extra="forbid"):
 
 @dataclass(frozen=True, slots=True)
 class SceneAnswer:
-    """A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid."""
+    """A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid.
+
+    ``camera`` is the one that the visitor has chosen last; None: none yet.
+    """
 
     cameras: list[CameraName | RobotCameraName]
+    camera: CameraName | RobotCameraName | None
     layers: dict[str, bool]
     height: float
     grid: float
@@ -86,9 +90,9 @@ class SceneAnswer:
 
 @router.get("/{session_id}/settings")
 @guests_may(GuestRight.LINKED_SESSION)
-async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> SceneAnswer:
+async def settings(sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str) -> SceneAnswer:
     """Return the cameras, the layers with their visibility, and the height of the columns."""
-    return _settings(await scenes.get(sessions.get(session_id)))
+    return _settings(await scenes.get(sessions.get(session_id)), visitor)
 
 
 @router.post("/{session_id}/settings")
@@ -104,11 +108,11 @@ async def change(
         await scene.set_height(wanted.height)
     for label, visible in wanted.layers.items():
         scene.set_layer(label, visible=visible)
-    return _settings(scene)
+    return _settings(scene, visitor)
 
 
-def _settings(scene: Scene) -> SceneAnswer:
-    return SceneAnswer(scene.cameras, scene.layers, scene.height, scene.grid_spacing)
+def _settings(scene: Scene, visitor: str) -> SceneAnswer:
+    return SceneAnswer(scene.cameras, scene.chosen(visitor), scene.layers, scene.height, scene.grid_spacing)
 
 
 @router.websocket("/{session_id}")

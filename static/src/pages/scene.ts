@@ -6,6 +6,9 @@
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
  *
+ * The canvas is hidden until the scene of a connection is told: before, viser's client draws axes of its own, from its own
+ * first camera. The page around hears of it by the event `scene` of the frame.
+ *
  * A frame draws as many points of clouds as the browser draws quickly enough; while the camera rests, further frames add
  * the others to the picture.
  *
@@ -18,6 +21,7 @@ import { voxelGlb } from "../render/voxels/voxelGlb";
 import { decodeVoxels, isVoxelChunk } from "../wire/decodeVoxels";
 import { FirstCamera, keptCamera, keptQuery, MovedCamera } from "./sceneCamera";
 import { addGestures, zoomAtCursor } from "./sceneGestures";
+import { UntilTold } from "./sceneTold";
 
 /** A message of viser; those with glTF files have them as `props.glb_data`. */
 interface SceneMessage extends NodeMessage {
@@ -39,6 +43,17 @@ function goOn(): void {
   const messages = [{ type: "RunJavascriptMessage", source: "" }];
   if (client && budget.lacks)
     client.onmessage?.(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+}
+
+/** Of the canvas, until there is something of ours in it. */
+const hiding = new CSSStyleSheet();
+hiding.replaceSync("canvas { visibility: hidden !important }");
+document.adoptedStyleSheets = [...document.adoptedStyleSheets, hiding];
+const waiting = new UntilTold();
+
+function show(isShown: boolean): void {
+  hiding.disabled = isShown;
+  frameElement?.dispatchEvent(new CustomEvent("scene", { detail: isShown }));
 }
 
 /** A frame that only adds points to the picture draws nothing else on the canvas, and does not clear it. */
@@ -85,10 +100,16 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   if (data?.type === "connected") {
     client = currentTarget as Worker;
     camera.connected();
+    waiting.connected();
+    show(false);
   }
   if (data?.messages?.some(({ type }) => !type?.startsWith("Gui"))) budget.changed();
   camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
+  // The client works messages off in the frame after their arrival.
+  if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown)) {
+    requestAnimationFrame(() => requestAnimationFrame(() => show(true)));
+  }
   clouds.take(data?.messages ?? []);
   for (const { props } of data?.messages ?? []) {
     const file = props?.glb_data;
@@ -149,6 +170,7 @@ function showSentence(sentence: string): void {
   document.documentElement.append(body);
   document.documentElement.lang = "en";
   document.documentElement.style.colorScheme = new URLSearchParams(location.search).has("darkMode") ? "dark" : "light";
+  show(true);
   body.style.cssText = "margin: 1rem; font: 1rem/1.5 system-ui, sans-serif; color: CanvasText; background: Canvas";
 }
 

@@ -97,15 +97,20 @@ const FIRST = ["SetCameraPositionMessage", "SetCameraLookAtMessage", "SetCameraU
 export class FirstCamera {
   readonly #held = new Map<string, CameraMessage>();
 
+  /** Whether the client has been given all of them. */
+  get isKnown(): boolean {
+    return this.#held.size === FIRST.length;
+  }
+
   /** Take them out of a batch until all of them are known. */
   take(messages: CameraMessage[]): void {
-    if (this.#held.size === FIRST.length) return;
+    if (this.isKnown) return;
     for (const message of [...messages]) {
       const { type = "", initial } = message;
       if (!initial || !FIRST.includes(type)) continue;
       messages.splice(messages.indexOf(message), 1);
       this.#held.set(type, message);
     }
-    if (this.#held.size === FIRST.length) messages.push(...this.#held.values());
+    if (this.isKnown) messages.push(...this.#held.values());
   }
 }

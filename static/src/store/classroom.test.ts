@@ -4,7 +4,7 @@ import type { ClassQuestion } from "../wire/protocol";
 import { Classroom } from "./classroom";
 
 /** A socket of a service that answers what the test tells it to. */
-class FakeSocket {
+class FakeSocket extends EventTarget {
   static readonly OPEN = 1;
   static all: FakeSocket[] = [];
   onopen: (() => void) | null = null;
@@ -13,6 +13,7 @@ class FakeSocket {
   readyState = 0;
   readonly sent: unknown[] = [];
   constructor(readonly url: string) {
+    super();
     FakeSocket.all.push(this);
   }
   send(text: string): void {
@@ -23,6 +24,7 @@ class FakeSocket {
   }
   breakOff(code = 1006): void {
     this.readyState = 3;
+    this.dispatchEvent(new Event("close"));
     this.onclose?.({ code });
   }
   receive(message: object): void {
@@ -31,6 +33,7 @@ class FakeSocket {
   /** Join the class as follower 3, of whom the service knows an answer or none. */
   join(answer: number | null, question: ClassQuestion | null, driver: number | null = null): void {
     this.readyState = FakeSocket.OPEN;
+    this.dispatchEvent(new Event("open"));
     this.onopen?.();
     this.receive({ type: "welcome", role: "follower", number: 3, answer });
     this.state(question, driver);

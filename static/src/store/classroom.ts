@@ -18,6 +18,7 @@ import {
   SUBPROTOCOL,
   type WhyMessage,
 } from "../wire/protocol";
+import { openSocket } from "./openSocket";
 
 const KEY = "gridbloom.class";
 const FIRST_WAIT_MS = 200;
@@ -119,7 +120,7 @@ export class Classroom {
   #connect(): void {
     const path = addressOf("GET /api/classes/{code}", { code: this.code });
     const query = this.isFollowed ? "?follows=true" : ""; // the lecturer may follow the class in a second tab
-    const socket = new WebSocket(socketAddress(`${path}/stream${query}`), SUBPROTOCOL);
+    const socket = openSocket(socketAddress(`${path}/stream${query}`), SUBPROTOCOL);
     this.#socket = socket;
     socket.onopen = () => {
       for (const command of this.#last.values()) socket.send(JSON.stringify(command));

@@ -16,6 +16,7 @@ import {
   type ServerMessage,
   SUBPROTOCOL,
 } from "../wire/protocol";
+import { openSocket } from "./openSocket";
 
 /** "gone" and "outdated" are final: the session has ended, or the page is older than the server. */
 export type Status = "connecting" | "live" | "reconnecting" | "away" | "gone" | "outdated";
@@ -67,7 +68,7 @@ const MAX_UNREADABLE = 3;
 const OUTDATED = "This page is older than the server. Reload the page.";
 
 export const browser: Environment = {
-  open: (url, protocol) => new WebSocket(url, protocol) as Socket,
+  open: (url, protocol) => openSocket(url, protocol) as Socket,
   later: (task, ms) => {
     const timer = setTimeout(task, ms);
     return () => clearTimeout(timer);

@@ -1069,9 +1069,13 @@ export interface ScanSeries {
   readonly trajectory: string;
 }
 
-/** A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid. */
+/**
+ * A 3D view: cameras, whether layers are visible, height of the columns, metres between the lines of the grid. `camera`
+ * is the one that the visitor has chosen last; null: none yet.
+ */
 export interface SceneAnswer {
   readonly cameras: readonly ("overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person")[];
+  readonly camera: "overview" | "above" | "south" | "west" | "north" | "east" | "follow" | "first person" | null;
   readonly layers: Readonly<Record<string, boolean>>;
   readonly height: number;
   readonly grid: number;

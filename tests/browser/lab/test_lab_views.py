@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import (
     await_map,
@@ -24,6 +24,12 @@ from tests.browser.looking import (
 from tests.browser.pages.test_axe import violations
 
 
+def share_of_width(part: Locator, whole: Locator) -> float:
+    """Return the width of an element as a share of another one's."""
+    own, all_of_it = (one.bounding_box() or {"width": math.nan} for one in (part, whole))
+    return own["width"] / all_of_it["width"]
+
+
 def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open_lab: Callable[..., Page]) -> None:
     without_canvas_in_3d(page)
     open_lab()
@@ -31,7 +37,12 @@ def test_the_stage_has_up_to_four_views_which_the_address_names(page: Page, open
     expect(views).to_have_count(2)
     page.keyboard.press("4")
     expect(views).to_have_count(4)
-    expect(views.nth(2).get_by_title("3D view")).to_be_visible()
+    # Folded controls leave the view its width; unfolded they are beside it.
+    solid, controls = views.nth(2).get_by_title("3D view"), views.nth(2).get_by_role("button", name="Controls")
+    for is_unfolded in (False, True):
+        expect(controls).to_have_attribute("aria-pressed", str(is_unfolded).lower())
+        assert (share_of_width(solid, views.nth(2)) > 0.97) != is_unfolded
+        controls.click()
     second = page.get_by_role("region", name="Second map")
     second.get_by_role("button", name="Show the correct map").click()
     expect(second.locator(".compare-name")).to_have_text("A correct")

@@ -213,8 +213,9 @@ def test_from_the_upload_to_the_report(hand: type[Mouse], page: Page, server: st
         "alt", "/camera at 0:08.000"
     )
     plots = page.get_by_role("region", name="Plots", exact=True)
-    by.choose(plots.get_by_label("Topic"), "/cmd_vel (geometry_msgs/Twist)")
-    expect(plots.locator("[data-plot=speed]")).to_contain_text("m/s")
+    speed = plots.get_by_role("region", name="Plot of any field")
+    expect(speed.get_by_role("list", name="Fields of the plot")).to_contain_text("speed")
+    expect(speed).to_contain_text(f"{STEP_M * RATE_HZ:g} m/s throughout")
 
     # A door is measured.
     by.press(page.get_by_role("button", name="Measure a distance"))

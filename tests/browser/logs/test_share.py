@@ -107,7 +107,8 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     field = views.nth(3).get_by_label("Add a field to the plot")
     field.fill("imu yaw")
     views.nth(3).get_by_role("button", name="/imu orientation.yaw").click()
-    expect(views.nth(3).get_by_role("list", name="Fields of the plot").get_by_role("listitem")).to_have_count(1)
+    fields = views.nth(3).get_by_role("list", name="Fields of the plot")
+    expect(fields.get_by_role("listitem")).to_have_count(2)  # it begins with the speed
     page.get_by_role("region", name="Playback").get_by_role("switch", name="UTC").click()
     lines = open_group(page, "Log lines")
     lines.get_by_label("Search in the lines").fill("slips")
@@ -134,7 +135,9 @@ def test_a_link_opens_on_the_views_of_its_sender_and_what_they_show(
     assert guest.evaluate(CAMERA)["look_at"] == pytest.approx(seen["look_at"])
     await_true(guest, "() => gridbloom.connection.store.part('scene').message.peek()?.layers.Grid === true")
     expect(theirs.nth(2).get_by_label("Topic")).to_have_value("/imu")
-    expect(theirs.nth(3).get_by_role("list", name="Fields of the plot")).to_contain_text("/imu orientation.yaw")
+    theirs_plotted = theirs.nth(3).get_by_role("list", name="Fields of the plot").get_by_role("listitem")
+    expect(theirs_plotted).to_have_count(2)
+    expect(theirs_plotted.last).to_contain_text("/imu orientation.yaw")
     playback = guest.get_by_role("region", name="Playback")
     expect(playback.get_by_role("switch", name="UTC")).to_have_attribute("aria-checked", "true")
     expect(guest.get_by_role("region", name="Measured").locator(".number").first).to_have_text(measured.inner_text())
@@ -158,7 +161,10 @@ def test_a_link_opens_with_the_camera_that_follows_the_robot(
     solid.get_by_role("button", name="Controls").wait_for()
     if not follow.is_visible():
         solid.get_by_role("button", name="Controls").click()
-    follow.click()
+    with page.expect_response(lambda answer: answer.url.endswith("/settings")):
+        follow.click()
+    page.reload()  # the page has not seen the click any more
+    solid.get_by_role("button", name="Controls").wait_for()
     shared = open_group(page, "Share")
     shared.get_by_role("button", name="Create link").click()
     address = shared.get_by_role("listitem").get_by_role("textbox").input_value()

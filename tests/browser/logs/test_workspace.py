@@ -16,6 +16,7 @@ from tests.browser.looking import (
     await_true,
     centre,
     frame,
+    frames,
     map_bytes,
     open_group,
     open_sample,
@@ -148,6 +149,7 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
 
     # Any field is found by a part of its name and plotted, over time and over another one.
     plots = open_group(page, "Plots")
+    plots.get_by_role("button", name="Remove (scans) speed").click()  # with which it begins
     field = plots.get_by_label("Add a field to the plot")
     field.fill("imu yaw")
     expect(plots.get_by_role("button", name="/imu orientation.yaw")).to_be_visible()
@@ -181,6 +183,20 @@ def test_views_share_the_stage_and_the_time(page: Page, server: str, tmp_path: P
     expect(plots.locator(".field-plot .u-label").filter(has_text="contradicted")).to_have_count(1)
     contradicted.click()
     expect(legend).to_have_count(2)
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_a_layout_begins_at_its_first_view_on_a_phone(page: Page, server: str, tmp_path: Path) -> None:
+    opened(page, server, tmp_path)
+    page.evaluate("() => gridbloom.connection.store.goTo(20)")
+    page.get_by_label("Layout", exact=True).select_option("Moment")
+    lines = page.get_by_role("region", name="Log lines", exact=True)
+    expect(lines.locator(".log-line[aria-selected=true]")).to_contain_text("Planning")
+    frames(page, 3)
+    assert page.locator(".view-stage").evaluate("(stage) => stage.scrollLeft") == 0
+    # The line of the moment is in sight in its own view.
+    page.locator("[data-place='0']").get_by_role("button", name="Go to view 4").tap()
+    expect(lines.locator(".log-line[aria-selected=true]")).to_be_in_viewport()
 
 
 def test_a_place_is_marked_in_the_picture_of_a_camera_and_in_the_plots(page: Page, server: str, tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import open_group, until
+from tests.browser.looking import await_true, frames, open_group, until
 
 
 def pixels_of(picture: bytes) -> NDArray[np.int64]:
@@ -69,3 +69,30 @@ def test_the_axes_and_the_grid_are_switched_on_and_saved_in_a_file(page: Page, o
     until("both are in the file", lambda: shows_both(pixels_of(saved(page, button))))
     # In its corner the file has the colour of the page's ground.
     assert tuple(pixels_of(saved(page, button))[0, 0]) == (250, 248, 242)
+
+
+#: Has the 3D views of a page connect once it is told to.
+HOLD = """if (window === top) window.held = [];
+window.Worker = class extends Worker {
+  postMessage(message, ...more) {
+    const post = () => super.postMessage(message, ...more);
+    if (message?.type === "set_server") top.held.push(post);
+    else post();
+  }
+};"""
+
+
+def test_nothing_is_shown_before_the_scene_is_known(page: Page, open_lab: Callable[..., Page]) -> None:
+    """Viser's client draws axes of its own until it has a connection."""
+    page.add_init_script(HOLD)
+    open_lab()
+    panel = open_group(page, "3D view")
+    canvas = page.frame_locator("iframe.scene").locator("canvas[data-engine]")
+    canvas.wait_for(state="attached")
+    await_true(page, "() => held.length === 1")
+    frames(page, 3)
+    expect(canvas).to_be_hidden()
+    expect(panel.get_by_text("Loading the 3D view")).to_be_visible()
+    page.evaluate("() => held[0]()")
+    expect(canvas).to_be_visible()
+    expect(panel.get_by_text("Loading the 3D view")).to_have_count(0)

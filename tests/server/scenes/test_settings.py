@@ -40,7 +40,8 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     base, address = f"http://127.0.0.1:{service.port}", f"/scenes/{session.id}/settings"
     async with httpx.AsyncClient(base_url=base, cookies={"visitor": "ann"}) as ann:
-        assert (await ann.get(address)).json()["cameras"] == [*CAMERAS, *ROBOT_CAMERAS]
+        found = (await ann.get(address)).json()
+        assert (found["cameras"], found["camera"]) == ([*CAMERAS, *ROBOT_CAMERAS], None)
         async with (
             viser_client(service.port, session.id, "visitor=ann") as of_ann,
             viser_client(service.port, session.id, "visitor=bob") as of_bob,
@@ -57,8 +58,10 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
                 lambda m: m["type"] == "SetCameraPositionMessage" and m["position"] == pytest.approx(wanted)
             )
             settings = (await ann.post(address, json={"height": 2.5})).json()
-            assert settings["height"] == 2.5
+            assert (settings["height"], settings.pop("camera")) == (2.5, "above")
             assert json.loads(session.hub.slots["scene"]) == {"type": "scene", **settings}
+            async with httpx.AsyncClient(base_url=base, cookies={"visitor": "bob"}) as bob:
+                assert (await bob.get(address)).json()["camera"] is None
             await of_bob.until(
                 lambda m: m["type"] == "SceneNodeUpdateMessage" and m["updates"].get("scale") == [1.0, 1.0, 2.5]
             )
@@ -73,6 +76,7 @@ async def test_cameras_height_and_layers_are_set(service: Service) -> None:
             assert settings["layers"]["Beams"] is True
             settings = (await ann.post(address, json={"layers": {"Beams": False, "no such": False}})).json()
             assert (settings["layers"]["Beams"], "no such" in settings["layers"]) == (False, False)
+            del settings["camera"]
             assert json.loads(session.hub.slots["scene"]) == {"type": "scene", **settings}
             # What is switched in the view itself is told as well.
             beams = await of_ann.until(lambda m: m["type"] == "GuiCheckboxMessage" and m["props"]["label"] == "Beams")
@@ -130,8 +134,8 @@ async def test_the_plain_view_has_no_panel(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}") as http:
         page, plain = [await http.get(f"/scenes/{session.id}/{part}") for part in ("", "plain/")]
-    assert "visibility: hidden !important" in plain.text
-    assert "visibility: hidden !important" not in page.text
+    assert "body *:not(canvas):not(:has(canvas)) { visibility: hidden !important" in plain.text
+    assert "body *:not(canvas)" not in page.text
     assert plain.headers["content-security-policy"] == page.headers["content-security-policy"]
 
 

@@ -163,7 +163,7 @@ interface LogView {
   /** The visible part of the map for a link; null for all of it. */
   readonly sharedView: () => SharedView | null;
   /** What else of the page a link shows. */
-  readonly shown: () => Shown;
+  readonly shown: () => Promise<Shown>;
 }
 
 interface Group {
@@ -184,14 +184,33 @@ export const OVERVIEW = "overview";
 /** The group of links. */
 export const SHARE = "share";
 
+const topicsOf = ({ store, sensor, log, isGuest, topic, openGroup }: LogView) => (
+  <Topics
+    key={log?.topic}
+    store={store}
+    sensor={isGuest ? null : sensor}
+    log={log}
+    onMessages={(name) => {
+      topic.value = name;
+      openGroup.value = "messages";
+    }}
+  />
+);
+
 const GROUPS: readonly Group[] = [
   {
     id: OVERVIEW,
     title: "Overview",
     section: "Log",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor, onCorrectPoses, isGuest }) => (
-      <Overview store={store} doctor={doctor} {...(isGuest ? {} : { onCorrectPoses })} />
+    content: (view) => (
+      <Overview
+        store={view.store}
+        doctor={view.doctor}
+        {...(view.isGuest ? {} : { onCorrectPoses: view.onCorrectPoses })}
+      >
+        {topicsOf(view)}
+      </Overview>
     ),
   },
   {
@@ -259,18 +278,7 @@ const GROUPS: readonly Group[] = [
     id: "topics",
     title: "Topics",
     section: "Data",
-    content: ({ store, sensor, log, isGuest, topic, openGroup }) => (
-      <Topics
-        key={log?.topic}
-        store={store}
-        sensor={isGuest ? null : sensor}
-        log={log}
-        onMessages={(name) => {
-          topic.value = name;
-          openGroup.value = "messages";
-        }}
-      />
-    ),
+    content: topicsOf,
   },
   {
     id: "messages",

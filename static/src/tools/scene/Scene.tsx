@@ -93,7 +93,7 @@ function SceneControls({ store, isUnfolded, ...more }: SceneControlsProps) {
   }, [isUnfolded]);
   if (!store.part("scene").message.value) return null; // all of them come at once, so that none moves when others come
   return (
-    <div class="scene-controls stack-tight">
+    <div class={`scene-controls stack-tight ${isUnfolded ? "" : "folded"}`.trim()}>
       <div class="actions" ref={row}>
         <MeasuringButtons store={store} />
         <Button
@@ -135,7 +135,7 @@ function Unfolded({
           low={0.2}
           high={5}
           step={0.1}
-          onInput={(value) => void changeScene(session, store, { height: value })}
+          onInput={(value) => void changeScene(session, { height: value })}
         />
       )}
       <div class="actions">

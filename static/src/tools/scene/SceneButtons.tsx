@@ -41,7 +41,7 @@ export function SceneButtons({ store, session }: SceneButtonsProps) {
   const now = store.part("scene").message.value;
   const id = useId();
   if (!now) return null; // all of them come at once, so that none moves when others come
-  const change = (wanted: SceneSettings): void => void changeScene(session, store, wanted);
+  const change = (wanted: SceneSettings): void => void changeScene(session, wanted);
   return (
     <>
       <fieldset class="actions" aria-label="Camera">

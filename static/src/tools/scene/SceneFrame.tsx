@@ -1,6 +1,7 @@
 /** The frame in which a session's scene is drawn in 3D, in the colours of the page. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { isDark, printing } from "../../ui/browser/theme";
 import { toast } from "../../ui/Toast";
@@ -17,8 +18,6 @@ declare global {
 
 class First {
   camera: ShownCamera | null = null;
-  /** The camera that was chosen last by a button; null: none yet. */
-  chosen: NonNullable<SceneSettings["camera"]> | null = null;
 }
 
 /** From where the 3D views of a session are seen at first; null: from where all of it is in sight. */
@@ -42,9 +41,12 @@ export function sceneCamera(session: string): ShownCamera | null {
   return view?.contentWindow?.sceneCamera?.() ?? null;
 }
 
-/** Change some settings of the 3D view of a session, whose store is `store`. */
-export async function changeScene(session: string, store: Store, body: SceneSettings): Promise<void> {
-  if (body.camera) firstOf(store).chosen = body.camera;
+/** The camera of a session's 3D views that the visitor has chosen last by a button; null: none yet. */
+export const chosenCamera = async (session: string): Promise<NonNullable<SceneSettings["camera"]> | null> =>
+  (await ask("GET /scenes/{session_id}/settings", { session_id: session })).camera;
+
+/** Change some settings of the 3D view of a session. */
+export async function changeScene(session: string, body: SceneSettings): Promise<void> {
   try {
     await ask("POST /scenes/{session_id}/settings", { session_id: session }, { body });
   } catch {
@@ -59,21 +61,30 @@ interface SceneFrameProps {
   readonly title: string;
 }
 
-/** Says that it loads until it has loaded, and again after a change of the colours. */
+/** Says that it loads until the scene is shown, and again after a change of the colours or a lost connection. */
 export function SceneFrame({ store, session, class: name, title }: SceneFrameProps) {
   const dark = useSignal(isDark.peek());
-  const loaded = useSignal("");
+  const frame = useRef<HTMLIFrameElement>(null);
+  const shown = useSignal(""); // the address of the page that shows its scene
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
   });
   const address = sceneAddress(session, store, dark.value);
+  useLayoutEffect(() => {
+    const view = frame.current;
+    const onScene = (event: Event): void => {
+      shown.value = (event as CustomEvent<boolean>).detail ? address : "";
+    };
+    view?.addEventListener("scene", onScene);
+    return () => view?.removeEventListener("scene", onScene);
+  }, [address]);
   const onLoad = (): void => {
-    loaded.value = address;
+    if (!frame.current?.contentWindow?.sceneCamera) shown.value = address; // another page, with a sentence of the server
   };
   return (
     <>
-      <iframe class={name} title={title} src={address} onLoad={onLoad} />
-      {loaded.value !== address && (
+      <iframe class={name} title={title} src={address} onLoad={onLoad} ref={frame} />
+      {shown.value !== address && (
         <p class="scene-loading" role="status">
           Loading the 3D view
         </p>

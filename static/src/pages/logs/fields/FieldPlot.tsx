@@ -1,7 +1,7 @@
 /** A plot of any numbers of any topics: added by search, over time or over each other. */
 
 import { type Signal, useSignal } from "@preact/signals";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/dock/SwitchChip";
@@ -21,6 +21,7 @@ import {
   type Made,
   matching,
   paired,
+  SPEED,
   WINDOWS,
 } from "./fields";
 import { type FieldsState, type FoundSeries, useFieldNames, useFieldSeries } from "./useFields";
@@ -100,7 +101,7 @@ function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, acr
   return one !== undefined && keyOf(one) === across;
 }
 
-function Search({ session, fields }: { readonly session: string; readonly fields: FieldsState }) {
+function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">) {
   const names = useFieldNames(session);
   const text = useSignal("");
   const topics = names.kind === "ready" ? names.value : [];
@@ -112,6 +113,12 @@ function Search({ session, fields }: { readonly session: string; readonly fields
     if (!one || fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))) return;
     fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
   };
+  useEffect(() => {
+    if (names.kind !== "ready" || !fields.isNew.current) return;
+    fields.isNew.current = false;
+    const isThere = topics.some(({ topic, fields: own }) => topic === SPEED.topic && own.includes(SPEED.field));
+    if (isThere) add(SPEED);
+  }, [names]);
   if (names.kind === "failed") return <p role="alert">{names.why}</p>;
   const recorded = topics.filter(({ computed }) => !computed);
   const without = recorded.filter(({ fields: own, why }) => own.length === 0 && why !== "");

@@ -15,6 +15,9 @@ export interface Chosen {
   readonly window: number;
 }
 
+/** The speed along the poses, which a log with times has. */
+export const SPEED: Pick<Chosen, "topic" | "field"> = { topic: "(scans)", field: "speed" };
+
 /** What the series are that are computed of a log. */
 export const COMPUTED: Readonly<Record<string, string>> = {
   speed: "Distance between the poses of two consecutive scans by the time between them",

@@ -1,5 +1,5 @@
 import { type Signal, useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { ask } from "../../../wire/ask";
 import type { SeriesAnswer, ShownPlots, TopicFieldsAnswer } from "../../../wire/http";
 import type { Span } from "../contents/series";
@@ -12,12 +12,15 @@ export interface FieldsState {
   readonly chosen: Signal<readonly Chosen[]>;
   /** The key of the field on the horizontal axis; null for time. */
   readonly across: Signal<string | null>;
+  /** Whether nobody has chosen yet what is plotted, nor a link: it begins with the speed. */
+  readonly isNew: { current: boolean };
 }
 
 /** At first what a link `shown` has. */
 export function useFieldsState(session: string, shown: ShownPlots | null = null): FieldsState {
-  const state: FieldsState = { chosen: useSignal([]), across: useSignal(null) };
+  const state: FieldsState = { chosen: useSignal([]), across: useSignal(null), isNew: useRef(false) };
   useEffect(() => {
+    state.isNew.current = !shown;
     state.chosen.value = shown?.fields ?? [];
     state.across.value = shown?.across ?? null;
   }, [session]);

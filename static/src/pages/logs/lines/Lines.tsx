@@ -6,6 +6,7 @@ import { useEffect, useId, useMemo, useRef } from "preact/hooks";
 import { clockTime, shownTime } from "../../../store/shownTime";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
+import { scrollWithin } from "../../../ui/browser/scrollWithin";
 import { selected } from "../../../ui/bound";
 import { plural } from "../../../ui/numbers";
 import { Select } from "../../../ui/Select";
@@ -158,7 +159,8 @@ function List({ store, found, present, onGo }: ListProps) {
   const begin = Math.max(0, Math.min(present - AROUND, found.length - 2 * AROUND) - more.value[0]);
   const end = Math.min(found.length, Math.max(present + AROUND, 2 * AROUND) + more.value[1]);
   useEffect(() => {
-    list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" });
+    const line = list.current?.querySelector('[aria-selected="true"]');
+    if (line) scrollWithin(line);
   }, [present, found]);
   const onKey = (event: KeyboardEvent): void => {
     const by = KEYS[event.key];

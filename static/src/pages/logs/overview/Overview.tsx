@@ -1,8 +1,10 @@
-import { useMemo } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { useContext, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { written } from "../../../ui/numbers";
 import { timeText } from "../../../ui/timeText";
 import type { LogInfo, Trajectory } from "../../../wire/protocol";
+import { ContentsContext } from "../contents/useContents";
 import { Doctor, type DoctorState } from "../Doctor";
 import { trajectoryLabel } from "../library/describeLog";
 import { UtcSwitch } from "../time/Moment";
@@ -74,14 +76,24 @@ interface OverviewProps {
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onCorrectPoses?: () => void;
+  /** The topics of a recording. */
+  readonly children: ComponentChildren;
 }
 
-/** What a log opens on: what it is, and what happened in it. */
-export function Overview({ store, doctor, onCorrectPoses }: OverviewProps) {
+/** What a log opens on: what it is, what happened in it, and its topics once they are known. */
+export function Overview({ store, doctor, onCorrectPoses, children }: OverviewProps) {
+  const contents = useContext(ContentsContext)?.state.value;
+  const hasTopics = contents?.kind === "ready" && contents.contents.topics.length > 0;
   return (
     <>
       <Facts store={store} />
       <Doctor store={store} doctor={doctor} {...(onCorrectPoses ? { onCorrectPoses } : {})} />
+      {hasTopics && (
+        <section aria-label="Topics">
+          <h2 class="doctor-title">Topics</h2>
+          {children}
+        </section>
+      )}
     </>
   );
 }

@@ -13,7 +13,7 @@ interface ShareProps {
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
   /** What else of the page a link shows. */
-  readonly shown: () => Shown;
+  readonly shown: () => Promise<Shown>;
 }
 
 /** Links to this view of a log, and puzzles made of it. */

@@ -14,7 +14,7 @@ interface ShareLinksProps {
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
   /** What else of the page a link shows. */
-  readonly shown?: () => Shown;
+  readonly shown?: () => Promise<Shown>;
   /** What the session shows one after the other. */
   readonly unit?: "scan" | "costmap";
   /** What a link opens, and what its guests may do. */
@@ -57,7 +57,7 @@ export function ShareLinks({ session, sharedView, shown, unit = "scan", text, ch
   };
   const make = (): Promise<void> =>
     attempt(async () => {
-      const link = await makeLink(session, sharedView(), shown?.() ?? null);
+      const link = await makeLink(session, sharedView(), (await shown?.()) ?? null);
       links.value = [link, ...(links.peek() ?? [])];
       await copy(absolute(link), "Link copied.");
     });

@@ -64,7 +64,7 @@ interface ShownPage {
   readonly comparison: string;
 }
 
-export function shownOf(page: ShownPage): Shown {
+export async function shownOf(page: ShownPage): Promise<Shown> {
   const { store, fields, lines, plots, solid, comparison } = page;
   const measuring = measuringOf(store);
   const tool = measuring.tool.peek();
@@ -95,7 +95,7 @@ export function shownOf(page: ShownPage): Shown {
         .map(([x, y, z]) => (z === undefined ? [x, y] : [x, y, z])),
       size: measuring.size.peek(),
     },
-    scene: solid.shown(),
+    scene: await solid.shown(),
     utc: inUtc.peek(),
     comparison: comparison !== "" && comparison.length <= MOST.comparison ? comparison : null,
   };

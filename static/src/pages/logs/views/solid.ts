@@ -2,7 +2,7 @@
 
 import { effect, type Signal, signal } from "@preact/signals";
 import type { Store } from "../../../store/store";
-import { changeScene, firstOf, sceneCamera } from "../../../tools/scene/SceneFrame";
+import { changeScene, chosenCamera, firstOf, sceneCamera } from "../../../tools/scene/SceneFrame";
 import { lookOf } from "../../../tools/volume/useLook";
 import type { SessionAnswer, ShownScene } from "../../../wire/http";
 import type { ContentsState } from "../contents/useContents";
@@ -59,18 +59,18 @@ export class Solid {
       if (isDone || !given || !store.part("scene").message.value) return;
       isDone = true;
       if (Object.keys(given.look).length > 0) store.sendSoon({ type: "volume_look", values: given.look });
-      void changeScene(session, store, { layers: given.layers, height: given.height, camera: given.chosen });
+      void changeScene(session, { layers: given.layers, height: given.height, camera: given.chosen });
     });
   }
 
   /** What a link keeps of it; null where no 3D view was opened. */
-  shown(): ShownScene | null {
+  async shown(): Promise<ShownScene | null> {
     const { session, store } = this.#shown;
     const now = store.part("scene").message.peek();
     if (!now) return null;
     const clouds = this.#shown !== this.#map;
     const camera = sceneCamera(session);
-    const { chosen } = firstOf(store);
+    const chosen = await chosenCamera(session);
     const isFollowing = chosen === "follow" || chosen === "first person";
     return {
       clouds,
