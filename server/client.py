@@ -370,7 +370,7 @@ def _log(record: Mapping[str, Any]) -> Log:
         record["beams"],
         record["duration_s"],
         record["format"],
-        tuple(one["name"] for one in record["trajectories"]),
+        tuple(trajectory["name"] for trajectory in record["trajectories"]),
         tuple(record["notes"]),
         record,
     )

@@ -63,8 +63,8 @@ def _references(schema: object) -> Iterator[str]:
             else:
                 yield from _references(value)
     elif isinstance(schema, list):
-        for one in schema:
-            yield from _references(one)
+        for variant in schema:
+            yield from _references(variant)
 
 
 def _operations(document: Schema) -> Iterator[tuple[str, Schema]]:
@@ -97,10 +97,10 @@ def _files_of(document: Schema) -> list[str]:
         if request in answers:
             continue
         named = [request]
-        for one in operation.get("parameters", []):
-            if one["in"] == "path" and "enum" in one["schema"]:
-                part = f"{{{one['name']}}}"
-                named = [name.replace(part, value) for name in named for value in one["schema"]["enum"]]
+        for parameter in operation.get("parameters", []):
+            if parameter["in"] == "path" and "enum" in parameter["schema"]:
+                part = f"{{{parameter['name']}}}"
+                named = [name.replace(part, value) for name in named for value in parameter["schema"]["enum"]]
         files += named
     return sorted(files)
 
@@ -119,9 +119,11 @@ def _queries_of(document: Schema) -> dict[str, str]:
     queries = {}
     for request, operation in _operations(document):
         fields = [
-            _field(one["name"], one["schema"], is_optional=not one.get("required", False)).replace(" | null", "")
-            for one in operation.get("parameters", [])
-            if one["in"] == "query"
+            _field(parameter["name"], parameter["schema"], is_optional=not parameter.get("required", False)).replace(
+                " | null", ""
+            )
+            for parameter in operation.get("parameters", [])
+            if parameter["in"] == "query"
         ]
         if fields:
             queries[request] = "\n    ".join(["{", *fields]) + "\n  }"

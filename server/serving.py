@@ -166,7 +166,7 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen on the sockets."""
-        await super().startup([Listener(one, self.connections) for one in sockets or ()])
+        await super().startup([Listener(socket, self.connections) for socket in sockets or ()])
         if self.warm_up is not None and not self.should_exit:
             self.warm_up.begin()
         if self.worker is not None:

@@ -176,11 +176,11 @@ class Settings(BaseSettings):
     @field_validator("trusted_proxies")
     @classmethod
     def _networks(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for one in value:
+        for item in value:
             try:
-                ipaddress.ip_network(one, strict=False)
+                ipaddress.ip_network(item, strict=False)
             except ValueError:
-                raise ValueError(f"{one!r} is no IP address and no network such as 10.0.0.0/8") from None
+                raise ValueError(f"{item!r} is no IP address and no network such as 10.0.0.0/8") from None
         return value
 
     @field_validator("allowed_hosts", "trusted_proxies", mode="before")

@@ -65,8 +65,8 @@ def as_one_file(path: Path) -> Iterator[Path]:
 def _files_of(path: Path) -> list[tuple[str, Path]]:
     """Return the files that belong together at ``path``, and their names in an archive."""
     if path.is_dir() and is_depth_folder(path):
-        inside = sorted(one for one in path.rglob("*") if one.is_file())
-        return [(one.relative_to(path).as_posix(), one) for one in inside]
+        inside = sorted(file for file in path.rglob("*") if file.is_file())
+        return [(file.relative_to(path).as_posix(), file) for file in inside]
     if path.suffix.lower() in (".yaml", ".yml") and path.is_file():
         with path.open("rb") as file:
             text = file.read(DEFAULT_LIMITS.max_yaml_bytes + 1)

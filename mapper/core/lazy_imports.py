@@ -23,7 +23,7 @@ def imported_later(package: str, file: str) -> Callable[[str], object]:
     @cache
     def modules() -> dict[str, str]:
         tree = ast.parse(Path(file).read_text(encoding="utf-8"))
-        later = (node for one in tree.body if isinstance(one, ast.If) for node in one.body)
+        later = (node for branch in tree.body if isinstance(branch, ast.If) for node in branch.body)
         return {
             name.name: str(node.module) for node in later if isinstance(node, ast.ImportFrom) for name in node.names
         }

@@ -81,21 +81,23 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
         if isinstance(layer.config, ContainerConfig):
             inner = load_masks(layer.config.inner, folder, frame)
             masks |= {f"{layer.name}.{name}": mask for name, mask in inner.items()}
-    for one in parameters.filters:
-        if one.mask is not None and one.kind != "binary":
-            path, note = _mask_path(folder, one.mask)
+    for filter_ in parameters.filters:
+        if filter_.mask is not None and filter_.kind != "binary":
+            path, note = _mask_path(folder, filter_.mask)
             try:
                 loaded = load_map(path)
             except ReadError as error:
-                raise ReadError(error.code, f"The mask {one.mask!r:.120} of {one.name}: {error.message}") from error
+                raise ReadError(
+                    error.code, f"The mask {filter_.mask!r:.120} of {filter_.name}: {error.message}"
+                ) from error
             stated = loaded.description.frame
             if frame is not None and stated is not None and frame.strip("/") != stated.strip("/"):
                 raise ConfigError(
                     "costmap.frame",
-                    f"The mask {one.mask!r:.80} of {one.name} is in the frame {stated!r:.80}, the map in "
+                    f"The mask {filter_.mask!r:.80} of {filter_.name} is in the frame {stated!r:.80}, the map in "
                     f"{frame!r:.80}: all layers must be in one frame.",
                 )
-            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, (*note, *loaded.notes))
+            masks[filter_.name] = Mask(loaded.grid.geometry, loaded.values, (*note, *loaded.notes))
     return masks
 
 
@@ -191,12 +193,12 @@ class _Builder:
         place = below if inflation is None else above
         place += self._keepouts(parameters, len(parameters.layers), within)
         place += self._keepouts(parameters, None, within)
-        for one in parameters.filters:
-            mask = self.masks.get(within + one.name)
+        for filter_ in parameters.filters:
+            mask = self.masks.get(within + filter_.name)
             if mask is None:
-                self.unmasked.append(within + one.name)
-            elif one.kind == "speed" and one.enabled:
-                self.speed.append(SpeedFilter(mask, one.type, one.base, one.multiplier))
+                self.unmasked.append(within + filter_.name)
+            elif filter_.kind == "speed" and filter_.enabled:
+                self.speed.append(SpeedFilter(mask, filter_.type, filter_.base, filter_.multiplier))
         return LayeredCostmap(self.geometry, general, self.outline, below, inflation, above)
 
     def _layer(self, config: _BelowInflation, name: str, own: CostmapConfig, general: CostmapConfig) -> Layer:
@@ -236,10 +238,10 @@ class _Builder:
 
     def _kept_one(self, kind: type[L]) -> L | None:
         """Return the first layer of a kind that is kept, and keep it no longer; None where there is none."""
-        for one in self._kept:
-            if isinstance(one, kind):
-                self._kept.remove(one)
-                return one
+        for layer in self._kept:
+            if isinstance(layer, kind):
+                self._kept.remove(layer)
+                return layer
         return None
 
     def _inflation(self, config: InflationConfig, path: str) -> InflationLayer:
@@ -251,11 +253,11 @@ class _Builder:
 
     def _keepouts(self, parameters: Nav2Costmap, n_below: int | None, within: str) -> Iterator[KeepoutLayer]:
         """Yield the keepout filters of ``parameters`` that are on, have a mask and lie over ``n_below`` layers."""
-        for one in parameters.filters:
-            name = within + one.name
-            if one.kind == "keepout" and one.below == n_below and one.enabled and name in self.masks:
+        for filter_ in parameters.filters:
+            name = within + filter_.name
+            if filter_.kind == "keepout" and filter_.below == n_below and filter_.enabled and name in self.masks:
                 yield KeepoutLayer(self.geometry, self.masks[name], name)
 
 
 def _has_keepouts(parameters: Nav2Costmap) -> bool:
-    return any(one.kind == "keepout" for one in parameters.filters)
+    return any(filter_.kind == "keepout" for filter_ in parameters.filters)

@@ -37,5 +37,5 @@ class ContainerLayer:
 
     def why(self, row: int, col: int) -> str:
         """Say which cost its layers make together, and what each says."""
-        reasons = " ".join(f"{one.layer}: {one.sentence}" for one in self._inner.why(row, col))
+        reasons = " ".join(f"{cost.layer}: {cost.sentence}" for cost in self._inner.why(row, col))
         return f"Its layers make {name_of_cost(int(self.costs[row, col]))} together. {reasons}"

@@ -57,12 +57,12 @@ class DecayLayer:
     def observe(self, *observations: Observation) -> None:
         """Clear what the beams of all observations passed, then mark their end points with the stamps of these."""
         seen = seen_by_sources(self._config, observations)
-        for source, one in seen:
-            clear(self._geometry, source, one, -np.inf, self._marked, self._bounds)
-        for source, one in seen:
+        for source, observation in seen:
+            clear(self._geometry, source, observation, -np.inf, self._marked, self._bounds)
+        for source, observation in seen:
             marked = no_bounds()
-            mark(self._geometry, self._config, source, one, one.stamp, self._marked, marked)
-            self._remember(marked, one.stamp)
+            mark(self._geometry, self._config, source, observation, observation.stamp, self._marked, marked)
+            self._remember(marked, observation.stamp)
 
     def _remember(self, marked: Int64Array, stamp: float) -> None:
         """Look at what was marked now, and when its lifetime ends."""

@@ -27,10 +27,10 @@ def mask_pgm(mask: Int8Array) -> bytes:
     return costmap_pgm(mask.clip(0).astype(np.uint8))
 
 
-def costmap_mcap(one: RecordedCostmap) -> bytes:
+def costmap_mcap(costmap: RecordedCostmap) -> bytes:
     """Return an MCAP file with a costmap, as :func:`save_costmap_mcap` writes it."""
     file = io.BytesIO()
-    write_costmaps(file, [one])
+    write_costmaps(file, [costmap])
     return file.getvalue()
 
 
@@ -69,12 +69,12 @@ def save_costmap_mcap(
 
     The file appears whole or not at all. Raises :class:`ConfigError` where it cannot be written.
     """
-    one = RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", geometry, costs)
+    costmap = RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", geometry, costs)
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(target) as file:
-            write_costmaps(file, [one])
+            write_costmaps(file, [costmap])
     except OSError as error:
         message = f"The file {target.name!r} cannot be written: {error.strerror}."
         raise ConfigError("costmap.unwritable", message) from error

@@ -227,10 +227,10 @@ class ObstacleLayer(MarkedLayer):
     def observe(self, *observations: Observation) -> None:
         """Clear what the beams of all observations passed, then mark their end points, each as its source does."""
         seen = seen_by_sources(self._config, observations)
-        for source, one in seen:
-            clear(self._geometry, source, one, FREE, self.costs, self._bounds)
-        for source, one in seen:
-            mark(self._geometry, self._config, source, one, LETHAL, self.costs, self._bounds)
+        for source, observation in seen:
+            clear(self._geometry, source, observation, FREE, self.costs, self._bounds)
+        for source, observation in seen:
+            mark(self._geometry, self._config, source, observation, LETHAL, self.costs, self._bounds)
 
     def why(self, row: int, col: int) -> str:
         """Say whether a reading marked or cleared the cell."""
@@ -260,10 +260,10 @@ class InflationLayer:
 
     def why(self, row: int, col: int) -> str:
         """Say how far the nearest obstacle is, and which part of the cost that distance gives."""
-        found = self.nearest(row, col)
-        if found is None:
+        nearest = self.nearest(row, col)
+        if nearest is None:
             return f"No obstacle within {self._config.inflation_radius:g} m: no cost."
-        at_row, at_col, distance = found
+        at_row, at_col, distance = nearest
         x, y = self._geometry.cell_to_world((at_row, at_col))
         cost = name_of_cost(int(self.costs[row, col]))
         if distance == 0.0:
@@ -300,10 +300,10 @@ def seen_by_sources(
     Source: nav2_costmap_2d, observation_buffer.cpp, bufferCloud.
     """
     seen = []
-    for one in observations:
-        source, z = config.source(one.source), one.points[:, 2]
+    for observation in observations:
+        source, z = config.source(observation.source), observation.points[:, 2]
         kept = (z >= source.min_obstacle_height) & (z <= source.max_obstacle_height)
-        seen.append((source, one if kept.all() else replace(one, points=one.points[kept])))
+        seen.append((source, observation if kept.all() else replace(observation, points=observation.points[kept])))
     return seen
 
 

@@ -175,17 +175,17 @@ class ObstacleConfig:
         if not self.sources and name is None:
             own = {row.name: getattr(self, row.name) for row in SOURCE_PARAMETERS}
             return SourceConfig(**own)
-        for one in self.sources:
-            if name in (None, one.name):
-                return one.config
+        for source in self.sources:
+            if name in (None, source.name):
+                return source.config
         raise ConfigError("costmap.source", f"The layer has no source of observations {name!r:.80}.")
 
     def sources_of_scans(self) -> tuple[str | None, ...]:
         """Return the names of the sources that see one lidar's scans: those of LaserScan with the first one's topic."""
-        scans = [one for one in self.sources if one.data_type == "LaserScan"]
+        scans = [source for source in self.sources if source.data_type == "LaserScan"]
         if not self.sources:
             return (None,)
-        return tuple(one.name for one in scans if (one.topic or one.name) == (scans[0].topic or scans[0].name))
+        return tuple(scan.name for scan in scans if (scan.topic or scan.name) == (scans[0].topic or scans[0].name))
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,16 +39,33 @@ class VoxelLayer(MarkedLayer):
     def observe(self, *observations: Observation) -> None:
         """Clear the voxels that the beams of all observations passed, then mark those of their points."""
         seen, frame, heights = seen_by_sources(self._config, observations), self._geometry.frame, self.heights
-        for source, one in seen:
+        for source, observation in seen:
             if source.clearing:
                 least, most = clearing_cells(source, self._geometry)
                 clear_columns(
-                    one.points, one.sensor, frame, least, most, heights, self.columns, self.costs, self._bounds
+                    observation.points,
+                    observation.sensor,
+                    frame,
+                    least,
+                    most,
+                    heights,
+                    self.columns,
+                    self.costs,
+                    self._bounds,
                 )
-        for source, one in seen:
+        for source, observation in seen:
             if source.marking:
                 marking = marking_of(self._config, source)
-                mark_columns(one.points, one.sensor, frame, marking, heights, self.columns, self.costs, self._bounds)
+                mark_columns(
+                    observation.points,
+                    observation.sensor,
+                    frame,
+                    marking,
+                    heights,
+                    self.columns,
+                    self.costs,
+                    self._bounds,
+                )
 
     def marked(self, row: int, col: int) -> list[float]:
         """Return the heights in metres of the lower faces of the marked voxels of a column, lowest first."""

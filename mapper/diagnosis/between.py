@@ -42,19 +42,21 @@ SPOILED_BY = frozenset({CHANGING, "mount.turned", "readings.few", "timing.delay"
 def check_between(
     sensors: Sequence[ScanLog],
     trajectory: str | None,
-    found: Sequence[Sequence[Finding]],
+    of_sensors: Sequence[Sequence[Finding]],
     wanted: Callable[[], bool],
     time_offset: float = 0.0,
 ) -> list[Finding]:
     """Return a finding for each lidar of a robot whose walls disagree with those of the first lidar.
 
-    ``found`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is left out. Raises
-    :class:`WorkCancelledError` where ``wanted`` says False.
+    ``of_sensors`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is left out.
+    Raises :class:`WorkCancelledError` where ``wanted`` says False.
     """
     usable = [
         sensor
-        for sensor, findings in zip(sensors, found, strict=True)
-        if sensor.beam_width == 0.0 and sensor.bearings is None and not SPOILED_BY & {one.check for one in findings}
+        for sensor, findings in zip(sensors, of_sensors, strict=True)
+        if sensor.beam_width == 0.0
+        and sensor.bearings is None
+        and not SPOILED_BY & {finding.check for finding in findings}
     ]
     if len(usable) < 2:
         return []
@@ -72,13 +74,13 @@ def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted
     """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
     config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
     bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
-    own_way, way = _ways(bases, first.stamps_ns, second.stamps_ns)
+    own_driven, driven = _ways(bases, first.stamps_ns, second.stamps_ns)
     corrections = []
     chosen = np.unique(np.linspace(0, second.n_scans - 1, MATCHED).astype(np.int64))
     for k in chosen.tolist():
         if not wanted():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
-        near = np.flatnonzero(np.abs(own_way - way[k]) <= REACH_M)
+        near = np.flatnonzero(np.abs(own_driven - driven[k]) <= REACH_M)
         if not len(near):
             continue
         near = near[np.unique(np.linspace(0, len(near) - 1, NEIGHBOURS).astype(np.int64))]
@@ -98,10 +100,10 @@ def _ways(
 ) -> tuple[Float64Array, Float64Array]:
     """Return how far the robot had come at each of its poses (n,), and at other stamps; a radian counts as a metre."""
     steps = np.diff(poses, axis=0)
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]) + np.abs(wrap_angle(steps[:, 2])))])
+    driven = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]) + np.abs(wrap_angle(steps[:, 2])))])
     order = np.argsort(stamps_ns, kind="stable")
     seconds = (stamps_ns[order] - stamps_ns[order[0]]) * 1e-9
-    return way, np.interp((wanted_ns - stamps_ns[order[0]]) * 1e-9, seconds, way[order])
+    return driven, np.interp((wanted_ns - stamps_ns[order[0]]) * 1e-9, seconds, driven[order])
 
 
 def _finding(first: ScanLog, second: ScanLog, corrections: Float64Array) -> Finding | None:

@@ -61,7 +61,7 @@ def _speeds_are_smooth(steps: NDArray[np.float64], driven: NDArray[np.float64] |
     if both.sum() < FEWEST_MOVED:
         return False
     speed = driven / np.where(steps > 0.0, steps, 1.0)
-    ranks = [np.argsort(np.argsort(one[both])).astype(np.float64) for one in (speed[1:], speed[:-1])]
+    ranks = [np.argsort(np.argsort(speeds[both])).astype(np.float64) for speeds in (speed[1:], speed[:-1])]
     first, second = (rank - rank.mean() for rank in ranks)
     return float(np.mean(first * second)) > SMOOTH * float(np.std(first) * np.std(second))
 

@@ -75,10 +75,10 @@ class Examined:
 
     def shifted(self, x: float, y: float) -> Examined:
         """Return the same scans in a map that is moved by ``x`` and ``y`` metres."""
-        one = self.log.trajectory()
+        trajectory = self.log.trajectory()
         by = np.array([x, y, 0.0])
-        timed = None if one.timed is None else replace(one.timed, poses=one.timed.poses + by)
-        moved = replace(one, poses=one.poses + by, timed=timed)
+        timed = None if trajectory.timed is None else replace(trajectory.timed, poses=trajectory.timed.poses + by)
+        moved = replace(trajectory, poses=trajectory.poses + by, timed=timed)
         return replace(self, log=with_trajectories(self.log, {self.trajectory: moved}))
 
     def part(self, which: NDArray[np.int64]) -> Examined:
@@ -212,8 +212,8 @@ class Contradiction:
         cells, count = np.concatenate(distances), np.concatenate(weights)
         order = np.argsort(cells)
         below = np.cumsum(count[order])
-        found = order[np.searchsorted(below, WITHIN * below[-1])]
-        return float(cells[found]) * self.geometry.resolution
+        order_at = order[np.searchsorted(below, WITHIN * below[-1])]
+        return float(cells[order_at]) * self.geometry.resolution
 
     def _cells(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
         return np.stack(np.divmod(numbers, self.geometry.cols), axis=-1)

@@ -49,7 +49,7 @@ def diagnose(
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
     if is_own:
-        findings = [_with_cause(one, events) for one in findings]
+        findings = [_with_cause(finding, events) for finding in findings]
     return Diagnosis(tuple(findings), tuple(events))
 
 
@@ -69,7 +69,11 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
     config = MappingConfig()
     for finding in findings:
         config = config.with_values(finding.parameters or {})
-    limits = [one.parameters["range_max"] for one in findings if one.parameters and "range_max" in one.parameters]
+    limits = [
+        finding.parameters["range_max"]
+        for finding in findings
+        if finding.parameters and "range_max" in finding.parameters
+    ]
 
     def remedied(part: ScanLog) -> ScanLog:
         increment = 0.0 if config.deskew == "off" else part.time_increment
@@ -83,7 +87,7 @@ def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
     moved = [event for event in events if event.kind in DISPLACED]
     if finding.check != DRIFT or not moved:
         return finding
-    at = [one.time for one in moved[:MOST_NAMED]]
+    at = [event.time for event in moved[:MOST_NAMED]]
     said = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
     more = f" and {len(moved) - MOST_NAMED} times later" if len(moved) > MOST_NAMED else ""
     return replace(

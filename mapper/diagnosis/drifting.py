@@ -62,7 +62,7 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     if drift is None:
         return None
     causes = _sure(causes_of_drift(corrected, trajectory))
-    return causes[0] if causes and all(one.check != drift.check for one in causes) else drift
+    return causes[0] if causes and all(cause.check != drift.check for cause in causes) else drift
 
 
 def _sure(findings: Iterable[Finding]) -> list[Finding]:

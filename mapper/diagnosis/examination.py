@@ -44,7 +44,7 @@ def _delay_or_offset(log: ScanLog, seen: Examined) -> list[Finding]:
     Where both make the map sharper, it is the one that does so by more.
     """
     findings = [*timing.check(log, seen), *mounting.check_offset(log, seen)]
-    return sorted(findings, key=lambda one: one.sure, reverse=True)[:1]
+    return sorted(findings, key=lambda finding: finding.sure, reverse=True)[:1]
 
 
 _FEW = frozenset({readings.FEW})

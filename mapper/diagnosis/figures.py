@@ -41,10 +41,10 @@ def map_figures(
         if sensor.beam_width > 0.0 or not sensor.n_scans:
             continue
         whole, seen = examined_as_mapped(sensor, trajectory, config)
-        found = contradiction(unthinned(whole, seen), seen)
-        drift = found.offset()
+        compared = contradiction(unthinned(whole, seen), seen)
+        drift = compared.offset()
         if drift is not None:
             drifts.append(drift)
-            shares.append(found.far)
+            shares.append(compared.far)
     sharpness = wall_contrast(map_of(log, trajectory, config) if grid is None else grid)
     return MapFigures(max(drifts, default=None), max(shares, default=None), sharpness)

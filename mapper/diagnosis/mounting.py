@@ -69,7 +69,7 @@ def check_turned(log: ScanLog, seen: Examined) -> list[Finding]:
             what = " and ".join(part for part in ("upside down (mirrored)" if over else "", words) if part)
             values: dict[str, object] = {"mount_upside_down": over, "mount_yaw": min(yaw, 3.1415)}
             tried.append((consistency(seen, **values), what, values))
-    best, what, values = max(tried, key=lambda one: one[0])
+    best, what, values = max(tried, key=lambda candidate: candidate[0])
     if best < BETTER * now or best < now + BY or (log.mount_assumed and not values["mount_upside_down"]):
         return []
     return [
@@ -123,8 +123,8 @@ def check_offset(log: ScanLog, seen: Examined) -> list[Finding]:
     best, at = _sharpest(seen, names, now, 0.0)
     if log.mount_assumed:
         turned = sorted(((consistency(seen, mount_yaw=yaw), yaw) for yaw in DIRECTIONS), reverse=True)
-        candidates = [(best, at), *(_sharpest(seen, names, *one, tries=FARTHER) for one in turned[:3])]
-        best, at = max(candidates, key=lambda one: one[0])
+        candidates = [(best, at), *(_sharpest(seen, names, *candidate, tries=FARTHER) for candidate in turned[:3])]
+        best, at = max(candidates, key=lambda candidate: candidate[0])
     x, y, yaw = at["mount_x"], at["mount_y"], at["mount_yaw"]
     if best < FINER * now or best < now + FINER_BY or (math.hypot(x, y) < 0.03 and abs(yaw) < math.radians(0.4)):
         return []

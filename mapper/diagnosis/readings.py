@@ -157,12 +157,12 @@ def _by_bearing(log: ScanLog) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     angles = usual.angles
     if len(parts) == 1:
         return ranges, angles
-    found = np.full((log.n_scans, len(angles)), np.nan)
+    readings = np.full((log.n_scans, len(angles)), np.nan)
     for number, part in enumerate(parts):
         own = owner == number
         off = np.abs(wrap_angle(angles[:, np.newaxis] - part.angles))
         nearest = np.argmin(off, axis=1)
         step = max(abs(usual.angle_increment), abs(part.angle_increment))
         near = off[np.arange(len(angles)), nearest] <= step
-        found[np.ix_(own, near)] = ranges[np.ix_(own, nearest[near])]
-    return found, angles
+        readings[np.ix_(own, near)] = ranges[np.ix_(own, nearest[near])]
+    return readings, angles

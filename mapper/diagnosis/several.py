@@ -13,17 +13,19 @@ from mapper.sensors.scan import ScanLog
 BY_ITSELF = "The parameters of a map are those of all its sensors: map this one by itself with such a value."
 
 
-def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], found: Sequence[Sequence[Finding]]) -> list[Finding]:
-    """Return what was ``found`` of each of a log's sensors as findings on the log.
+def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], of_sensors: Sequence[Sequence[Finding]]) -> list[Finding]:
+    """Return what was found of each of a log's sensors as findings on the log.
 
-    ``sensors`` are those of :func:`mapper.sensors.joint_log.by_sensor`, in the order of ``found``.
+    ``sensors`` are those of :func:`mapper.sensors.joint_log.by_sensor`, in the order of ``of_sensors``.
 
     Each names its sensor, and its scans are those of ``log``. The parameters of a map are those of all its sensors, so
     a finding keeps its own only where every sensor has a finding of the same check with parameters.
     """
-    common = set.intersection(*({finding.check for finding in findings if finding.parameters} for findings in found))
+    common = set.intersection(
+        *({finding.check for finding in findings if finding.parameters} for findings in of_sensors)
+    )
     joint = []
-    for (sensor, numbers), findings in zip(sensors, found, strict=True):
+    for (sensor, numbers), findings in zip(sensors, of_sensors, strict=True):
         for finding in findings:
             scans = tuple(int(numbers[scan]) for scan in finding.scans)
             own = replace(finding, sensor=sensor.topic, scans=scans)

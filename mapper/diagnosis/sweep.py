@@ -36,9 +36,13 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
     name = seen.trajectory
     if not log.can_deskew(name):
         return []
-    way = log.trajectory(name)
-    timed = way.timed if way.timed is not None and len(way.timed) else TimedPoses(log.stamps_ns, way.poses)
-    stated = with_trajectories(log, {name: replace(way, timed=timed)}).take(seen.scans)
+    trajectory = log.trajectory(name)
+    timed = (
+        trajectory.timed
+        if trajectory.timed is not None and len(trajectory.timed)
+        else TimedPoses(log.stamps_ns, trajectory.poses)
+    )
+    stated = with_trajectories(log, {name: replace(trajectory, timed=timed)}).take(seen.scans)
     swept = replace(seen, log=stated)
     now = consistency(swept, deskew="auto")
     without = consistency(swept, deskew="off")

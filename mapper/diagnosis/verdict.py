@@ -176,7 +176,11 @@ def _judge_sensors(
         logs = [sensor for sensor, _ in sensors]
         both = between.check_between(logs, trajectory, known, lambda: True, config.time_offset)
         findings = (*of_sensors(sensors, known), *both)
-        more += [replace(reason, sensor=one.sensor) for one in both for reason in _finding_reasons((one,), limits)]
+        more += [
+            replace(reason, sensor=finding.sensor)
+            for finding in both
+            for reason in _finding_reasons((finding,), limits)
+        ]
     drifts = [verdict.drift for verdict in verdicts if verdict.drift is not None]
     return Verdict((*reasons, *more), max(drifts, default=None), sharpness, findings)
 
@@ -243,14 +247,14 @@ def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reas
     counted = [finding for finding in findings if finding.check in limits.no_findings and finding.stated_sure >= least]
     reasons = [
         Reason(
-            one.check,
-            one.sure,
+            finding.check,
+            finding.sure,
             least,
-            f"{one.sentence} ({100 * one.sure:.0f} % sure; counted from {100 * least:.0f} %)",
+            f"{finding.sentence} ({100 * finding.sure:.0f} % sure; counted from {100 * least:.0f} %)",
         )
-        for one in counted
+        for finding in counted
     ]
-    failed = {one.check for one in counted}
+    failed = {finding.check for finding in counted}
     for name in FINDINGS:
         sure = [finding for finding in findings if finding.stated_sure >= least]
         spoilers = _spoilers(name, sure) if name in limits.no_findings else []

@@ -65,17 +65,17 @@ def check_drift(log: ScanLog, seen: Examined) -> list[Finding]:
     # A sonar's echo arises anywhere on its arc, so its thin beam says little of where things are.
     if log.beam_width > 0.0 or not np.ptp(seen.log.trajectory().poses, axis=0).any():
         return []
-    found = contradiction(unthinned(log, seen), seen)
-    seen.compared(found)
-    sure = drift_confidence(found.excess)
+    shares = contradiction(unthinned(log, seen), seen)
+    seen.compared(shares)
+    sure = drift_confidence(shares.excess)
     if sure < LEAST_SURE:
         return []
     return [
         Finding(
             "walls.drift",
-            f"The poses {'may drift' if sure < POSSIBLE else 'drift'}: {100 * found.far:.0f} % of the readings end "
+            f"The poses {'may drift' if sure < POSSIBLE else 'drift'}: {100 * shares.far:.0f} % of the readings end "
             "where beams of another time passed freely, against "
-            f"{100 * found.near:.0f} % between scans a moment apart. Walls that the robot comes back to are double.",
+            f"{100 * shares.near:.0f} % between scans a moment apart. Walls that the robot comes back to are double.",
             f"Take another trajectory, or correct the poses with SLAM: {CORRECTED_BY}.",
             sure,
             _worst_scans(seen),

@@ -298,9 +298,9 @@ def without_specks(values: Int8Array, cells: float, check: Callable[[], None]) -
     n_groups = 0
     for row0, row1 in bands:
         check()
-        found, n_found = ndimage.label(values[row0:row1] == VALUES["occupied"], structure=_TOUCHING)
-        sizes.append(np.bincount(found.ravel(), minlength=n_found + 1)[1:])
-        groups[row0:row1] = np.where(found > 0, found + n_groups, 0)
+        labels, n_found = ndimage.label(values[row0:row1] == VALUES["occupied"], structure=_TOUCHING)
+        sizes.append(np.bincount(labels.ravel(), minlength=n_found + 1)[1:])
+        groups[row0:row1] = np.where(labels > 0, labels + n_groups, 0)
         n_groups += n_found
     n_cells = np.concatenate(sizes)
     pairs = [_touching(groups[row0 - 1], groups[row0]) for _, (row0, _) in pairwise(bands)]

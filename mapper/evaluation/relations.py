@@ -79,8 +79,8 @@ def records_of_relations(
     times, where = np.unique(stamps_ns, return_inverse=True)
     where = where.reshape(stamps_ns.shape)
     candidates = records_at(times, messages)
-    count = np.array([len(found) for found in candidates])
-    chosen = np.array([found[0] if len(found) else -1 for found in candidates])
+    count = np.array([len(candidate) for candidate in candidates])
+    chosen = np.array([candidate[0] if len(candidate) else -1 for candidate in candidates])
     odometry = messages.poses
 
     is_short = np.abs(stamps_ns[:, 1] - stamps_ns[:, 0]) < SHORT_S * 1e9
@@ -200,7 +200,7 @@ def evaluate_relations(
 
 
 def _are_records(relations: Relations, records: OdometryRecords) -> bool:
-    with_record = [bool(len(found)) for found in records_at(np.unique(relations.stamps_ns), records.messages)]
+    with_record = [bool(len(near)) for near in records_at(np.unique(relations.stamps_ns), records.messages)]
     return float(np.mean(with_record)) > MOST
 
 

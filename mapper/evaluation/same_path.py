@@ -16,17 +16,17 @@ FEW = 64  #: poses that tell most different paths apart
 _WHEELS = re.compile("odom|wheel", re.IGNORECASE)  #: in the names of poses by wheels
 
 
-def is_same_path(one: Float64Array, two: Float64Array) -> bool:
+def is_same_path(first: Float64Array, second: Float64Array) -> bool:
     """Return whether poses (n, 3) are those of another trajectory at the same times, but for where both begin."""
-    if one.shape != two.shape:
+    if first.shape != second.shape:
         return False
-    return all(_are_close(one[::step], two[::step]) for step in (1 + len(one) // FEW, 1))
+    return all(_are_close(first[::step], second[::step]) for step in (1 + len(first) // FEW, 1))
 
 
-def _are_close(one: Float64Array, two: Float64Array) -> bool:
-    if not len(one):
+def _are_close(first: Float64Array, second: Float64Array) -> bool:
+    if not len(first):
         return True
-    from_first = [compose(inverse(poses[0]), poses) for poses in (one, two)]
+    from_first = [compose(inverse(poses[0]), poses) for poses in (first, second)]
     off = from_first[0] - from_first[1]
     return bool(np.hypot(off[:, 0], off[:, 1]).max() <= SAME_M and np.abs(wrap_angle(off[:, 2])).max() <= SAME_RAD)
 
@@ -56,8 +56,8 @@ def first_pair(trajectories: Mapping[str, Trajectory], same: Mapping[str, str]) 
     if len(paths) < 2:
         first, second, *_ = trajectories
         return first, second
-    found = [name for name in paths if trajectories[name].from_scans][-1:]
-    others = [name for name in paths if name not in found]
-    wheels = [name for name in others if found and not trajectories[name].from_scans and _WHEELS.search(name)]
-    reference, estimate = [*found, *wheels[:1], *(name for name in others if name not in wheels[:1])][:2]
+    by_scans = [name for name in paths if trajectories[name].from_scans][-1:]
+    others = [name for name in paths if name not in by_scans]
+    wheels = [name for name in others if by_scans and not trajectories[name].from_scans and _WHEELS.search(name)]
+    reference, estimate = [*by_scans, *wheels[:1], *(name for name in others if name not in wheels[:1])][:2]
     return reference, estimate

@@ -26,10 +26,10 @@ def wall_points(grid: OccupancyGrid) -> NDArray[np.float64]:
     return np.asarray(grid.geometry.cell_to_world(np.argwhere(occupied)), dtype=np.float64).reshape(-1, 2)
 
 
-def wall_agreement(found: ArrayLike, expected: ArrayLike, tolerance: float = TOLERANCE) -> float:
-    """Return the F-score, 0 … 1, of points ``found`` (n, 2) against ``expected`` (m, 2), metres.
+def wall_agreement(measured: ArrayLike, expected: ArrayLike, tolerance: float = TOLERANCE) -> float:
+    """Return the F-score, 0 … 1, of points ``measured`` (n, 2) against ``expected`` (m, 2), metres.
 
-    Precision is the share of found points that have an expected one within ``tolerance`` metres, recall the share of
+    Precision is the share of measured points that have an expected one within ``tolerance`` metres, recall the share of
     expected points that have a found one; the score is their harmonic mean, 0 where either is 0. Source: Knapitsch et
     al., Tanks and Temples (2017), section 5, there for points in 3D. Raises :class:`ConfigError` for a tolerance that
     is not positive.
@@ -38,7 +38,7 @@ def wall_agreement(found: ArrayLike, expected: ArrayLike, tolerance: float = TOL
 
     if not tolerance > 0.0:
         raise ConfigError("agreement.tolerance", f"The tolerance must be above 0 m, not {tolerance!r}.")
-    a, b = np.asarray(found, dtype=np.float64).reshape(-1, 2), np.asarray(expected, dtype=np.float64).reshape(-1, 2)
+    a, b = np.asarray(measured, dtype=np.float64).reshape(-1, 2), np.asarray(expected, dtype=np.float64).reshape(-1, 2)
     if not len(a) or not len(b):
         return 0.0
     limit = tolerance * (1.0 + 1e-9)  # centres of two lattices that are exactly so far apart

@@ -127,14 +127,14 @@ def _with_levels(given: Mapping[Any, Any], where: str) -> dict[str, Any]:
     return made
 
 
-def _merged(one: dict[str, Any], other: dict[str, Any], where: str) -> dict[str, Any]:
-    return one | {key: _joined(one[key], value, where) if key in one else value for key, value in other.items()}
+def _merged(first: dict[str, Any], other: dict[str, Any], where: str) -> dict[str, Any]:
+    return first | {key: _joined(first[key], value, where) if key in first else value for key, value in other.items()}
 
 
-def _joined(one: object, other: object, where: str) -> object:
-    if isinstance(one, dict) and isinstance(other, dict):
-        return _merged(one, other, where)
-    if isinstance(one, dict) or isinstance(other, dict):
+def _joined(first: object, other: object, where: str) -> object:
+    if isinstance(first, dict) and isinstance(other, dict):
+        return _merged(first, other, where)
+    if isinstance(first, dict) or isinstance(other, dict):
         raise ReadError("parameters.levels", f"{where} has a value, and parameters below it.")
     return other
 
@@ -154,7 +154,7 @@ def find_node(
     for path, parameters in nodes_of(root):
         last = path[-1] if path else ""
         if last in WILDCARDS:
-            of_all |= {key: one for key, one in parameters.items() if key in declared or isinstance(one, dict)}
+            of_all |= {key: value for key, value in parameters.items() if key in declared or isinstance(value, dict)}
         elif last in names:
             nodes.setdefault(last, parameters)
     for name in names:
@@ -183,9 +183,9 @@ def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what 
         return root[name]
     for value in root.values():
         if isinstance(value, dict):
-            found = value_below(value, name)
-            if found is not None:
-                return found
+            below = value_below(value, name)
+            if below is not None:
+                return below
     return None
 
 
@@ -204,7 +204,7 @@ def with_node(
 
     Where the file has no such node it is added at ``path``. What else is in the file stays.
     """
-    target = next((one for one, _ in nodes_of(root) if one and one[-1] == name), None)
+    target = next((path for path, _ in nodes_of(root) if path and path[-1] == name), None)
     if target is not None:
         made, _ = _replaced(root, (), target, parameters)
         return made

@@ -116,9 +116,9 @@ def _checked_other(name: str, value: object, depth: int = 0) -> object:
     if depth > MAX_DEPTH:
         raise ConfigError("amcl.value", f"{name:.80} is nested deeper than {MAX_DEPTH} levels.")
     if isinstance(value, list):
-        return [_checked_other(name, one, depth + 1) for one in value]
+        return [_checked_other(name, item, depth + 1) for item in value]
     if isinstance(value, dict):
-        return {str(key): _checked_other(name, one, depth + 1) for key, one in value.items()}
+        return {str(key): _checked_other(name, item, depth + 1) for key, item in value.items()}
     if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)):
         return value
     raise ConfigError("amcl.value", f"{name:.80} must be true or false, a finite number or text, not {value!r:.80}.")

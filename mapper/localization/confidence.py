@@ -34,9 +34,9 @@ SOON = 8  #: scans within which each must be
 JUMP_M, JUMP_RAD = 0.5, math.radians(20.0)  #: of an estimate beside the odometry, from which on it is another place
 
 
-def is_jump(expected: Float64Array, found: Float64Array) -> BoolArray:
-    """Return where poses ``found`` (n, 3) are another place than ``expected`` (n, 3), to which the odometry led."""
-    off = compose(inverse(expected), found)
+def is_jump(expected: Float64Array, estimated: Float64Array) -> BoolArray:
+    """Return where poses ``estimated`` (n, 3) are another place than ``expected`` (n, 3), to which the odometry led."""
+    off = compose(inverse(expected), estimated)
     jumped: BoolArray = (np.hypot(off[:, 0], off[:, 1]) > JUMP_M) | (np.abs(wrap_angle(off[:, 2])) > JUMP_RAD)
     return jumped
 

@@ -74,7 +74,7 @@ def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
     if trajectory is not None:
         moving = [trajectory] if not log.trajectory(trajectory).is_placeholder else []
     else:
-        named = [name for name, one in log.trajectories.items() if not one.is_placeholder]
+        named = [name for name, trajectory in log.trajectories.items() if not trajectory.is_placeholder]
         raw = [name for name in named if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
         moving = raw or [name for name in named if "odom" in name.lower()] or named
     if not moving:
@@ -126,10 +126,10 @@ def localize_log(
         if wanted is not None and not wanted():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
         x, y, yaw = log.mount_of(i).tolist()
-        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config), sensors[i])
-        poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
-        numbers[i] = found.share, found.fit, found.entropy
-        counts[i], used[i], sure[i] = found.n_particles, found.is_updated, found.is_sure
+        update = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config), sensors[i])
+        poses[i], covariance[i], converged[i] = update.pose, update.covariance, update.is_converged
+        numbers[i] = update.share, update.fit, update.entropy
+        counts[i], used[i], sure[i] = update.n_particles, update.is_updated, update.is_sure
         if watch is not None:
             watch(i, robot)
         if progress is not None:
@@ -182,14 +182,14 @@ def carry_back(
     poses[:first] = compose(poses[anchor], compose(inverse(odometry[anchor]), odometry[:first]))
 
 
-def covariance_lines(log: ScanLog, found: Localized) -> list[str]:
+def covariance_lines(log: ScanLog, result: Localized) -> list[str]:
     """Return a table as comma-separated text: a line for each scan with how certain its pose is."""
     lines = ["scan,stamp_ns,converged,sure,share,fit,particles,xx,xy,xyaw,yy,yyaw,yawyaw\n"]
     for i in range(log.n_scans):
-        c = found.covariance[i]
+        c = result.covariance[i]
         upper = ",".join(f"{value:.9g}" for value in (c[0, 0], c[0, 1], c[0, 2], c[1, 1], c[1, 2], c[2, 2]))
         lines.append(
-            f"{i},{int(log.stamps_ns[i])},{int(found.is_converged[i])},{int(found.is_sure[i])},{found.share[i]:.6f},"
-            f"{found.fit[i]:.6f},{found.n_particles[i]},{upper}\n"
+            f"{i},{int(log.stamps_ns[i])},{int(result.is_converged[i])},{int(result.is_sure[i])},{result.share[i]:.6f},"
+            f"{result.fit[i]:.6f},{result.n_particles[i]},{upper}\n"
         )
     return lines

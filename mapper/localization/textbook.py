@@ -27,9 +27,9 @@ def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, 
     of directions. Below 1 cm the direction of the distance is noise: the first turn is 0 then, as in AMCL.
     """
     heading, next_heading = np.exp(1j * before[2]), np.exp(1j * after[2])
-    way = complex(after[0] - before[0], after[1] - before[1])
-    distance = abs(way)
-    direction = heading if distance < 0.01 else way / distance
+    step = complex(after[0] - before[0], after[1] - before[1])
+    distance = abs(step)
+    direction = heading if distance < 0.01 else step / distance
     turns = wrap_angle(np.angle([direction / heading, next_heading / direction]))  # −π, not π, as elsewhere
     return float(turns[0]), distance, float(turns[1])
 

@@ -169,9 +169,13 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
     """
     batches = [part.batch for part in parts]
     first = batches[0]
-    same = all(np.array_equal(first.angles, one.angles) and np.array_equal(first.fields, one.fields) for one in batches)
-    columns = [0] * len(batches) if same else np.cumsum([0, *(one.ranges.shape[1] for one in batches)])[:-1].tolist()
-    width = max(at + one.ranges.shape[1] for at, one in zip(columns, batches, strict=True))
+    same = all(
+        np.array_equal(first.angles, batch.angles) and np.array_equal(first.fields, batch.fields) for batch in batches
+    )
+    columns = (
+        [0] * len(batches) if same else np.cumsum([0, *(batch.ranges.shape[1] for batch in batches)])[:-1].tolist()
+    )
+    width = max(at + batch.ranges.shape[1] for at, batch in zip(columns, batches, strict=True))
     # A stable sort keeps the beams of a deskewed scan in their order.
     order = np.argsort(np.concatenate([part.scans for part in parts]), kind="stable")
     ranges = np.full((len(order), width), np.nan, dtype=np.float32)
@@ -185,9 +189,9 @@ def _interleaved(parts: Sequence[PlannedBatch]) -> PlannedBatch:
     reading_filter = limits[0]._replace(range_min=least, range_max=greatest)
     batch = ScanBatch(
         ranges[order],
-        np.concatenate([one.sensor_poses for one in batches])[order],
-        first.angles if same else np.concatenate([one.angles for one in batches]),
-        first.fields if same else np.concatenate([one.fields for one in batches]),
+        np.concatenate([batch.sensor_poses for batch in batches])[order],
+        first.angles if same else np.concatenate([batch.angles for batch in batches]),
+        first.fields if same else np.concatenate([batch.fields for batch in batches]),
         least,
         greatest,
         np.concatenate([part.scans for part in parts])[order],

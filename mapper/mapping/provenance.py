@@ -246,13 +246,13 @@ class _Batches:
             last = min(start + count, self.stop)
             began = time.thread_time()
             for parts in self._batches(start, last, by_turns=by_turns):
-                found = []
+                contributions = []
                 for batch, plan, named in parts:
                     part, value = look(batch, plan)
                     part[:, 0] = named(part[:, 0])
-                    found.append((part, value))
-                part, value = (np.concatenate(several) for several in zip(*found, strict=True))
-                if len(found) > 1:
+                    contributions.append((part, value))
+                part, value = (np.concatenate(several) for several in zip(*contributions, strict=True))
+                if len(contributions) > 1:
                     order = np.argsort(part[:, 0] // max(1, self.log.n_beams), kind="stable")
                     part, value = part[order], value[order]
                 touches.append(part)

@@ -121,9 +121,9 @@ def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDA
 
     By the time offset they lie between the first and the last pose.
     """
-    way = log.trajectory(trajectory)
-    known = np.ones(log.n_scans, dtype=np.bool_) if way.is_known is None else way.is_known
-    if way.offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
+    robot_path = log.trajectory(trajectory)
+    known = np.ones(log.n_scans, dtype=np.bool_) if robot_path.is_known is None else robot_path.is_known
+    if robot_path.offset_of_stamps(plan.time_offset) == 0.0 or log.n_scans == 0:
         return known
     return known & Motion.of(log, trajectory).covers(_shifted(log, plan, trajectory))
 

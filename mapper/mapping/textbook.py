@@ -280,16 +280,18 @@ def count_hits_and_misses(grid: OccupancyGrid, scan: RangeScan, sensor_pose: Arr
     model = cast("HitCounting", config.beam_model())
     hits, misses = statistics_of(grid, config)
     before = hits + misses
-    one = config.with_values({"model": "fixed_increments", "clamp": False, "log_odds_hit": 1.0, "log_odds_miss": -1.0})
+    counting = config.with_values(
+        {"model": "fixed_increments", "clamp": False, "log_odds_hit": 1.0, "log_odds_miss": -1.0}
+    )
     counted = OccupancyGrid(grid.geometry)
     if config.update == "per_scan":
-        evidence = inverse_range_sensor_model(counted, scan, sensor_pose, one)
+        evidence = inverse_range_sensor_model(counted, scan, sensor_pose, counting)
         hits += evidence == 1.0
         misses += evidence == -1.0
     else:
         z_max = min(scan.range_max, config.range_max)
         for z, bearing in zip(readings(scan, config), scan.angles, strict=True):
-            for cell, kind in evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, one).items():
+            for cell, kind in evidence_of_beam(grid, sensor_pose, bearing, z, scan.range_min, z_max, counting).items():
                 if grid.geometry.contains(cell):
                     (hits if kind > 0 else misses)[cell] += 1
     visited = hits + misses > before

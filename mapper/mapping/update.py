@@ -88,7 +88,7 @@ def update_in_turns(grid: OccupancyGrid, plan: UpdatePlan, chunks: Sequence[Turn
     :class:`mapper.core.errors.ConfigError` for cells so small that a beam crosses too many of them, and for a grid that
     holds the statistics of another kind of model.
     """
-    for length in {one.beam_length for turns in chunks for _, one in turns.sensors}:
+    for length in {sensor.beam_length for turns in chunks for _, sensor in turns.sensors}:
         check_beam_length(length, grid.geometry.resolution)
     threads = cores() if sum(turns.readings for turns in chunks) >= WORTH_SHARING else 1
     rows, cols = grid.geometry.shape
@@ -333,8 +333,8 @@ def _in_turns(planned: Sequence[PlannedFields], turns: Turns) -> PlannedFields:
     if len(planned) == 1:
         return planned[0]
     parts = [part for run in turns.runs for part in _of_run(planned[run[0]].parts, run)]
-    views = np.concatenate([one.views for one in planned])
-    work = np.sum([one.work for one in planned], axis=0)
+    views = np.concatenate([plan.views for plan in planned])
+    work = np.sum([plan.work for plan in planned], axis=0)
     return PlannedFields(parts, views, work, *_seen(views))
 
 

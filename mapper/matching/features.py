@@ -132,8 +132,8 @@ def poses_by_features(task: Task) -> Float64Array:
         if len(chosen) == int(config.modes) or supports[k] <= 0.0:
             break
         apart = [
-            np.hypot(*(poses[k] - one)[:2]) > APART_M or abs(float(wrap_angle(poses[k, 2] - one[2]))) > APART_RAD
-            for one in chosen
+            np.hypot(*(poses[k] - pose)[:2]) > APART_M or abs(float(wrap_angle(poses[k, 2] - pose[2]))) > APART_RAD
+            for pose in chosen
         ]
         if all(apart):
             chosen.append(poses[k])

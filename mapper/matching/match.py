@@ -144,23 +144,23 @@ def match_scan(
     if not len(begins):
         raise ConfigError("matching.apart", "No point of the scan lies near the target at any pose of the window.")
     refined = [REFINEMENTS[parts.refinement](task, pose) for pose in begins]
-    scores = np.array([agreement(task, one.pose) for one in refined])
+    scores = np.array([agreement(task, match.pose) for match in refined])
     best = _chosen(task, refined, scores)
-    one = refined[best]
-    one.pose[2] = wrap_angle(one.pose[2])
-    information, direction = _least_known(task, one.hessian)
+    match = refined[best]
+    match.pose[2] = wrap_angle(match.pose[2])
+    information, direction = _least_known(task, match.hessian)
     is_degenerate = information < task.config.least_information
     return Match(
-        one.pose,
-        covariance(one),
+        match.pose,
+        covariance(match),
         float(scores[best]),
         is_degenerate,
         direction if is_degenerate else None,
         information,
-        float(np.sqrt(one.cost / max(one.pairs, 1))),
-        one.pairs,
-        sum(found.iterations for found in refined),
-        np.array([found.pose for found in refined]),
+        float(np.sqrt(match.cost / max(match.pairs, 1))),
+        match.pairs,
+        sum(match.iterations for match in refined),
+        np.array([match.pose for match in refined]),
         scores,
         task.config.method,
     )
@@ -168,7 +168,7 @@ def match_scan(
 
 def _chosen(task: Task, refined: list[Refined], scores: Float64Array) -> int:
     """Return which refined pose is the match: that with the best score; of nearly equal ones that nearest the guess."""
-    off = np.array([one.pose for one in refined]) - task.guess
+    off = np.array([match.pose for match in refined]) - task.guess
     far = np.hypot(off[:, 0], off[:, 1]) + np.abs(wrap_angle(off[:, 2]))
     far[scores < scores.max() - SAME_SCORE] = np.inf
     return int(np.argmin(far))
@@ -193,12 +193,12 @@ def agreement(task: Task, pose: Float64Array) -> float:
     seen, total = 0, 0.0
     for j in target.indices:
         at = target.poses[j]
-        for one in (
+        for candidate in (
             compare_views(source, task.index, pose, target.scans, int(j), at, gate, MOST_BEAMS),
             compare_views(target.scans, int(j), at, source, task.index, pose, gate, MOST_BEAMS),
         ):
-            seen += one[0] + one[1] + one[2]
-            total += one[3]
+            seen += candidate[0] + candidate[1] + candidate[2]
+            total += candidate[3]
     return float(total / (seen + FEW_POINTS * len(target.indices)))
 
 

@@ -67,8 +67,8 @@ def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
     if not 0 <= index < len(scans.kind):
         raise ConfigError("matching.scan", f"There is no scan {index}; the last is {len(scans.kind) - 1}.")
-    one = scan_rows(scans, index, index + 1)
-    return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
+    rows = scan_rows(scans, index, index + 1)
+    return Target(rows, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 
 
 def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
@@ -84,8 +84,8 @@ def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
         points[0] = grid.geometry.cell_to_world(cells)
     kind: UInt8Array = np.full((1, points.shape[1]), POINT if len(cells) else NO_POINT, dtype=np.uint8)
     n = np.array([points.shape[1]])
-    one = np.ones(1)
-    return ScanArrays(points, np.zeros_like(points), kind, n, 0.0 * one, one, one < 0.0, np.zeros((1, 2)))
+    single = np.ones(1)
+    return ScanArrays(points, np.zeros_like(points), kind, n, 0.0 * single, single, single < 0.0, np.zeros((1, 2)))
 
 
 def map_target(points: ScanArrays) -> Target:

@@ -31,8 +31,8 @@ def travel_time(points: Float64Array, greatest: float, filters: Sequence[SpeedFi
     lengths = np.hypot(*np.diff(points, axis=0).T)
     middles = 0.5 * (points[:-1] + points[1:])
     speeds = np.full(len(lengths), greatest)
-    for one in filters:
-        np.minimum(speeds, one.speeds_along(middles, greatest), out=speeds)
+    for filter_ in filters:
+        np.minimum(speeds, filter_.speeds_along(middles, greatest), out=speeds)
     return float((lengths / speeds).sum())
 
 
@@ -195,13 +195,13 @@ def cost_to_come(
     least = float(table.min())
     ends = start[0] * cols + start[1], -1 if goal is None else goal[0] * cols + goal[1]
     out = np.empty(costs.shape)
-    one, other = np.empty(costs.size, dtype=np.int32), np.empty(costs.size, dtype=np.int32)
+    first, other = np.empty(costs.size, dtype=np.int32), np.empty(costs.size, dtype=np.int32)
     if use_astar:
-        search(costs, table, *ends, least, np.empty(costs.size), one, other, out)
+        search(costs, table, *ends, least, np.empty(costs.size), first, other, out)
     else:
         width = 0.999 * least  # narrower than any step, whatever the rounding of the sums
         n = int(math.sqrt(2.0) * float(table[np.isfinite(table)].max()) / width) + 3
-        spread(costs, table, *ends, width, np.empty(n, dtype=np.int32), one, other, out)
+        spread(costs, table, *ends, width, np.empty(n, dtype=np.int32), first, other, out)
     return out
 
 

@@ -55,7 +55,7 @@ def repair_shares(spoiled: Measures, repaired: Measures, now: Measures) -> dict[
     shares: dict[str, float] = {}
     for name, (_, least) in WEIGHTS.items():
         sign = -1.0 if name == "entropy" else 1.0
-        first, last, present = (sign * getattr(one, name) for one in (spoiled, repaired, now))
+        first, last, present = (sign * getattr(figures, name) for figures in (spoiled, repaired, now))
         if last - first >= least:
             shares[name] = float(np.clip((present - first) / (last - first), 0.0, 1.0))
     return shares

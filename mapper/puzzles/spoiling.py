@@ -208,11 +208,11 @@ def _time_offset(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
         order_ns=None if log.order_ns is None else log.order_ns + round(late * 1e9),
         trajectories={
             key: replace(
-                one,
+                trajectory,
                 poses=motions[key].at(seconds(log) + late),
                 timed=TimedPoses(np.rint(motions[key].times * 1e9).astype(np.int64), motions[key].poses),
             )
-            for key, one in log.trajectories.items()
+            for key, trajectory in log.trajectories.items()
         },
     )
     return Spoiled(shown, name, log, name, {}, {"time_offset": -late})

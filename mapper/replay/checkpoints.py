@@ -121,11 +121,11 @@ class Checkpoints:
             for tile, versions in self._versions.items():
                 changed[tile] |= any(low < kept <= high for kept in versions)
             tiles = _listed(changed)
-            found = [self._version(tile, moment) for tile in tiles]
+            copies = [self._version(tile, moment) for tile in tiles]
         cell_statistics.begin(grid, self.config.strategy)
         decompressor = zstandard.ZstdDecompressor()
         # All is unpacked before the first cell changes: where there is no memory for it, the grid stays as it is.
-        unpacked = [None if data is None else decompressor.decompress(data) for data in found]
+        unpacked = [None if data is None else decompressor.decompress(data) for data in copies]
         for tile, data in zip(tiles, unpacked, strict=True):
             if data is None:
                 cell_statistics.forget(grid, self.config.strategy, _cells_of(tile))
@@ -160,8 +160,8 @@ def _packed(grid: OccupancyGrid, part: Part) -> bytes:
     """Return all that a grid holds of some cells."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     return b"".join(
-        one.tobytes()
-        for one in (arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]])
+        array.tobytes()
+        for array in (arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]])
     )
 
 
@@ -169,6 +169,6 @@ def _fill(grid: OccupancyGrid, part: Part, data: bytes) -> None:
     """Put back what :func:`_packed` returned."""
     arrays = [grid.log_odds[part], grid.observed[part]]
     at = 0
-    for one in arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]]:
-        one[:] = np.frombuffer(data, one.dtype, one.size, at).reshape(one.shape)
-        at += one.nbytes
+    for array in arrays if grid.cell_statistics is None else [*arrays, *grid.cell_statistics[:, *part]]:
+        array[:] = np.frombuffer(data, array.dtype, array.size, at).reshape(array.shape)
+        at += array.nbytes

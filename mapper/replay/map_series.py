@@ -70,10 +70,10 @@ def map_series(
         for tiles in range(0 if box is None else box.row0 // TILE, 0 if box is None else -(-box.row1 // TILE)):
             rows = slice(tiles * TILE, min((tiles + 1) * TILE, len(states)))
             band = grid.band(rows)
-            found = band.classify()
+            classes = band.classify()
             bits[tiles] = map_metrics(band).entropy_bits
-            changed += int(np.count_nonzero(found != states[rows]))
-            states[rows] = found
+            changed += int(np.count_nonzero(classes != states[rows]))
+            states[rows] = classes
         values[row, :2] = bits.sum(), changed
         start = scan + 1
         note()

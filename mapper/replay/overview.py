@@ -55,7 +55,7 @@ def map_overview(log: ScanLog) -> NDArray[np.uint8] | None:
     x, y, yaw = _sensor_poses(poses[scans], log.mount)
     bearings = log.angles[beams] * (-1.0 if log.upside_down else 1.0)
     angles = (yaw[:, None] + bearings)[valid]
-    starts = np.column_stack([np.broadcast_to(one[:, None], valid.shape)[valid] for one in (x, y)])
+    starts = np.column_stack([np.broadcast_to(coordinate[:, None], valid.shape)[valid] for coordinate in (x, y)])
     steps = np.column_stack([np.cos(angles), np.sin(angles)])
     ends = starts + ranges[valid][:, None] * steps
 

@@ -282,7 +282,7 @@ class Replay:
         It does where the poses that it and its checkpoints were made with are equal in both, and where the grid holds
         all that the log sees. Return whether it does; otherwise nothing changes.
         """
-        old, new = (one.trajectory(self.trajectory).known_poses for one in (self.log, log))
+        old, new = (log_.trajectory(self.trajectory).known_poses for log_ in (self.log, log))
         if not np.array_equal(old, new, equal_nan=True):
             used = max(self.index, self._replay.checkpoints.reached) + 1  # deskewing uses the pose of the next scan
             if not np.array_equal(old[:used], new[:used], equal_nan=True):

@@ -43,12 +43,12 @@ def corrected_log(
 
 
 def _shifted(log: ScanLog, name: str, time_offset: float) -> Trajectory:
-    one = log.trajectory(name)
-    offset = one.offset_of_stamps(time_offset)
-    if offset == 0.0 or not log.n_scans or one.is_placeholder:
-        return one
+    trajectory = log.trajectory(name)
+    offset = trajectory.offset_of_stamps(time_offset)
+    if offset == 0.0 or not log.n_scans or trajectory.is_placeholder:
+        return trajectory
     poses = Motion.of(log, name).at(seconds(log) + offset)
-    timed = one.timed
+    timed = trajectory.timed
     if timed is not None:
         timed = TimedPoses(timed.stamps_ns - round(offset * 1e9), timed.poses, timed.notes)
-    return replace(one, poses=poses, timed=timed)
+    return replace(trajectory, poses=poses, timed=timed)

@@ -60,10 +60,10 @@ class JointLog(ScanLog):
         for number, part in enumerate(self.parts):
             own = self.part_of_scan == number
             changed = {
-                name: one.take(own)
-                for name, one in self.trajectories.items()
+                name: trajectory.take(own)
+                for name, trajectory in self.trajectories.items()
                 if name not in part.trajectories
-                or not np.array_equal(part.trajectories[name].known_poses, one.known_poses[own], equal_nan=True)
+                or not np.array_equal(part.trajectories[name].known_poses, trajectory.known_poses[own], equal_nan=True)
             }
             parts.append(replace(part, trajectories={**part.trajectories, **changed}) if changed else part)
         object.__setattr__(self, "parts", tuple(parts))
@@ -198,7 +198,7 @@ def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> S
         [
             replace(
                 part,
-                trajectories={name: one.take(own) for name, one in trajectories.items()},
+                trajectories={name: trajectory.take(own) for name, trajectory in trajectories.items()},
                 odometry=None,
             )
             for part, own in zip(log.parts, owners, strict=True)
@@ -251,17 +251,17 @@ def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
 
 def _is_common(name: str, logs: Sequence[ScanLog]) -> bool:
     """Return whether all logs have a trajectory of this name, in one frame; a placeholder's frame says nothing."""
-    ways = [log.trajectories.get(name) for log in logs]
-    known = [way for way in ways if way is not None]
-    frames = {way.frame_id for way in known if not way.is_placeholder}
-    return len(known) == len(ways) and len(frames) < 2
+    trajectories = [log.trajectories.get(name) for log in logs]
+    known = [trajectory for trajectory in trajectories if trajectory is not None]
+    frames = {trajectory.frame_id for trajectory in known if not trajectory.is_placeholder}
+    return len(known) == len(trajectories) and len(frames) < 2
 
 
-def _joined(ways: Sequence[Trajectory], part_of_scan: Int64Array) -> Trajectory:
+def _joined(trajectories: Sequence[Trajectory], part_of_scan: Int64Array) -> Trajectory:
     poses, known = np.empty((len(part_of_scan), 3)), np.ones(len(part_of_scan), dtype=np.bool_)
-    for number, way in enumerate(ways):
+    for number, trajectory in enumerate(trajectories):
         own = part_of_scan == number
-        poses[own] = way.poses
-        if way.is_known is not None:
-            known[own] = way.is_known
-    return replace(ways[0], poses=poses, is_known=None if known.all() else known)
+        poses[own] = trajectory.poses
+        if trajectory.is_known is not None:
+            known[own] = trajectory.is_known
+    return replace(trajectories[0], poses=poses, is_known=None if known.all() else known)

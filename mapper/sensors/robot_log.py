@@ -50,7 +50,9 @@ class RobotLog:
     @staticmethod
     def of_one(log: ScanLog) -> RobotLog:
         """Return the log of a robot with one sensor."""
-        timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
+        timed = {
+            name: trajectory.timed for name, trajectory in log.trajectories.items() if trajectory.timed is not None
+        }
         if log.odometry is not None:
             timed.setdefault("odometry", log.odometry.messages)
         return RobotLog({log.topic: log}, timed)

@@ -426,7 +426,7 @@ class ScanLog:
             self,
             ranges=self.ranges[scans],
             stamps_ns=self.stamps_ns[scans],
-            trajectories={name: one.take(scans) for name, one in self.trajectories.items()},
+            trajectories={name: trajectory.take(scans) for name, trajectory in self.trajectories.items()},
             odometry=None if self.odometry is None else self.odometry.take(scans),
             mounts=None if self.mounts is None else self.mounts[scans],
             order_ns=None if self.order_ns is None else self.order_ns[scans],

@@ -81,8 +81,8 @@ class TimedPoses:
         """
         if not len(self):
             raise ConfigError("poses.empty", "There are no poses to interpolate.")
-        one = self.in_order()
-        return poses_at(one.stamps_ns, one.poses, stamps_ns)
+        ordered = self.in_order()
+        return poses_at(ordered.stamps_ns, ordered.poses, stamps_ns)
 
     def in_order(self) -> TimedPoses:
         """Return the poses in the order of their stamps."""

@@ -150,8 +150,8 @@ def clearance_lattice(world: World) -> ClearanceLattice:
     across, up = -(-cols // BLOCK), -(-rows // BLOCK)
     cells = np.stack(np.meshgrid(np.arange(up * BLOCK), np.arange(across * BLOCK), indexing="ij"), axis=-1)
     blocks = cells.reshape(up, BLOCK, across, BLOCK, 2).transpose(0, 2, 1, 3, 4)
-    found = world.clearance(geometry.cell_to_world(blocks))
-    clearance = np.ascontiguousarray(found.transpose(0, 2, 1, 3).reshape(up * BLOCK, across * BLOCK)[:rows, :cols])
+    free = world.clearance(geometry.cell_to_world(blocks))
+    clearance = np.ascontiguousarray(free.transpose(0, 2, 1, 3).reshape(up * BLOCK, across * BLOCK)[:rows, :cols])
     clearance.setflags(write=False)
     return ClearanceLattice(geometry, clearance)
 

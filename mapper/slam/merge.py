@@ -107,16 +107,16 @@ def merge_logs(
                 raise MergeCancelled("merge.cancelled", "Merging the logs was cancelled.")
         return True
 
-    logs, found = (first, second), list[SlamResult]()
+    logs, solved = (first, second), list[SlamResult]()
     for number, log in enumerate(logs):
         known = results[number]
 
         def of_one(done: SlamProgress, stage: int = number) -> bool:
             return report(stage, done.fraction)
 
-        found.append(known or slam_log(log, config, trajectory=trajectories[number], progress=of_one))
+        solved.append(known or slam_log(log, config, trajectory=trajectories[number], progress=of_one))
     report(2, 0.0)
-    grids = [map_along([(log, one.poses)]) for log, one in zip(logs, found, strict=True)]
+    grids = [map_along([(log, result.poses)]) for log, result in zip(logs, solved, strict=True)]
     try:
         matches = place_map(grids[0], grids[1], guess)
     except ConfigError as error:
@@ -126,7 +126,7 @@ def merge_logs(
             "merge.apart", "The two logs do not show the same place: their maps have no walls in common near the guess."
         ) from None
     report(3, 0.0)
-    joint = _Joint(logs, (found[0], found[1]), config)
+    joint = _Joint(logs, (solved[0], solved[1]), config)
     best: list[Loop] = []
     placed, score = matches.candidates[0], 0.0
     for k, (pose, its_score) in enumerate(zip(matches.candidates, matches.scores, strict=True)):
@@ -153,7 +153,7 @@ def merge_logs(
         joint.split,
         np.flatnonzero((graph.i < joint.split) & (graph.j >= joint.split)),
         LoopCandidates.of(best),
-        (found[0], found[1]),
+        (solved[0], solved[1]),
         time.process_time() - began,
     )
 
@@ -188,8 +188,8 @@ class _Joint:
         numbers = [*first, *(number + max(first) + 1 for number in second)]
         self._store = ScanStore([*sensors[0], *sensors[1]], config.range_max, int(config.n_beams), numbers)
         offsets = (0, len(sensors[0]))
-        for log, one, offset in zip(logs, results, offsets, strict=True):
-            stored_scans(self._store, log, one, offset)
+        for log, part, offset in zip(logs, results, offsets, strict=True):
+            stored_scans(self._store, log, part, offset)
         self._rule = pair_rule(self._store.least_step)
         self._places: dict[int, Place] = {}
 
@@ -249,9 +249,9 @@ class _Joint:
         poses = refine(graph, self._store, config, progress)
         poses[:, 2] = wrap_angle(poses[:, 2])
         parts = []
-        for log, one, own in zip(self._logs, self._results, (poses[: self.split], poses[self.split :]), strict=True):
+        for log, result, own in zip(self._logs, self._results, (poses[: self.split], poses[self.split :]), strict=True):
             # What lies between the nodes moves with them, as SLAM of the log by itself has it.
-            parts.append(carry(one.graph.nodes, own, one.poses, seconds(log)))
+            parts.append(carry(result.graph.nodes, own, result.poses, seconds(log)))
         # The frame is that of the first log's first pose, which does not move.
         return replace(graph, poses=poses), (parts[0], parts[1])
 
@@ -264,8 +264,8 @@ def merged_graph(logs: tuple[ScanLog, ScanLog], merged: MergedLogs) -> tuple[Pos
     graph, split = merged.graph, merged.split
     n = len(graph.nodes)
     own = [
-        replace(one.candidates, i=one.candidates.i + shift, j=one.candidates.j + shift)
-        for one, shift in zip(merged.results, (0, split), strict=True)
+        replace(result.candidates, i=result.candidates.i + shift, j=result.candidates.j + shift)
+        for result, shift in zip(merged.results, (0, split), strict=True)
     ]
     parts = [*own, merged.tried]
     i, j, score, inliers, accepted = (
@@ -279,5 +279,7 @@ def merged_graph(logs: tuple[ScanLog, ScanLog], merged: MergedLogs) -> tuple[Pos
     order = np.argsort(rows)
     return (
         replace(graph, nodes=nodes[order], poses=graph.poses[order], i=rows[graph.i], j=rows[graph.j]),
-        LoopCandidates(rows[i], rows[j], score, inliers, accepted, tuple(one for part in parts for one in part.reason)),
+        LoopCandidates(
+            rows[i], rows[j], score, inliers, accepted, tuple(reason for part in parts for reason in part.reason)
+        ),
     )

@@ -63,7 +63,7 @@ def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[S
 
 
 def _are_alike(first: ScanLog, second: ScanLog) -> bool:
-    is_plain = all(one.bearings is None and one.mounts is None for one in (first, second))
+    is_plain = all(log.bearings is None and log.mounts is None for log in (first, second))
     return is_plain and all(getattr(first, name) == getattr(second, name) for name in _SAME)
 
 

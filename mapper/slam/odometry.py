@@ -24,8 +24,8 @@ def odometry_name(log: ScanLog) -> str | None:
     """
     moving = [
         name
-        for name, one in log.trajectories.items()
-        if not one.is_placeholder and len(one.poses) and np.ptp(one.poses, axis=0).any()
+        for name, trajectory in log.trajectories.items()
+        if not trajectory.is_placeholder and len(trajectory.poses) and np.ptp(trajectory.poses, axis=0).any()
     ]
     raw = [name for name in moving if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
     chosen = raw or moving
@@ -143,7 +143,9 @@ def carry(
     from_low = compose(inverse(odometry[nodes[low]]), odometry)
     from_high = compose(inverse(odometry[nodes[high]]), odometry)
     forward, backward = compose(node_poses[low], from_low), compose(node_poses[high], from_high)
-    amount = [np.hypot(one[:, 0], one[:, 1]) + 0.5 * np.abs(one[:, 2]) + 1e-9 for one in (from_low, from_high)]
+    amount = [
+        np.hypot(motions[:, 0], motions[:, 1]) + 0.5 * np.abs(motions[:, 2]) + 1e-9 for motions in (from_low, from_high)
+    ]
     weight = amount[0] / (amount[0] + amount[1])
     out = compose(forward, compose(inverse(forward), backward) * weight[:, np.newaxis])
     out[nodes] = node_poses

@@ -123,23 +123,23 @@ class PlaceRecognizer:
         self._recognize(poses, driven, drift, tried)
         if len(self._waiting) == before:
             return []
-        self._waiting = [one for one in self._waiting if driven[one.loop.j] > driven[j] - MEMORY]
+        self._waiting = [candidate for candidate in self._waiting if driven[candidate.loop.j] > driven[j] - MEMORY]
         return self._group(poses, driven, tried)
 
     def candidates(self, numbers: Sequence[int]) -> list[Loop]:
         """Return the loops of a group that was returned."""
-        return [one.loop for one in self._waiting if one.number in numbers]
+        return [candidate.loop for candidate in self._waiting if candidate.number in numbers]
 
     def accept(self, numbers: Sequence[int], tried: list[Loop]) -> None:
         """Accept the loops of a group. No other loop waits any longer."""
-        for one in self._waiting:
-            if one.number in numbers:
-                tried[one.number] = one.loop
+        for candidate in self._waiting:
+            if candidate.number in numbers:
+                tried[candidate.number] = candidate.loop
         self._waiting = []
 
     def refuse(self, numbers: Sequence[int], tried: list[Loop], reason: str) -> None:
         """Refuse the loops of a group for good."""
-        self._waiting = [one for one in self._waiting if one.number not in numbers]
+        self._waiting = [candidate for candidate in self._waiting if candidate.number not in numbers]
         for number in numbers:
             tried[number] = refused(tried[number], reason)
 
@@ -184,7 +184,7 @@ class PlaceRecognizer:
             nearest = int(origins[possible[np.argmin(away[possible])]])
             reason = f"{STAGE}at most {most} corners of an earlier submap correspond"
             tried.append(Loop(nearest, int(origins[-1]), 0.0, 0.0, reason, np.zeros(3), np.zeros((3, 3))))
-        for _, number, pose in sorted(recognized, key=lambda one: -one[0])[:VERIFIED]:
+        for _, number, pose in sorted(recognized, key=lambda item: -item[0])[:VERIFIED]:
             self._verify(self._map(newest), self._map(number), pose, tried)
 
     def _verify(self, new: LocalMap, old: LocalMap, pose: Float64Array, tried: list[Loop]) -> None:
@@ -203,7 +203,7 @@ class PlaceRecognizer:
 
     def _group(self, poses: Float64Array, driven: Float64Array, tried: list[Loop]) -> list[int]:
         """Return the loops that wait and form a group, none where something refuses it, and say what."""
-        waiting = [one.loop for one in self._waiting]
+        waiting = [candidate.loop for candidate in self._waiting]
         if len(waiting) < self._config.place_group:
             return []
         agree = self._agree(waiting, poses, driven)

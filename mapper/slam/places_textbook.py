@@ -100,8 +100,8 @@ def polar_shares(
 def nearest_descriptors(ours: NDArray[np.float32], theirs: NDArray[np.float32], k: int) -> Int64Array:
     """Return which of the descriptors ``theirs`` (n, d) are nearest to each of ``ours`` (m, d), (m, k), −1 for none."""
     out = np.full((len(ours), k), -1, dtype=np.int64)
-    for a, one in enumerate(ours.astype(np.float64)):
-        squares = np.array([sum(off * off for off in (one - other).tolist()) for other in theirs.astype(np.float64)])
+    for a, row in enumerate(ours.astype(np.float64)):
+        squares = np.array([sum(off * off for off in (row - other).tolist()) for other in theirs.astype(np.float64)])
         order = np.argsort(squares, kind="stable")[:k]
         out[a, : len(order)] = order
     return out
@@ -132,9 +132,9 @@ def pose_of_pairs(
         if abs(float(wrap_angle(theta - guess[2]))) > windows[1] or np.hypot(*(pose - guess)[:2]) > windows[0]:
             continue
         squares = np.sum((transform_points(pose, ours) - theirs) ** 2, axis=1)
-        least = [squares[owner == one].min() for one in np.unique(owner)]
+        least = [squares[owner == index].min() for index in np.unique(owner)]
         agreeing = [square for square in least if square <= tolerance**2]
-        best = min(best, (len(agreeing), sum(agreeing)), key=lambda one: (-one[0], one[1]))
+        best = min(best, (len(agreeing), sum(agreeing)), key=lambda item: (-item[0], item[1]))
     return best
 
 

@@ -116,9 +116,9 @@ class ScanStore:
                 self._write(n, self._ranges[n, : self._rows.n_beams[n]], velocities[n])
 
     def _write(self, n: int, ranges: NDArray[np.float32], velocity: Float64Array | None) -> None:
-        one = scan_rows(self._rows, n, n + 1)
+        rows = scan_rows(self._rows, n, n + 1)
         velocities = None if velocity is None else velocity[np.newaxis]
-        self._beams[self._sensor[n]].at(self._mounts[n]).write(ranges[np.newaxis], one, velocities)
+        self._beams[self._sensor[n]].at(self._mounts[n]).write(ranges[np.newaxis], rows, velocities)
 
     def _grow(self) -> None:
         rows = self._rows

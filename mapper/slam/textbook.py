@@ -49,10 +49,10 @@ def optimise_dense(graph: PoseGraph) -> Float64Array:
             error = edge_error(poses[i], poses[j], graph.relative[k])
             jacobians = edge_jacobians(poses[i], poses[j], graph.relative[k])
             omega = graph.information[k]
-            for one, first in zip((i, j), jacobians, strict=True):
-                b[3 * one : 3 * one + 3] += first.T @ omega @ error
+            for index, first in zip((i, j), jacobians, strict=True):
+                b[3 * index : 3 * index + 3] += first.T @ omega @ error
                 for other, second in zip((i, j), jacobians, strict=True):
-                    h[3 * one : 3 * one + 3, 3 * other : 3 * other + 3] += first.T @ omega @ second
+                    h[3 * index : 3 * index + 3, 3 * other : 3 * other + 3] += first.T @ omega @ second
         free = np.repeat(np.arange(m) != 0, 3)
         step = np.zeros(3 * m)
         step[free] = np.linalg.solve(h[np.ix_(free, free)], -b[free])

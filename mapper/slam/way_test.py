@@ -52,8 +52,8 @@ def share_contradicted(
         count_agreement(scans, k, placed[k], spread(near, OTHERS), placed, GATE, 2, counts)
         total += counts
         there = later[np.hypot(*(placed[later, :2] - placed[k, :2]).T) < AROUND]
-        for one in spread(near, BACK).tolist():
-            count_agreement(scans, one, placed[one], spread(there, OTHERS), placed, GATE, 2, counts)
+        for index in spread(near, BACK).tolist():
+            count_agreement(scans, index, placed[index], spread(there, OTHERS), placed, GATE, 2, counts)
             total += counts
     return float(total[2]) / max(int(total[0]), 1)
 

@@ -164,20 +164,20 @@ class _Work:
         """
         changed = changed or {}
         self._reported.clear()  # it holds the pass that it was of
-        one = _Pass(self._log, self._odometry, replace(self._config, **changed), self.check)
+        run = _Pass(self._log, self._odometry, replace(self._config, **changed), self.check)
 
         def report(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
             fraction = begin + (end - begin) * share
             if shown is None:
-                self.report(fraction, stage, done, one.slam.n_loops, find_poses)
+                self.report(fraction, stage, done, run.slam.n_loops, find_poses)
             else:
                 nodes = len(shown.run.slam)
                 n_loops = shown.run.slam.n_loops
                 self.report(fraction, "comparison", shown.run.scans_with_poses(nodes), n_loops, shown.poses)
 
-        one.add_all(None if self._progress is None else report)
-        graph = one.slam.optimised()
-        return _Outcome(one, graph, map_agreement(one.slam.store, graph.poses), changed)
+        run.add_all(None if self._progress is None else report)
+        graph = run.slam.optimised()
+        return _Outcome(run, graph, map_agreement(run.slam.store, graph.poses), changed)
 
     def best(self, end: float) -> tuple[_Outcome, list[str]]:
         """Return the outcome whose map agrees best, of a first pass and those with other rules, and notes on it.
@@ -221,8 +221,8 @@ class _Work:
             )
         return best, notes
 
-    def _score(self, one: _Outcome) -> float:
-        return one.agreement.score(self._config.loop_contradicted)
+    def _score(self, outcome: _Outcome) -> float:
+        return outcome.agreement.score(self._config.loop_contradicted)
 
 
 def slam_log(
@@ -299,24 +299,24 @@ def _contradiction(agreement: MapAgreement, n_loops: int) -> list[str]:
         return []
     far, near = 100.0 * agreement.contradicted, 100.0 * agreement.contradicted_near
     suspect = "loops" if n_loops else "poses"
-    told = (
+    sentence = (
         f"Of the points in sight of scans from more than {APART:.0f} m of the way before or after {far:.1f} % "
         f"lie in free space of these, with nearer ones {near:.1f} %: {suspect} may be wrong, or the place has changed."
     )
-    return [told]
+    return [sentence]
 
 
-def _notes(log: ScanLog, odometry: str | None, one: _Pass, graph: PoseGraph) -> list[str]:
+def _notes(log: ScanLog, odometry: str | None, run: _Pass, graph: PoseGraph) -> list[str]:
     """Return a sentence on each thing that could not be used or determined."""
     notes = []
-    if one.n_wanted < log.n_scans and odometry is None:
-        notes.append(f"Of {log.n_scans} scans {len(one.matched)} were matched; the poses of the others lie between.")
+    if run.n_wanted < log.n_scans and odometry is None:
+        notes.append(f"Of {log.n_scans} scans {len(run.matched)} were matched; the poses of the others lie between.")
     if blind := _unseen_way(graph):
         notes.append(
             f"Along {blind:.0f} m of the path the scans do not determine how far the robot moved, as in a corridor; "
             f"there {'the motion before' if odometry is None else 'the odometry'} is used."
         )
-    if unaligned := one.slam.n_unaligned:
+    if unaligned := run.slam.n_unaligned:
         scans = "1 scan fits" if unaligned == 1 else f"{unaligned} scans fit"
         notes.append(
             f"{scans} none of the scans before and only follow the {'motion' if odometry is None else 'odometry'}."

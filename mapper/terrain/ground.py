@@ -156,17 +156,17 @@ def objects(
     The threshold of each disc is ``share`` · ``cell`` higher where the slope ``around`` is 1. ``heights`` and
     ``around`` have ``margin`` more cells at each border, into which discs reach.
     """
-    found: BoolArray = np.zeros(heights.shape, dtype=np.bool_)
+    is_object: BoolArray = np.zeros(heights.shape, dtype=np.bool_)
     more = np.zeros_like(heights) if around is None else around
     runs = np.empty((2, *heights.shape), dtype=np.float32)
     before, eroded, after = heights.copy(), np.empty_like(heights), np.empty_like(heights)
     for r in range(1, radius + 1):
         kernels.erode(before, r, 1.0, runs, eroded)
         kernels.erode(eroded, r, -1.0, runs, after)
-        kernels.mark_lowered(before, after, slope * r * cell, more, share * cell, found)
+        kernels.mark_lowered(before, after, slope * r * cell, more, share * cell, is_object)
         before, after = after, before
         progress(r / radius)
-    return found[margin : found.shape[0] - margin, margin : found.shape[1] - margin].copy()
+    return is_object[margin : is_object.shape[0] - margin, margin : is_object.shape[1] - margin].copy()
 
 
 def lowest_of_blocks(heights: Float32Array, left_out: BoolArray) -> Float32Array:

@@ -244,12 +244,12 @@ class PointIndex:
         rows, cols, _ = self._patches.moments.shape
         left, right = max(col - reach, 0), min(col + reach + 1, cols)
         starts = self._starts
-        found = [
+        sides = [
             order[starts[r * cols + left] : starts[r * cols + right]]
             for r in range(max(row - reach, 0), min(row + reach + 1, rows))
             if left < right
         ]
-        return np.sort(np.concatenate(found)) if found else np.empty(0, dtype=np.int64)
+        return np.sort(np.concatenate(sides)) if sides else np.empty(0, dtype=np.int64)
 
     def _sorted(self) -> Int64Array:
         if self._order is None:

@@ -82,15 +82,15 @@ def main(folders: list[str]) -> int:
             if not (folder / path).is_file():
                 print(f"{folder.name}: no {path}")
                 continue
-            found = list(declared((folder / path).read_text(encoding="utf-8", errors="replace")))
-            known |= names | ({*_OF_SOURCES} if any(is_of_source for _, is_of_source in found) else set())
-            seen |= {name.partition(".")[0] for name, _ in found}
+            declared_names = list(declared((folder / path).read_text(encoding="utf-8", errors="replace")))
+            known |= names | ({*_OF_SOURCES} if any(is_of_source for _, is_of_source in declared_names) else set())
+            seen |= {name.partition(".")[0] for name, _ in declared_names}
             more = {
-                name for name, is_of_source in found
+                name for name, is_of_source in declared_names
                 if name.partition(".")[0] not in (_OF_SOURCES if is_of_source else names | NODE)
             }  # fmt: skip
             lacking |= bool(more)
-            print(f"{folder.name}: {path}: {len(found)} declared, lacking: {' '.join(sorted(more)) or '–'}")
+            print(f"{folder.name}: {path}: {len(declared_names)} declared, lacking: {' '.join(sorted(more)) or '–'}")
     print(f"known, and declared in none of these: {' '.join(sorted(known - seen)) or '–'}")
     return int(lacking)
 

@@ -203,10 +203,10 @@ def _plan(geometry: GridGeometry) -> None:
 def _match(log: ScanLog) -> None:
     """Match the first two scans of a log, and a scan with both, by each method."""
     scans, guess = prepare_scans(log, 0, 2), np.zeros(3)
-    one, both = scan_target(scans, 0), Target(scans, np.arange(2), log.trajectory().poses[:2])
+    single, both = scan_target(scans, 0), Target(scans, np.arange(2), log.trajectory().poses[:2])
     for method in METHODS:
         config = MatchConfig(method=method, window_m=0.2, window_rad=0.1)
-        match_scan(scans, 1, one, guess, config)
+        match_scan(scans, 1, single, guess, config)
         match_scan(scans, 1, both, both.poses[1], config)
     first = np.zeros(1, dtype=np.int64)
     hessians, gradients = np.zeros((1, 6, 6)), np.zeros((1, 6))
@@ -223,18 +223,18 @@ def _close_a_loop(log: ScanLog) -> None:
     poses = np.column_stack([np.arange(len(order)) * 0.2, np.zeros((len(order), 2))])
     again = replace(log, ranges=log.ranges[order], stamps_ns=log.stamps_ns[order], trajectories={"": Trajectory(poses)})
     slam_log(again, SlamConfig(refinement=1, submap_scans=5))
-    scans, one, three = prepare_scans(log, 0, 1), np.zeros(1, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    count_agreement(scans, 0, poses[0], one, poses[:1], 0.1, 1, three)
-    count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
-    ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
-    least_of_ranges(np.zeros(2), one, one + 1, one.copy())
+    scans, single, three = prepare_scans(log, 0, 1), np.zeros(1, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    count_agreement(scans, 0, poses[0], single, poses[:1], 0.1, 1, three)
+    count_common(scans, 0, poses[0], single, poses[:1], 0.1, 1, three[:1])
+    ways_from(0, np.arange(2.0), single, single + 1, np.zeros(2))
+    least_of_ranges(np.zeros(2), single, single + 1, single.copy())
     store = ScanStore([log], 30.0, 360)
     store.append(log.ranges[0])
-    local_map(store, one, 0, poses[:1])
+    local_map(store, single, 0, poses[:1])
     nearest_descriptors(
-        np.zeros((1, 2), dtype=np.float32), np.zeros((1, 2), dtype=np.float32), one.reshape(1, 1).copy()
+        np.zeros((1, 2), dtype=np.float32), np.zeros((1, 2), dtype=np.float32), single.reshape(1, 1).copy()
     )
-    pose_of_pairs(np.zeros((1, 2)), np.zeros((1, 2)), one, np.zeros(3), 1.0, 1.0, 1.0, 1.0, np.zeros(3))
+    pose_of_pairs(np.zeros((1, 2)), np.zeros((1, 2)), single, np.zeros(3), 1.0, 1.0, 1.0, 1.0, np.zeros(3))
 
 
 def _map_in_3d() -> None:

@@ -145,7 +145,7 @@ class Classes:
 
     def of(self, owner: str) -> Classroom | None:
         """Return the class of a visitor."""
-        return next((one for one in self._classes.values() if one.owner == owner), None)
+        return next((class_ for class_ in self._classes.values() if class_.owner == owner), None)
 
     def check(self, classroom: Classroom, visitor: str, address: str = "") -> None:
         """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class.
@@ -214,9 +214,9 @@ class Classes:
     def end_abandoned(self) -> None:
         """End the classes without their lecturer for longer than :data:`LONGEST_ABSENCE_S`."""
         oldest = self._clock() - LONGEST_ABSENCE_S
-        for one in [*self._classes.values()]:
-            if one.owner is not None and not one.has_lecturer and one.lecturer_seen < oldest:
-                self.close(one)
+        for class_ in [*self._classes.values()]:
+            if class_.owner is not None and not class_.has_lecturer and class_.lecturer_seen < oldest:
+                self.close(class_)
 
 
 def unknown_class() -> ClassNotFoundError:

@@ -92,10 +92,11 @@ def write_page(fleet: Fleet, *, running: bool) -> None:
 def page(results: Sequence[Result], total: int, *, running: bool) -> str:
     """Return the page, which loads itself again while the fleet is ``running``."""
     made = ordered(results)
-    failed = sorted((result for result in results if result.failed), key=lambda one: one.log)
+    failed = sorted((result for result in results if result.failed), key=lambda failure: failure.log)
     state = "running" if running else "ended"
     rows = "".join(
-        f"<li><b>{escape(_name(one))}</b>: {escape(one.message)} <code>{escape(one.code)}</code></li>" for one in failed
+        f"<li><b>{escape(_name(failure))}</b>: {escape(failure.message)} <code>{escape(failure.code)}</code></li>"
+        for failure in failed
     )
     failures = f'<h2>Failed: {len(failed)}</h2><ul class="failed">{rows}</ul>' if failed else ""
     return (

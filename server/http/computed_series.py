@@ -40,8 +40,8 @@ def errors_between(log: ScanLog, reference: str, estimate: str, options: Compari
 
     Raises as :func:`mapper.evaluation.compare_trajectories`.
     """
-    one, other = (TimedPoses(plot_stamps(log), log.trajectory(name).poses) for name in (reference, estimate))
-    return compare_trajectories(one, other, options)
+    first, other = (TimedPoses(plot_stamps(log), log.trajectory(name).poses) for name in (reference, estimate))
+    return compare_trajectories(first, other, options)
 
 
 def _relative_errors(log: ScanLog, reference: str, estimate: str) -> Series:
@@ -58,7 +58,7 @@ def graph_source(library: Library, owner: str, log_id: str) -> GraphSource:
     added = library.trajectories
 
     async def source(trajectory: str) -> bytes | None:
-        known = any(one.name == trajectory for one in added.of(owner, log_id))
+        known = any(candidate.name == trajectory for candidate in added.of(owner, log_id))
         return await added.graph(owner, log_id, trajectory) if known else None
 
     return source
@@ -72,7 +72,7 @@ async def computed_fields(library: Library, session: SessionHost, owner: str) ->
 
     recording = recording_of(session)
     added = library.trajectories.of(owner, recording.log_id)
-    has_graph = any(one.name == recording.trajectory and one.has_graph for one in added)
+    has_graph = any(trajectory.name == recording.trajectory and trajectory.has_graph for trajectory in added)
     of_scans = scan_columns(recording.log, recording.trajectory)
     fields = {
         MAP: OF_MAP,

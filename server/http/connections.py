@@ -110,35 +110,35 @@ class Connections:
 
     def wait(self, descriptor: int, end: Callable[[], None]) -> None:
         """Note that a connection waits for a request, and how to end it."""
-        one = self._open.get(descriptor)
-        if one is None:
+        connection = self._open.get(descriptor)
+        if connection is None:
             return
-        one.end = end
+        connection.end = end
         if descriptor not in self._all_waiting:
-            self._elsewhere.add(one.network, -1)
+            self._elsewhere.add(connection.network, -1)
         self._all_waiting[descriptor] = None
-        self._waiting[one.network][descriptor] = None
+        self._waiting[connection.network][descriptor] = None
 
     def work(self, descriptor: int) -> None:
         """Note that a connection serves a request, or is a WebSocket."""
-        one = self._open.get(descriptor)
-        if one is not None and descriptor in self._all_waiting:
+        connection = self._open.get(descriptor)
+        if connection is not None and descriptor in self._all_waiting:
             del self._all_waiting[descriptor]
-            del self._waiting[one.network][descriptor]
-            self._elsewhere.add(one.network, 1)
+            del self._waiting[connection.network][descriptor]
+            self._elsewhere.add(connection.network, 1)
 
     def closed(self, descriptor: int) -> None:
         """Forget a connection."""
         self.made(descriptor)
         self.work(descriptor)
-        one = self._open.pop(descriptor, None)
-        if one is None:
+        connection = self._open.pop(descriptor, None)
+        if connection is None:
             return
-        self._count[one.network] -= 1
-        self._elsewhere.add(one.network, -1)
-        if not self._count[one.network]:
-            del self._count[one.network]
-            self._waiting.pop(one.network, None)
+        self._count[connection.network] -= 1
+        self._elsewhere.add(connection.network, -1)
+        if not self._count[connection.network]:
+            del self._count[connection.network]
+            self._waiting.pop(connection.network, None)
 
     def refuse(self, reason: str) -> None:
         """Log that connections are refused, at most every :data:`SAY_EVERY_S` seconds."""

@@ -61,8 +61,8 @@ def _follow(
     def notify(report: R | None) -> None:
         # Of reports that come faster than the map is made, the newest counts: there is another one soon.
         if report is not None and not session.closed and not session.has_queued_commands:
-            told = shown(report)
-            session.enqueue(PosesSoFar(report.poses, None if told is None else told.converged, told))
+            answer = shown(report)
+            session.enqueue(PosesSoFar(report.poses, None if answer is None else answer.converged, answer))
 
     session.on_close.append(jobs.listen(session.owner, log_id, notify))
 

@@ -48,7 +48,7 @@ def right_of_request(routes: Sequence[BaseRoute], scope: Scope) -> tuple[GuestRi
     right is ``NEVER``.
     """
     for route in routes:
-        match, found = route.matches(scope)
+        match, child_scope = route.matches(scope)
         if match is Match.FULL:
-            return guest_right(found["endpoint"]), found["path_params"]
+            return guest_right(child_scope["endpoint"]), child_scope["path_params"]
     return GuestRight.NEVER, {}

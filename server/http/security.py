@@ -216,7 +216,7 @@ class Security:
         if right is not GuestRight.LINKED_SESSION:
             return right is GuestRight.ALWAYS
         live = services_of(scope["app"]).sessions.all()
-        return any(one.id == parameters["session_id"] and one.link is not None for one in live)
+        return any(session.id == parameters["session_id"] and session.link is not None for session in live)
 
     # -- the visitor -----------------------------------------------------------------------------------------------
 

@@ -102,14 +102,14 @@ def json_answer(answer: object, status_code: int = 200) -> Response:
     return Response(msgspec.json.encode(answer), status_code=status_code, media_type="application/json")
 
 
-def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
+def _between(series: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
     """Return the samples from ``start`` to ``end``, and one more at either end, so that lines reach the edge."""
-    low, high = 0, len(one.stamps_ns)
+    low, high = 0, len(series.stamps_ns)
     if start is not None:
-        low = max(0, int(np.searchsorted(one.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
+        low = max(0, int(np.searchsorted(series.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
     if end is not None:
-        high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
-    return one.stamps_ns[low:high], one.values[low:high]
+        high = int(np.searchsorted(series.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
+    return series.stamps_ns[low:high], series.values[low:high]
 
 
 def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) -> list[tuple[float, float]]:

@@ -125,7 +125,7 @@ class SignIns:
 
     def _end(self, names: Mapping[str, int]) -> None:
         oldest = max(self._clock() - VALID_S, self._ended_until)
-        ended = {one: at for one, at in {**self._ended, **names}.items() if at > oldest}
+        ended = {key_: at for key_, at in {**self._ended, **names}.items() if at > oldest}
         while len(ended) > MAX_ENDED:
             first = min(ended, key=ended.__getitem__)
             self._ended_until = max(self._ended_until, ended.pop(first))

@@ -91,7 +91,7 @@ class JobQueue(Generic[Q, P, R]):
 
     async def follow(self, log_ids: Collection[str] | None = None) -> None:
         """Take over what other services have changed of some logs, None: of any. Raises :class:`StorageError`."""
-        rows = {(one.owner, one.log_id): one for one in await self._rows.load(self._kind, log_ids)}
+        rows = {(job.owner, job.log_id): job for job in await self._rows.load(self._kind, log_ids)}
         known = [key for key in self.records if log_ids is None or key[1] in log_ids]
         for key in [key for key in known if key not in rows]:
             await self.forget(key)
@@ -108,7 +108,7 @@ class JobQueue(Generic[Q, P, R]):
         self._closing = True
         for running in [*self.running.values()]:
             running.task.cancel()
-        await asyncio.gather(*(one.task for one in self.running.values()), return_exceptions=True)
+        await asyncio.gather(*(job.task for job in self.running.values()), return_exceptions=True)
 
     async def ask(self, owner: str, log_id: str, request: Q) -> None:
         """Queue a job on a log; where the kind ``joins``, one that is queued or running goes on instead.
@@ -118,7 +118,7 @@ class JobQueue(Generic[Q, P, R]):
         kind = self._kind
         if kind.joins and (owner, log_id) in self.running:
             return
-        if sum(one == owner for one, _ in self.running) >= kind.most_of_owner:
+        if sum(owner_ == owner for owner_, _ in self.running) >= kind.most_of_owner:
             most = kind.most_of_owner
             message = (
                 f"You have a {kind.noun} under way: wait, or cancel it."
@@ -198,14 +198,14 @@ class JobQueue(Generic[Q, P, R]):
         record, running = self.record(key), self.running.get(key)
         began = None if running is None else running.began
         elsewhere = self._leases.elsewhere.get(self._name(key), 0.0)
-        waiting = [one for one in self.running.values() if one.began is None]
+        waiting = [job for job in self.running.values() if job.began is None]
         return JobStatus(
             state=record.state,
             created_s=record.created_s,
             error=record.error,
             fraction=round(elsewhere if running is None or began is None else running.fraction, 4),
             elapsed_s=None if began is None else round(time.monotonic() - began, 1),
-            ahead=sum(one.queued_at < running.queued_at for one in waiting) if running and began is None else 0,
+            ahead=sum(job.queued_at < running.queued_at for job in waiting) if running and began is None else 0,
         )
 
     def fraction(self, key: Key) -> float:
@@ -240,8 +240,8 @@ class JobQueue(Generic[Q, P, R]):
             return known is not None and known.is_unfinished
 
         async def is_due() -> bool:
-            for one in await self._rows.load(kind, [key[1]]):
-                self._take(one)
+            for row in await self._rows.load(kind, [key[1]]):
+                self._take(row)
             return is_open()
 
         once = Once(
@@ -297,5 +297,5 @@ class JobQueue(Generic[Q, P, R]):
         self._take(record)
         with contextlib.suppress(MapperError):  # the log is gone
             self._rows.put(self._kind, [record]).add_done_callback(
-                lambda one: None if one.cancelled() else one.exception() and None
+                lambda task: None if task.cancelled() else task.exception() and None
             )

@@ -54,7 +54,7 @@ class Loading:
         log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic, cut)
         names = [] if topic is None else topic.split(SEPARATOR)
         if log is not None and topic is None and log.beam_width > 0.0:
-            names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
+            names = [topic.name for topic in log.topics if topic.type == SONAR and topic.beams][:MAX_TOGETHER]
         if len(names) < 2 and log is not None:
             return log
         if len(names) > MAX_TOGETHER:
@@ -86,7 +86,7 @@ class Loading:
                 return await self.scans.of_sensor(record, cut_topic, cut)
         if topic is not None:
             record = await self._settled(owner, log_id)
-            if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
+            if topic not in [topic.name for topic in (record.summary.topics if record.summary else ()) if topic.chosen]:
                 return await self.scans.of_sensor(record, topic)
         kept = self.cache.get(log_id)
         if kept is not None:
@@ -158,13 +158,13 @@ class Loading:
                 return None
             try:
                 await self.catalogue.fetch(record.id)
-                found = await asyncio.to_thread(read_reference_map, self.catalogue.pack(record.id))
+                reference = await asyncio.to_thread(read_reference_map, self.catalogue.pack(record.id))
             except ConfigError:
                 if record.summary is None:
                     return None
                 self.jobs.queue(record)
             else:
-                return replace(found, title=record.name)
+                return replace(reference, title=record.name)
         raise unstored()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
@@ -189,9 +189,9 @@ class Loading:
 
 def _cut_topic(record: Record, topic: str | None) -> str | None:
     """Return the topic if scans are cut out of its messages, the log's own for None; else None."""
-    for one in record.summary.topics if record.summary else ():
-        if is_cut(one.type) and (one.chosen if topic is None else one.name == topic):
-            return one.name
+    for known_topic in record.summary.topics if record.summary else ():
+        if is_cut(known_topic.type) and (known_topic.chosen if topic is None else known_topic.name == topic):
+            return known_topic.name
     return None
 
 
@@ -274,7 +274,7 @@ class VisibleLogs:
         is_read = record.state == "reading"
         progress = self._jobs.progress(record) if is_read else record.progress
         reading_s = self._readers.of(record).elapsed_s if is_read else None
-        added = tuple(one.public() for one in self._trajectories.of(owner, record.id))
+        added = tuple(trajectory.public() for trajectory in self._trajectories.of(owner, record.id))
         has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
         tags = self._tags.of(owner, record.id)
         return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)

@@ -38,9 +38,9 @@ def stated(module: str, name: str) -> Iterator[Any]:
     """Yield what the modules of this name of the parts have as ``name``, in the order of :data:`PARTS`; import them."""
     for part in PARTS:
         if find_spec(path := f"{__name__}.{part}.{module}") is not None:
-            found = vars(import_module(path))
-            if name in found:
-                yield found[name]
+            names = vars(import_module(path))
+            if name in names:
+                yield names[name]
 
 
 def parts_of(offers: Offers) -> list[Part]:

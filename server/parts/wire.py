@@ -15,8 +15,14 @@ from server.parts import stated
 from server.stream import commands, messages
 from server.stream.protocol import MAX_COMMAND_BYTES, ProtocolError
 
-COMMANDS: tuple[type[Struct], ...] = (*commands.COMMANDS, *(one for of in stated("messages", "COMMANDS") for one in of))
-MESSAGES: tuple[type[Struct], ...] = (*messages.MESSAGES, *(one for of in stated("messages", "MESSAGES") for one in of))
+COMMANDS: tuple[type[Struct], ...] = (
+    *commands.COMMANDS,
+    *(struct for of in stated("messages", "COMMANDS") for struct in of),
+)
+MESSAGES: tuple[type[Struct], ...] = (
+    *messages.MESSAGES,
+    *(struct for of in stated("messages", "MESSAGES") for struct in of),
+)
 Command: Any = reduce(or_, COMMANDS)  #: the union of all commands
 _BY_TYPE: dict[str, type[Struct]] = {str(command.__struct_config__.tag): command for command in COMMANDS}
 _DECODER = msgspec.json.Decoder(Command)

@@ -114,7 +114,7 @@ class Game:
             title=self.title,
             story=self.story,
             level=self.level,
-            causes=[NamedCause(one.name, one.label) for one in CAUSES.values() if one.name in self.choices],
+            causes=[NamedCause(cause.name, cause.label) for cause in CAUSES.values() if cause.name in self.choices],
             is_named=progress.is_named,
             wrong=sorted(progress.wrong),
             hints=list(cause.hints[: progress.hints]),

@@ -50,7 +50,7 @@ def report_page(report: Report) -> str:
         f"<h2>Findings</h2>{_findings(report)}",
         (
             f"<h2>{'Map' if len(maps) == 1 else 'Maps'}</h2><div class=maps>"
-            f"{''.join(_map(one, title, report.notes) for one, title in zip(maps, titles, strict=True))}</div>"
+            f"{''.join(_map(map_, title, report.notes) for map_, title in zip(maps, titles, strict=True))}</div>"
         ),
         _drift(maps),
         _picture(report),
@@ -113,13 +113,13 @@ def _findings(report: Report) -> str:
     )
 
 
-def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
-    (width, height), (metres, _) = one.size_px, one.size_m
+def _map(drawn: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
+    (width, height), (metres, _) = drawn.size_px, drawn.size_m
     scale = width / metres
     unit = max(width, height) / 100.0  # of what is drawn on it
 
     def place(x: float, y: float) -> tuple[float, float]:
-        return (x - one.low_xy[0]) * scale, height - (y - one.low_xy[1]) * scale
+        return (x - drawn.low_xy[0]) * scale, height - (y - drawn.low_xy[1]) * scale
 
     def points(corners: Sequence[tuple[float, float]]) -> str:
         return " ".join(f"{a:.1f},{b:.1f}" for a, b in (place(x, y) for x, y in corners))
@@ -130,10 +130,10 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
         for note in notes
         if note.outline is not None
     ]
-    marks = [_mark(str(n + 1), *place(x, y), unit, EVENT) for n, (x, y) in enumerate(one.events_xy)]
+    marks = [_mark(str(n + 1), *place(x, y), unit, EVENT) for n, (x, y) in enumerate(drawn.events_xy)]
     placed = [note.xy for note in notes]
     marks += [_mark(chr(ord("A") + n), *place(*xy), unit, NOTE) for n, xy in enumerate(placed[:26]) if xy is not None]
-    path = f'<polyline points="{points(one.path_xy)}" fill="none" stroke="{PATH}" stroke-width="{0.3 * unit:.2f}"/>'
+    path = f'<polyline points="{points(drawn.path_xy)}" fill="none" stroke="{PATH}" stroke-width="{0.3 * unit:.2f}"/>'
     length = max((bar for bar in BARS_M if bar <= metres / 4.0), default=BARS_M[0])
     bar = (
         f'<path d="M{2 * unit:.1f} {height + 3 * unit:.1f}h{length * scale:.1f}" stroke="#1c1b19" '
@@ -142,9 +142,9 @@ def _map(one: ReportMap, title: str, notes: Sequence[PlacedNote]) -> str:
     )
     return (
         f'<figure><svg viewBox="0 0 {width} {height + 6 * unit:.1f}" role="img" aria-label="{escape(title)}: the map '
-        f'along {escape(one.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
-        f'href="data:image/png;base64,{b64encode(one.png).decode()}"/>{path}{"".join(areas)}{"".join(marks)}{bar}</svg>'
-        f"<figcaption><b>{escape(title)}</b>, along {escape(one.trajectory)}</figcaption></figure>"
+        f'along {escape(drawn.trajectory)}"><image width="{width}" height="{height}" style="image-rendering:pixelated" '
+        f'href="data:image/png;base64,{b64encode(drawn.png).decode()}"/>{path}{"".join(areas)}{"".join(marks)}{bar}</svg>'
+        f"<figcaption><b>{escape(title)}</b>, along {escape(drawn.trajectory)}</figcaption></figure>"
     )
 
 
@@ -158,9 +158,9 @@ def _mark(text: str, x: float, y: float, unit: float, colour: str) -> str:
 
 def _drift(maps: Sequence[ReportMap]) -> str:
     rows = "".join(
-        f"<tr><th>{escape(one.trajectory)}</th><td>{_metres(one.figures.drift_m)}</td>"
-        f"<td>{_share(one.figures.contradicted)}</td><td>{one.figures.sharpness:.3f}</td></tr>"
-        for one in maps
+        f"<tr><th>{escape(row.trajectory)}</th><td>{_metres(row.figures.drift_m)}</td>"
+        f"<td>{_share(row.figures.contradicted)}</td><td>{row.figures.sharpness:.3f}</td></tr>"
+        for row in maps
     )
     return (
         "<h2>Drift</h2><table><thead><tr><th>Poses</th><th>Walls against their copies of another time</th>"
@@ -178,13 +178,14 @@ def _share(value: float | None) -> str:
 
 
 def _picture(report: Report) -> str:
-    one = report.picture
-    if one is None:
+    photo = report.picture
+    if photo is None:
         return ""
     return (
-        f'<h2>Camera</h2><figure><img alt="Picture of {escape(one.topic)}" '
-        f'src="data:{escape(one.media_type)};base64,{b64encode(one.data).decode()}">'
-        f"<figcaption>{escape(one.topic)} at <span class=number>{clock_time(one.seconds)}</span></figcaption></figure>"
+        f'<h2>Camera</h2><figure><img alt="Picture of {escape(photo.topic)}" '
+        f'src="data:{escape(photo.media_type)};base64,{b64encode(photo.data).decode()}">'
+        f"<figcaption>{escape(photo.topic)} at <span class=number>{clock_time(photo.seconds)}</span>"
+        "</figcaption></figure>"
     )
 
 
@@ -198,6 +199,6 @@ def _notes(report: Report) -> str:
         ]
         letter = f"<b>{chr(ord('A') + n)}</b> " if note.xy is not None and n < 26 else ""
         rows.append(
-            f"<li>{letter}{escape(note.text)} <span class=quiet>{', '.join(one for one in where if one)}</span></li>"
+            f"<li>{letter}{escape(note.text)} <span class=quiet>{', '.join(part for part in where if part)}</span></li>"
         )
     return f"<ul>{''.join(rows)}</ul>"

@@ -83,7 +83,7 @@ class SceneContents:
                 self._show_one(reading)
         if gone or len(self._drawers) > known:
             self._switches.set_nodes(self._nodes())
-        late = [self._due.get(one.drawing.name, 0.0) for one in readings if one.content is None]
+        late = [self._due.get(reading.drawing.name, 0.0) for reading in readings if reading.content is None]
         return max(min(late) - time.monotonic(), 0.0) if late else None
 
     def _show_one(self, reading: Reading) -> None:

@@ -31,7 +31,7 @@ class Following:
         if self._moved is None:
             place, look_at = robot_camera_at(self._name, sight)
         else:
-            place, look_at = (carried(one, sight) for one in self._moved)
+            place, look_at = (carried(point, sight) for point in self._moved)
         self._told.append((place, sight))
         return place, look_at
 

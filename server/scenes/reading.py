@@ -53,7 +53,7 @@ async def read_state(session: SessionHost, drawers: Drawers, due: Callable[[Draw
         live = [drawing for drawing in wanted if drawers[type(drawing)].reads_live_arrays]
         read = await asyncio.to_thread(_read, live, drawers) if live else {}
     read |= _read([drawing for drawing in wanted if drawing.name not in read], drawers)
-    return SceneState(read_at, tuple(read.get(one.name, Reading(one, None)) for one in drawings), controls)
+    return SceneState(read_at, tuple(read.get(drawing.name, Reading(drawing, None)) for drawing in drawings), controls)
 
 
 def _read(drawings: list[Drawing], drawers: Drawers) -> dict[str, Reading]:

@@ -393,7 +393,7 @@ class Scene:
             client.page: Mark(client.selected, client.measured) for client in self._session.hub.clients if client.page
         }
         viewers = [(number, view.viewer) for number, view in [*self._views.items()]]
-        return {number: pages[one.page] for number, one in viewers if one.page in pages}
+        return {number: pages[viewer.page] for number, viewer in viewers if viewer.page in pages}
 
     def _draw(self, state: SceneState, marks: dict[int, Mark]) -> None:
         """Draw what changed (a thread)."""

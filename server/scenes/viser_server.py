@@ -52,7 +52,7 @@ def size_of(value: Any) -> int:  # noqa: ANN401 - any field of a message
     if isinstance(value, bytes):
         return len(value)
     if isinstance(value, dict):
-        return sum(size_of(one) for one in value.values())
+        return sum(size_of(value_) for value_ in value.values())
     if isinstance(value, Message) or is_dataclass(value):
         return sum(size_of(held) for held in vars(value).values())
     return 0
@@ -134,7 +134,7 @@ class Compressor:
 
     def __init__(self, level: int) -> None:
         del level
-        self._small, self._large = (zstandard.ZstdCompressor(level=one) for one in (ZSTD_LEVEL, QUICK_LEVEL))
+        self._small, self._large = (zstandard.ZstdCompressor(level=level) for level in (ZSTD_LEVEL, QUICK_LEVEL))
 
     def compress(self, data: bytes) -> bytes:
         """Return ``data`` as one frame."""

@@ -83,7 +83,7 @@ class SessionModel(ABC):
 
     def find(self, kind: type[T]) -> T | None:
         """Return what implements an interface: the model itself, its source or one of its parts; None: nothing does."""
-        return next((one for one in (self, self.source, *self.parts) if isinstance(one, kind)), None)
+        return next((provider for provider in (self, self.source, *self.parts) if isinstance(provider, kind)), None)
 
     @property
     def parts_on(self) -> list[Part]:

@@ -74,7 +74,7 @@ class CheckpointPrefetching:
         prefetcher: CheckpointPrefetcher | None = None
         while self._may(session):
             began = self._clock()
-            if not any(one.is_busy for one in self._sessions()):
+            if not any(session.is_busy for session in self._sessions()):
                 prefetcher = prefetcher or session.prefetcher()
                 # Whether there is room is asked last: the answer takes a look at each session of the service.
                 if prefetcher is None or not self._is_room(session) or not await self._step(session, prefetcher):

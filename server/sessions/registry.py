@@ -236,7 +236,7 @@ class SessionRegistry:
 
     async def end_linked(self, link: str) -> None:
         """End the sessions of all guests of a link."""
-        for session in [one for one in self.all() if one.link == link]:
+        for session in [session for session in self.all() if session.link == link]:
             await self._end(session)
 
     async def _end(self, session: SessionHost) -> None:
@@ -298,7 +298,7 @@ class SessionRegistry:
         self._making.append(place)
         try:
             mine = [s for s in self._sessions.values() if s.owner == owner]
-            if len(mine) + sum(one == owner for one, _ in self._making) > self._settings.max_sessions_per_visitor:
+            if len(mine) + sum(owner_ == owner for owner_, _ in self._making) > self._settings.max_sessions_per_visitor:
                 message = f"You have {len(mine)} sessions open, the most for one visitor: close one first."
                 await self._evict(mine, "session.too_many", message)
             if link is not None:
@@ -324,12 +324,12 @@ class SessionRegistry:
     async def _make_room_for_guest(self, link: str, places: int) -> None:
         """Make room for one more session of a link, which may have ``places``."""
         same = [s for s in self._guests() if s.link == link]
-        if len(same) + sum(one == link for _, one in self._making) > places:
+        if len(same) + sum(link_ == link for _, link_ in self._making) > places:
             message = "This link is in use by as many people as it allows."
             await self._evict(same, "link.crowded", message)
         guests = self._guests()
         most = max(1, self._settings.max_sessions // 2)
-        here = len(guests) + sum(one is not None for _, one in self._making)
+        here = len(guests) + sum(session is not None for _, session in self._making)
         if here + self._others().guests > most:
             await self._evict(guests, "session.full", "The service has no room for another guest now.")
 
@@ -369,7 +369,11 @@ class SessionRegistry:
             logs = [s for s in self._sessions.values() if s.model.footprint.logs and owner in (s.owner, None)]
             # Sessions of one log share its readings.
             held = {
-                s: {id(one.ranges): one.ranges.nbytes for one in s.model.footprint.logs if one.ranges is not log.ranges}
+                s: {
+                    id(log_.ranges): log_.ranges.nbytes
+                    for log_ in s.model.footprint.logs
+                    if log_.ranges is not log.ranges
+                }
                 for s in logs
             }
             if sum({key: size for sizes in held.values() for key, size in sizes.items()}.values()) <= room:

@@ -58,9 +58,9 @@ class CostmapsModel(SessionModel, Costed, Viewed):
         self._show()
 
     def _show(self) -> None:
-        one: RecordedCostmap = self._streams[self._topic][self._index - 1]
-        self._now = one
-        self._layer.set(one.geometry, one.costs, LOWEST, HIGHEST, one.costs == NO_INFORMATION)
+        costmap: RecordedCostmap = self._streams[self._topic][self._index - 1]
+        self._now = costmap
+        self._layer.set(costmap.geometry, costmap.costs, LOWEST, HIGHEST, costmap.costs == NO_INFORMATION)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -82,8 +82,10 @@ class CostmapsModel(SessionModel, Costed, Viewed):
     @property
     def footprint(self) -> Footprint:
         """The cells of the greatest costmap, and bytes of all as cells."""
-        kept = [one for stream in self._streams.values() for one in stream.kept]
-        return Footprint(max(one.geometry.rows * one.geometry.cols for one in kept) + sum(len(k.packed) for k in kept))
+        kept = [costmap for stream in self._streams.values() for costmap in stream.kept]
+        return Footprint(
+            max(costmap.geometry.rows * costmap.geometry.cols for costmap in kept) + sum(len(k.packed) for k in kept)
+        )
 
     def view(self) -> LogView:
         """Return the topic and the number of the costmap that is shown."""

@@ -283,8 +283,8 @@ class LogModel(SessionModel):
         same = self.recording.same_paths()
         return Trajectories(
             [
-                TrajectoryInfo(name, one.description, one.from_scans, same.get(name))
-                for name, one in trajectories.items()
+                TrajectoryInfo(name, trajectory.description, trajectory.from_scans, same.get(name))
+                for name, trajectory in trajectories.items()
             ],
             self.recording.compared(),
         )

@@ -109,7 +109,7 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
     """
     # Values are all those of a map: a link that was made before there was a parameter has the table's value of it.
     config = first_config(log) if view.values is None else MappingConfig().with_values(view.values)
-    for resolution in (*(one for one in COARSER if one > config.resolution), None):
+    for resolution in (*(resolution for resolution in COARSER if resolution > config.resolution), None):
         try:
             replay = Replay(log, config, view.trajectory, limits)
             replay.wanted = wanted
@@ -222,10 +222,10 @@ class LogRecording(Recording, Viewed):
         name = old.trajectory
         if name not in log.trajectories:
             log = replace(log, trajectories={**log.trajectories, name: self.log.trajectory(name)})
-        for one, trajectory in log.trajectories.items():
-            known = self.log.trajectories.get(one)
+        for trajectory_name, trajectory in log.trajectories.items():
+            known = self.log.trajectories.get(trajectory_name)
             if known is None or not np.array_equal(known.known_poses, trajectory.known_poses, equal_nan=True):
-                self._examinations.pop(one, None)
+                self._examinations.pop(trajectory_name, None)
         if old.adopt(log):
             return False
         self._replay_with(log, name)
@@ -309,21 +309,21 @@ class LogRecording(Recording, Viewed):
     def _examination(self, trajectory: str) -> _Examination:
         host, log = self._host, self.log
         goes_on = host.in_background()
-        one = _Examination()
+        result = _Examination()
 
         def progress(share: float) -> None:
-            one.share = share
+            result.share = share
 
         def wanted() -> bool:
-            return one.is_wanted and goes_on()
+            return result.is_wanted and goes_on()
 
-        one.future = asyncio.ensure_future(
+        result.future = asyncio.ensure_future(
             examination(log, trajectory, host.scheduler, host.job_owner, wanted, progress)
         )
-        one.future.add_done_callback(
+        result.future.add_done_callback(
             lambda done: done.cancelled() or done.exception()
         )  # its exception is then not logged as never retrieved
-        return one
+        return result
 
 
 T = TypeVar("T")

@@ -36,9 +36,9 @@ def picked_by(pick: ScenePick, poses: NDArray[np.float64], loops: ShownLoops | N
     """
     origin, direction = pick.origin, pick.direction
     far = math.inf if pick.met is None else math.dist(origin, pick.met) + SLACK_M
-    if loops is not None and (found := _nearest_to_ray(loops.ends, origin, direction, far)) is not None:
-        x, y, _ = loops.ends[found].mean(axis=0).tolist()
-        return PickedMessage("loop", x, y, yaw=None, index=None, edge=int(loops.edges[found]))
+    if loops is not None and (nearest := _nearest_to_ray(loops.ends, origin, direction, far)) is not None:
+        x, y, _ = loops.ends[nearest].mean(axis=0).tolist()
+        return PickedMessage("loop", x, y, yaw=None, index=None, edge=int(loops.edges[nearest]))
     flat = np.column_stack([poses[:, :2], np.zeros(len(poses))])
     scan = _nearest_to_ray(np.stack([flat, flat], axis=1), origin, direction, far)
     if scan is not None:

@@ -93,7 +93,7 @@ def constants(command: str) -> str:
 
 def _structs(classes: Iterable[type[msgspec.Struct]]) -> list[types.StructType]:
     structs = [types.type_info(cls) for cls in classes]
-    return [one for one in structs if isinstance(one, types.StructType)]
+    return [struct for struct in structs if isinstance(struct, types.StructType)]
 
 
 MESSAGES, COMMANDS = _structs(wire.MESSAGES), _structs(wire.COMMANDS)
@@ -124,12 +124,12 @@ def _named_parts(roots: Iterable[types.Type]) -> dict[str, types.Type]:
     """Return the aliases and the objects inside messages by name, each after its parts."""
     named: dict[str, types.Type] = {}
 
-    def visit(one: types.Type, *, is_root: bool) -> None:
-        for child in _children(one):
+    def visit(kind: types.Type, *, is_root: bool) -> None:
+        for child in _children(kind):
             visit(child, is_root=False)
-        name = one.cls.__name__ if isinstance(one, types.StructType) else _alias(one)
+        name = kind.cls.__name__ if isinstance(kind, types.StructType) else _alias(kind)
         if name is not None and not is_root:
-            named.setdefault(name, one)
+            named.setdefault(name, kind)
 
     for root in roots:
         visit(root, is_root=True)
@@ -209,9 +209,9 @@ def _fields(fields: Iterable[types.Field], indent: str = "") -> str:
 
 
 def _comment(text: str, indent: str = "") -> list[str]:
-    one = f"{indent}/** {text} */"
-    if len(one) <= 120:
-        return [one]
+    comment = f"{indent}/** {text} */"
+    if len(comment) <= 120:
+        return [comment]
     return [f"{indent}/**", *textwrap.wrap(text, 118, initial_indent=f"{indent} * ", subsequent_indent=f"{indent} * "),
             f"{indent} */"]  # fmt: skip
 

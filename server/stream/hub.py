@@ -366,7 +366,7 @@ class Client:
         self._batch += 1
         out: list[str | bytes] = [hub.frame_text(with_scan=with_scan)]
         # The layer that waited longest comes first and always gets something; the others share the remaining bytes.
-        behind = sorted((one for one in shown if one[1].is_behind()), key=lambda one: one[1].batch)
+        behind = sorted((viewer for viewer in shown if viewer[1].is_behind()), key=lambda viewer: viewer[1].batch)
         room = self._batch_bytes
         for place, (layer, cursor) in enumerate(behind):
             share = room // (len(behind) - place)

@@ -323,7 +323,9 @@ class Scheduler:
             with self._lock:
                 self._end_slice(following)
                 self._grant_free()
-                following = next((one for one in self._startable if one.task and one.task.pool is task.pool), None)
+                following = next(
+                    (turn_ for turn_ in self._startable if turn_.task and turn_.task.pool is task.pool), None
+                )
                 if following is not None:
                     self._startable.remove(following)
             self._tell(task.loop, finished)
@@ -356,8 +358,8 @@ class Scheduler:
     def _tell_all(self, loop: asyncio.AbstractEventLoop) -> None:
         with self._lock:
             finished = self._finished.pop(loop, [])
-        for one in finished:
-            one.tell()
+        for task in finished:
+            task.tell()
 
     # -- turns --------------------------------------------------------------------------------------------------------
 
@@ -409,15 +411,15 @@ class Scheduler:
         """Return how many turns each address and each owner holds."""
         addresses: dict[str, int] = {}
         owners: dict[JobOwner, int] = {}
-        for one in self._running:
-            addresses[one.owner.address] = addresses.get(one.owner.address, 0) + 1
-            owners[one.owner] = owners.get(one.owner, 0) + 1
+        for turn_ in self._running:
+            addresses[turn_.owner.address] = addresses.get(turn_.owner.address, 0) + 1
+            owners[turn_.owner] = owners.get(turn_.owner, 0) + 1
         return addresses, owners
 
     def leaves_cores(self, turn: Turn) -> bool:
         """Return whether a held turn should compute on its own thread only, and leave the other cores to others."""
         with self._lock:
-            others = [one for one in self._running if one is not turn]
+            others = [turn_ for turn_ in self._running if turn_ is not turn]
             if not others:
                 return False
             now, address = self._clock(), turn.owner.address
@@ -472,7 +474,7 @@ class Scheduler:
         """Return the addresses whose urgent turns are deferred: see :meth:`RecentComputing.much_more`."""
         if not self._recent.any_heavy(now := self._clock()):
             return set()
-        running = (one.owner.address for one in self._running.copy() if self._is_urgent(one))
+        running = (turn_.owner.address for turn_ in self._running.copy() if self._is_urgent(turn_))
         return self._recent.much_more({*self._urgent.addresses(), *running}, now)
 
     def _is_urgent(self, turn: Turn) -> bool:

@@ -71,8 +71,8 @@ class Handover:
 
     def other(self, head: bytes, address: str) -> int | None:
         """Return the other worker that has a request, None for one that may be answered here."""
-        one = self._prepared
-        worker = worker_of(head, address, self.workers, {} if one is None else {one.code: one.worker})
+        prepared = self._prepared
+        worker = worker_of(head, address, self.workers, {} if prepared is None else {prepared.code: prepared.worker})
         return None if worker == self.own else worker
 
     def pass_on(self, worker: int, head: bytes, descriptor: int) -> bool:

@@ -92,7 +92,7 @@ class _Supervisor:
                 self._to_replace = sorted(self._numbers.values())
                 self._replace_next()
             self._reap()
-            for due in [one for one, at in self._due.items() if at <= time.monotonic()]:
+            for due in [number for number, at in self._due.items() if at <= time.monotonic()]:
                 del self._due[due]
                 self._start(due)
                 self._replace_next()

@@ -32,16 +32,16 @@ def mark_blocks(costs: UInt8Array, with_unknown: bool, out: BoolArray) -> None:
     for block_row in range(out.shape[0]):
         for block_col in range(out.shape[1]):
             left, right = block_col * 64, min(block_col * 64 + 64, cols)
-            found = False
+            is_found = False
             for row in range(block_row * 64, min(block_row * 64 + 64, rows)):
                 line = costs[row, left:right]
                 count = 0
                 for k in range(line.shape[0]):
                     count += (line[k] == LETHAL) | (with_unknown & (line[k] == NO_INFORMATION))
                 if count > 0:
-                    found = True
+                    is_found = True
                     break
-            out[block_row, block_col] = found
+            out[block_row, block_col] = is_found
 
 
 @jit

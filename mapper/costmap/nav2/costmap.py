@@ -116,7 +116,7 @@ class Nav2Costmap:
     def unused(self) -> tuple[str, ...]:
         """The names of the parameters that change no cost here."""
         own = tuple(".".join((self.node, *path)) for path in self.others)
-        return own + tuple(name for one in self.containers for name in one.inner.unused)
+        return own + tuple(name for container in self.containers for name in container.inner.unused)
 
     @property
     def containers(self) -> tuple[ContainerConfig, ...]:
@@ -128,8 +128,8 @@ class Nav2Costmap:
         for layer in self.layers:
             yield layer
             if isinstance(layer.config, ContainerConfig):
-                for one in layer.config.inner.all_layers():
-                    yield NamedLayer(f"{layer.name}.{one.name}", one.config)
+                for inner in layer.config.inner.all_layers():
+                    yield NamedLayer(f"{layer.name}.{inner.name}", inner.config)
 
     @property
     def outline(self) -> Footprint:

@@ -70,28 +70,28 @@ def named_filter(
     return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
 
 
-def filter_nodes(found: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:
+def filter_nodes(filter_: NamedFilter, label: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them.
 
     The names of the servers and their topics begin with ``label``.
     """
     info_topic = f"/{label}_info"
     block = {
-        "plugin": f"nav2_costmap_2d::{_PLUGIN_OF[found.kind]}",
-        "enabled": found.enabled,
+        "plugin": f"nav2_costmap_2d::{_PLUGIN_OF[filter_.kind]}",
+        "enabled": filter_.enabled,
         "filter_info_topic": info_topic,
     }
-    if found.mask is None:
+    if filter_.mask is None:
         return block, {}
     mask_topic = f"/{label}_mask"
     info = {
-        "type": found.type,
+        "type": filter_.type,
         "filter_info_topic": info_topic,
         "mask_topic": mask_topic,
-        "base": found.base,
-        "multiplier": found.multiplier,
+        "base": filter_.base,
+        "multiplier": filter_.multiplier,
     }
-    server = {"topic_name": mask_topic, "yaml_filename": found.mask}
+    server = {"topic_name": mask_topic, "yaml_filename": filter_.mask}
     return block, {
         f"{label}_info_server": {"ros__parameters": info},
         f"{label}_mask_server": {"ros__parameters": server},

@@ -82,8 +82,8 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
 
     As :func:`parse_nav2_costmap`, for who reads more than the costmap from the file.
     """
-    found = find_node(root, (node,) if node else NODES, COSTMAP)
-    if found is None:
+    block = find_node(root, (node,) if node else NODES, COSTMAP)
+    if block is None:
         wanted = node or " or ".join(NODES)
         has = ", ".join(node_names(root))
         others = (key for key in _keys(root) if key != "ros__parameters")
@@ -96,9 +96,9 @@ def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
             more = f"; as it seems it is one of ROS 1’s move_base, {ROS1}." if root.keys() & OF_ROS1 else "."
         message = f"The parameter file has no costmap: no {wanted} with ros__parameters{more}"
         raise ReadError("nav2.no_costmap", message)
-    made = _Reader(root, *found).read()
+    made = _Reader(root, *block).read()
     of_file = root.notes if isinstance(root, ParameterFile) else ()
-    return replace(made, notes=(*of_file, *note_on_others(root, found[0]), *made.notes))
+    return replace(made, notes=(*of_file, *note_on_others(root, block[0]), *made.notes))
 
 
 def _keys(given: Mapping[Any, Any]) -> Iterator[str]:
@@ -134,7 +134,9 @@ class _Reader:
             if row.name in OF_STATIC and row.name in own
         }
         # Nav2 knows layers by the list alone: other blocks are of layers, or of sources, that are not in use.
-        self.others.update({(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]})
+        self.others.update(
+            {(key,): own.pop(key) for key in [key for key, value in own.items() if isinstance(value, dict)]}
+        )
         general = self._config(CostmapConfig(), COSTMAP_PARAMETERS, own, (self.node,), COSTMAP)
         if footprint is None and general.robot_radius == 0.0:
             raise ConfigError(
@@ -216,9 +218,9 @@ class _Reader:
         where = f"{self.node}.{name}"
         inside = _Reader(self.root, where, block, in_container=True)
         own = inside.given
-        blocks = {one: inside._block(one, own.pop(one, None)) for one in _names(own, "plugins", where)}
+        blocks = {name: inside._block(name, own.pop(name, None)) for name in _names(own, "plugins", where)}
         inside.others.update(
-            {(key,): own.pop(key) for key in [key for key, one in own.items() if isinstance(one, dict)]}
+            {(key,): own.pop(key) for key in [key for key, value in own.items() if isinstance(value, dict)]}
         )
         _name_combination(own, where)
         made: ContainerConfig = inside._config(
@@ -427,7 +429,7 @@ def _points_of(text: str) -> list[Any] | None:
     except yaml.YAMLError:
         return None
     is_list = isinstance(points, list) and len(points) >= LEAST_POINTS
-    if not is_list or any(not isinstance(one, list) or len(one) != 2 for one in points):
+    if not is_list or any(not isinstance(point, list) or len(point) != 2 for point in points):
         return None
-    numbers = (value for one in points for value in one)
+    numbers = (value for point in points for value in point)
     return points if all(isinstance(value, int | float) for value in numbers) else None

@@ -47,7 +47,7 @@ def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict
     for layer in costmap.layers:
         config = layer.config
         values = {field.name: getattr(config, field.name) for field in fields(config)}
-        kind = next((name for name, (one, _) in PLUGINS.items() if one is type(config)), CONTAINER)
+        kind = next((name for name, (kind, _) in PLUGINS.items() if kind is type(config)), CONTAINER)
         package = "gridbloom" if kind in _OWN else "nav2_costmap_2d"
         block: dict[str, Any] = {"plugin": f"{package}::{kind}"} | _below(costmap.others, (layer.name,))
         if isinstance(config, StaticConfig):
@@ -67,29 +67,29 @@ def _stack(costmap: Nav2Costmap, within: str = "") -> tuple[dict[str, Any], dict
             of_static |= of_inner
         blocks[layer.name] = block
     plugins = [layer.name for layer in costmap.layers]
-    for one in costmap.filters:
-        blocks[one.name], nodes = filter_nodes(one, within + one.name)
+    for filter_ in costmap.filters:
+        blocks[filter_.name], nodes = filter_nodes(filter_, within + filter_.name)
         servers |= nodes
-    placed = [(one.name, one.below) for one in costmap.filters]
-    placed += [(one.name, one.below) for one in costmap.skipped]
+    placed = [(filter_.name, filter_.below) for filter_ in costmap.filters]
+    placed += [(layer.name, layer.below) for layer in costmap.skipped]
     filters = [name for name, below in placed if below is None]
     between = [(below, name) for name, below in placed if below is not None]
-    for below, name in sorted(between, key=lambda one: -one[0]):
+    for below, name in sorted(between, key=lambda item: -item[0]):
         plugins.insert(below, name)
-    blocks |= {one.name: {**one.block} for one in costmap.skipped}
+    blocks |= {layer.name: {**layer.block} for layer in costmap.skipped}
     return {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks, servers, of_static
 
 
 def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict[str, Any]:
-    return {one[-1]: value for one, value in others.items() if one[:-1] == path}
+    return {path_[-1]: value for path_, value in others.items() if path_[:-1] == path}
 
 
 def _sources(others: Mapping[tuple[str, ...], Any], layer: str, config: ObstacleConfig) -> dict[str, Any]:
     """Return the sources of observations of a layer: those of the file, or one of scans."""
     sources = config.sources or (NamedSource("scan", config.source(None), "/scan"),)
     blocks = {}
-    for one in sources:
-        topic = {"topic": one.topic} if one.topic else {}
-        of_file = _below(others, (layer, one.name))
-        blocks[one.name] = {**topic, "data_type": one.data_type, **of_file, **asdict(one.config)}
+    for source in sources:
+        topic = {"topic": source.topic} if source.topic else {}
+        of_file = _below(others, (layer, source.name))
+        blocks[source.name] = {**topic, "data_type": source.data_type, **of_file, **asdict(source.config)}
     return {"observation_sources": " ".join(blocks), **blocks}

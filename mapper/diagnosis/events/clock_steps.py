@@ -49,50 +49,52 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
     if len(forward) < 2 * AROUND:
         return []
     usual = usual_interval(log)
-    way = None
+    driven = None
     if trajectory is not None:
         poses = log.trajectory(trajectory).poses
         moved = compose(inverse(poses[:-1]), poses[1:])
-        way = np.hypot(moved[:, 0], moved[:, 1]) + 0.3 * np.abs(moved[:, 2])
+        driven = np.hypot(moved[:, 0], moved[:, 1]) + 0.3 * np.abs(moved[:, 2])
     clock_changes = []
     for k in np.flatnonzero(steps < -LEAST_BACK * usual).tolist():
         after = steps[k + 1 : k + 1 + AROUND]
         if len(after) and (after > 0.0).all():  # else stamps are out of order, and no clock was set
             clock_changes.append(ClockStep(k, float(steps[k]) - usual))
     is_regular = float(np.mean(np.abs(steps / usual - 1.0) < 0.25)) > REGULAR
-    if way is not None and is_regular:
+    if driven is not None and is_regular:
         jumps = np.flatnonzero(steps > max(LEAST_AHEAD_S, AHEAD * usual)).tolist()
-        clock_changes += [ClockStep(k, float(steps[k]) - usual) for k in jumps if _did_not_pass(steps, way, usual, k)]
-    return sorted(clock_changes, key=lambda one: one.scan)[:MOST]
+        clock_changes += [
+            ClockStep(k, float(steps[k]) - usual) for k in jumps if _did_not_pass(steps, driven, usual, k)
+        ]
+    return sorted(clock_changes, key=lambda step: step.scan)[:MOST]
 
 
-def near_clock_steps(log: ScanLog, found: list[ClockStep]) -> NDArray[np.bool_]:
+def near_clock_steps(log: ScanLog, steps: list[ClockStep]) -> NDArray[np.bool_]:
     """Return for the step from each scan to the next, (n - 1,), whether the clock leaves open when it was.
 
     After a jump back some times come twice, and the poses at them may be those of either time.
     """
     stamps = log.stamps_ns.astype(np.float64) * 1e-9
     near = np.zeros(max(0, log.n_scans - 1), dtype=np.bool_)
-    for one in found:
-        low, high = sorted((stamps[one.scan], stamps[one.scan + 1]))
+    for step in steps:
+        low, high = sorted((stamps[step.scan], stamps[step.scan + 1]))
         twice = (
-            (stamps > low - MARGIN_S) & (stamps < high + MARGIN_S) if one.step_s < 0.0 else np.zeros(len(stamps), bool)
+            (stamps > low - MARGIN_S) & (stamps < high + MARGIN_S) if step.step_s < 0.0 else np.zeros(len(stamps), bool)
         )
-        twice[one.scan : one.scan + 2] = True
+        twice[step.scan : step.scan + 2] = True
         near |= twice[1:] | twice[:-1]
     return near
 
 
-def _did_not_pass(steps: Float64Array, way: Float64Array, usual: float, k: int) -> bool:
+def _did_not_pass(steps: Float64Array, driven: Float64Array, usual: float, k: int) -> bool:
     """Return whether the robot, which drove on at one speed, came no farther in the step than in a usual one."""
     around = [slice(max(0, k - AROUND), k), slice(k + 1, k + 1 + AROUND)]
     speeds = []
     for part in around:
         if len(steps[part]) < AROUND or (steps[part] <= 0.0).any():
             return False
-        speeds.append(float(way[part].sum() / steps[part].sum()))
+        speeds.append(float(driven[part].sum() / steps[part].sum()))
     slow, fast = sorted(speeds)
     if slow < LEAST_SPEED or fast > SAME_SPEED * slow:
         return False
     # Whether the poses were stamped by the same clock: then the way of this step is that of a usual interval.
-    return bool(way[k] <= max(SHORT * slow * steps[k], SAME_SPEED * fast * usual)) and slow * steps[k] > 0.1
+    return bool(driven[k] <= max(SHORT * slow * steps[k], SAME_SPEED * fast * usual)) and slow * steps[k] > 0.1

@@ -61,8 +61,8 @@ def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacem
     for loss in motions.losses:  # what happened beside it belongs to it
         rest[max(0, loss.before - WITHIN) : loss.after + WITHIN] = 0.0
     displaced = _windows(rest, motions)
-    displaced += [one for loss in motions.losses if (one := _of_loss(loss, motions)) is not None]
-    return sorted(displaced, key=lambda one: one.before)
+    displaced += [displacement for loss in motions.losses if (displacement := _of_loss(loss, motions)) is not None]
+    return sorted(displaced, key=lambda displacement: displacement.before)
 
 
 def _without_systematic(differences: Float64Array, motions: Motions) -> Float64Array:
@@ -94,8 +94,8 @@ def _sums(values: Float64Array, length: int) -> Float64Array:
 
 def _ways(motion: Float64Array, length: int) -> tuple[Float64Array, Float64Array]:
     """Return the way and the turn in each window."""
-    way = np.hypot(motion[:, 0], motion[:, 1])
-    return _sums(way, length), _sums(np.abs(motion[:, 2]), length)
+    driven = np.hypot(motion[:, 0], motion[:, 1])
+    return _sums(driven, length), _sums(np.abs(motion[:, 2]), length)
 
 
 def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
@@ -126,15 +126,15 @@ def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
 def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:
     """Return by what factor the difference in each window exceeds what an event needs to have."""
     sums = _sums(rest, length)
-    (way, turn), (scan_way, scan_turn) = _ways(motions.by_wheels, length), _ways(motions.by_scans, length)
-    spread = np.sqrt(way + TURN_M * turn + STILL_M)
-    moving = way + TURN_M * turn > 0.25 * np.quantile(way + TURN_M * turn, 0.9)
+    (driven, turn), (scan_way, scan_turn) = _ways(motions.by_wheels, length), _ways(motions.by_scans, length)
+    spread = np.sqrt(driven + TURN_M * turn + STILL_M)
+    moving = driven + TURN_M * turn > 0.25 * np.quantile(driven + TURN_M * turn, 0.9)
     compared = moving if moving.any() else ~moving
     usual = 1.4826 * np.median(np.abs(sums[compared]) / spread[compared, np.newaxis], axis=0)
     noise = np.array([NOISE_M, NOISE_M, NOISE_RAD])
     scale = np.hypot(usual * spread[:, np.newaxis], noise)
     far = np.hypot(sums[:, 0], sums[:, 1])
-    least = LEAST_M + SHARE * np.minimum(way, scan_way)
+    least = LEAST_M + SHARE * np.minimum(driven, scan_way)
     least_turn = LEAST_RAD + SHARE * np.minimum(turn, scan_turn)
     by_far = np.minimum(far / least, np.hypot(sums[:, 0] / scale[:, 0], sums[:, 1] / scale[:, 1]) / USUAL)
     by_turn = np.minimum(np.abs(sums[:, 2]) / least_turn, np.abs(sums[:, 2]) / scale[:, 2] / USUAL)
@@ -189,9 +189,9 @@ def _of_loss(loss: Loss, motions: Motions) -> Displacement | None:
         return Displacement(loss.before, loss.after, begin, end, None, wheels, wheels, lost=True)
     off = compose(inverse(wheels), loss.moved)
     off[:2] = loss.moved[:2] - wheels[:2]  # in the frame of the robot as it was before
-    way = min(float(np.hypot(steps[:, 0], steps[:, 1]).sum()), math.hypot(loss.moved[0], loss.moved[1]))
+    driven = min(float(np.hypot(steps[:, 0], steps[:, 1]).sum()), math.hypot(loss.moved[0], loss.moved[1]))
     turn = min(float(np.abs(steps[:, 2]).sum()), abs(float(loss.moved[2])))
-    is_far = math.hypot(off[0], off[1]) > 2.0 * LEAST_M + SHARE * way
+    is_far = math.hypot(off[0], off[1]) > 2.0 * LEAST_M + SHARE * driven
     is_turned = abs(float(wrap_angle(off[2]))) > 2.0 * LEAST_RAD + SHARE * turn
     if not (is_far or is_turned):
         return None

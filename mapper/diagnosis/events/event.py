@@ -104,7 +104,7 @@ class Event:
 
     def _displacement(self, sign: float = 1.0) -> str:
         """Return the displacement, or with a sign of −1 its opposite, in words."""
-        ahead, left, turn = (sign * (one or 0.0) for one in (self.ahead_m, self.left_m, self.turned_rad))
+        ahead, left, turn = (sign * (component or 0.0) for component in (self.ahead_m, self.left_m, self.turned_rad))
         parts = []
         greater = max(abs(ahead), abs(left))
         if self._moved():

@@ -36,9 +36,9 @@ def wheels_of(log: ScanLog) -> str | None:
     That is the first in a frame ``odom`` (REP 105). Poses in other frames may have been found by means of the scans,
     and poses that never change measure nothing.
     """
-    for name, one in log.trajectories.items():
-        moves = not one.is_placeholder and len(one.poses) and np.ptp(one.poses, axis=0).any()
-        if moves and (one.frame_id or "").strip("/").endswith("odom"):
+    for name, trajectory in log.trajectories.items():
+        moves = not trajectory.is_placeholder and len(trajectory.poses) and np.ptp(trajectory.poses, axis=0).any()
+        if moves and (trajectory.frame_id or "").strip("/").endswith("odom"):
             return name
     return None
 
@@ -56,8 +56,8 @@ def find_events(
     False.
     """
     sensors = by_sensor(log)
-    lidars = [one for one in sensors if _is_lidar(one[0])]
-    sensor, numbers = max(lidars or sensors, key=lambda one: one[0].n_scans)
+    lidars = [sensor for sensor in sensors if _is_lidar(sensor[0])]
+    sensor, numbers = max(lidars or sensors, key=lambda sensor: sensor[0].n_scans)
     if not (sensor.stamps_ns != sensor.stamps_ns[:1]).any():
         return []
     wheels = wheels_of(sensor)
@@ -92,7 +92,9 @@ def find_events(
                     turned,
                 )
             )
-    return sorted((_of_whole(log, sensor, numbers, event) for event in events), key=lambda one: (one.seconds, one.scan))
+    return sorted(
+        (_of_whole(log, sensor, numbers, event) for event in events), key=lambda event: (event.seconds, event.scan)
+    )
 
 
 def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
@@ -121,15 +123,20 @@ def _of_gaps(log: ScanLog, wheels: str | None, set_at: set[int]) -> list[Event]:
     ]  # fmt: skip
 
 
-def _kind(one: Displacement) -> str | None:
+def _kind(displacement: Displacement) -> str | None:
     """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing.
 
     Wheels that slip turn while the robot moves less than they say, or stands, but not the other way.
     """
-    wheels, scans, moved = one.by_wheels, one.by_scans, one.moved
-    way, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
-    stood = way < STOOD_M
-    if one.lost and one.after - one.before > LIFTED_SCANS and one.end_s - one.begin_s >= LIFTED_S and stood:
+    wheels, scans, moved = displacement.by_wheels, displacement.by_scans, displacement.moved
+    driven, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
+    stood = driven < STOOD_M
+    if (
+        displacement.lost
+        and displacement.after - displacement.before > LIFTED_SCANS
+        and displacement.end_s - displacement.begin_s >= LIFTED_S
+        and stood
+    ):
         return LIFTED
     if moved is None:
         return None
@@ -139,7 +146,7 @@ def _kind(one: Displacement) -> str | None:
     if far < TURNED_ONLY:
         is_slip = turn * moved[2] < 0.0 and turn * scans[2] > -abs(turn) * BACK_RAD
         return SLIPPED if is_slip else PUSHED
-    ahead = wheels[:2] / max(way, 1e-9)
+    ahead = wheels[:2] / max(driven, 1e-9)
     against, went = -float(ahead @ moved[:2]) / far, float(ahead @ scans[:2])
     return SLIPPED if against > OPPOSITE and went > -BACK_M else PUSHED
 
@@ -165,7 +172,7 @@ FARTHEST_M = 0.3  #: from the nearest end of a beam before: what is farther was 
 MOST_BEAMS = 360  #: of each scan
 
 
-def is_contradicted(log: ScanLog, motions: Motions, one: Displacement) -> bool:
+def is_contradicted(log: ScanLog, motions: Motions, displacement: Displacement) -> bool:
     """Return whether what is seen after a displacement fits what was seen before it better without than with it.
 
     Of a robot that was displaced walls are double where the wheels have it; where only a scan was aligned wrongly, and
@@ -174,19 +181,19 @@ def is_contradicted(log: ScanLog, motions: Motions, one: Displacement) -> bool:
     """
     from scipy.spatial import cKDTree  # noqa: PLC0415 - SciPy, which few logs need
 
-    first, last = max(0, one.before - SCANS), min(len(motions.scans) - 1, one.after + SCANS)
-    back = _chained(motions.by_scans[first : one.before])
-    seen = cKDTree(_ends(log, motions.scans[first : one.before + 1], back))
-    forth = _chained(motions.by_scans[one.after : last])
+    first, last = max(0, displacement.before - SCANS), min(len(motions.scans) - 1, displacement.after + SCANS)
+    back = _chained(motions.by_scans[first : displacement.before])
+    seen = cKDTree(_ends(log, motions.scans[first : displacement.before + 1], back))
+    forth = _chained(motions.by_scans[displacement.after : last])
 
     def apart(steps: Float64Array) -> float:
         """Return how far ends after the displacement are from those before it on average, metres."""
         begin = compose(back[-1], _chained(steps)[-1])
-        ends = _ends(log, motions.scans[one.after : last + 1], compose(begin, forth))
+        ends = _ends(log, motions.scans[displacement.after : last + 1], compose(begin, forth))
         distances = seen.query(ends, distance_upper_bound=FARTHEST_M)[0]
         return float(np.minimum(distances, FARTHEST_M).mean()) if len(ends) else FARTHEST_M
 
-    window = slice(one.before, one.after)
+    window = slice(displacement.before, displacement.after)
     return apart(motions.by_wheels[window]) < apart(motions.by_scans[window])
 
 

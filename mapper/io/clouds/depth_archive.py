@@ -51,7 +51,7 @@ def is_depth_archive(path: Path, limits: Limits) -> bool:
     with opened(path) as file:
         if not is_tar(file.read(BLOCK)):
             return False
-    return _depth_root([_of_member(one) for one in members(path, limits)[0]]) is not None
+    return _depth_root([_of_member(member) for member in members(path, limits)[0]]) is not None
 
 
 def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progress | None = None) -> list[str]:
@@ -65,8 +65,8 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
     if zipped_document(head) is not None:
         raise not_a_log(head)
     if is_tar(head):
-        found, notes = members(path, limits)
-        _write([_of_member(one) for one in found], None, into, limits, path.stat().st_size, progress)
+        inside, notes = members(path, limits)
+        _write([_of_member(file) for file in inside], None, into, limits, path.stat().st_size, progress)
         return notes
     try:
         with zipfile.ZipFile(path) as archive:
@@ -112,15 +112,15 @@ def _write(
     (into / "depth").mkdir()
     wanted = [(file, place) for file in files if (place := _place(file, root)) is not None]
     room = limits.unpacked_bytes(size)
-    for k, (one, place) in enumerate(wanted):
-        with _opened(one, archive) as source, (into / place).open("wb") as out:
+    for k, (wanted_file, place) in enumerate(wanted):
+        with _opened(wanted_file, archive) as source, (into / place).open("wb") as out:
             while piece := source.read(_PIECE):
                 room -= len(piece)
                 if room < 0:
                     raise LimitError(
                         "depth.too_many_bytes",
                         f"The archive’s files have more than {limits.unpacked_bytes(size):,} bytes together, at "
-                        f"{one.name:.80}.",
+                        f"{wanted_file.name:.80}.",
                     )
                 out.write(piece)
         if progress is not None:
@@ -129,17 +129,17 @@ def _write(
         shutil.rmtree(into / "depth")
 
 
-def _opened(one: _File, archive: zipfile.ZipFile | None) -> IO[bytes]:
-    if isinstance(one.entry, Member):
-        return one.entry.open()
+def _opened(file: _File, archive: zipfile.ZipFile | None) -> IO[bytes]:
+    if isinstance(file.entry, Member):
+        return file.entry.open()
     assert archive is not None  # noqa: S101 - for the type checker
-    return archive.open(one.entry)
+    return archive.open(file.entry)
 
 
-def _place(one: _File, root: str) -> str | None:
+def _place(file: _File, root: str) -> str | None:
     """Return where a file is written in the folder, None for a file that is not."""
-    if one.folder == root:
-        wanted = one.name.endswith((DEPTH_END, POSE_END)) or one.name in (*TUM_LISTS, *INTRINSICS)
-        return one.name if wanted and _PLAIN.fullmatch(one.name) else None
-    is_tum = PurePosixPath(one.folder) == PurePosixPath(root) / "depth" and _TUM_IMAGE.fullmatch(one.name)
-    return f"depth/{one.name}" if is_tum and not one.name.startswith(".") else None
+    if file.folder == root:
+        wanted = file.name.endswith((DEPTH_END, POSE_END)) or file.name in (*TUM_LISTS, *INTRINSICS)
+        return file.name if wanted and _PLAIN.fullmatch(file.name) else None
+    is_tum = PurePosixPath(file.folder) == PurePosixPath(root) / "depth" and _TUM_IMAGE.fullmatch(file.name)
+    return f"depth/{file.name}" if is_tum and not file.name.startswith(".") else None

@@ -93,10 +93,10 @@ def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_
     if not folder.is_dir():
         raise ReadError("depth.folder", f"There is no folder {folder.name!r}.")
     if (folder / "depth.txt").is_file():
-        found, usual, unit = tum_frames(folder, limits), TUM_CAMERA, TUM_UNIT
+        listed, usual, unit = tum_frames(folder, limits), TUM_CAMERA, TUM_UNIT
     else:
-        found, usual, unit = _seven_scenes(folder, limits), SEVEN_SCENES_CAMERA, SEVEN_SCENES_UNIT
-    images, notes = found
+        listed, usual, unit = _seven_scenes(folder, limits), SEVEN_SCENES_CAMERA, SEVEN_SCENES_UNIT
+    images, notes = listed
     width, height = image_size(images[0][0])
     camera, said = _camera(folder, (width, height), usual, limits)
     frames = []
@@ -117,17 +117,17 @@ def _seven_scenes(folder: Path, limits: Limits) -> Found:
         raise ReadError("depth.none", f"The folder {folder.name!r} has no depth images (*{DEPTH_END}, or depth.txt).")
     if len(images) > limits.max_depth_frames:
         raise LimitError("depth.too_many", f"The folder has more than {limits.max_depth_frames} depth images.")
-    found, without = [], []
+    listed, without = [], []
     for image in images:
         pose_file = image.with_name(image.name.removesuffix(DEPTH_END) + POSE_END)
         if not pose_file.is_file():
             without.append(image.name)
             continue
-        found.append((image, 0, _matrix(pose_file, 4, limits)))
-    if not found:
+        listed.append((image, 0, _matrix(pose_file, 4, limits)))
+    if not listed:
         raise ReadError("depth.no_poses", f"None of the folder’s {len(images)} depth images has a pose (*{POSE_END}).")
     notes = [NO_POSE_NOTE.format(n=len(without), all=len(images), first=without[0])] if without else []
-    return found, notes
+    return listed, notes
 
 
 def _matrix(path: Path, side: int, limits: Limits) -> NDArray[np.float64]:

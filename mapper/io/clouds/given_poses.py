@@ -37,8 +37,8 @@ class GivenPoses:
 
     def matrix(self, number: int) -> Float64Array:
         """Return pose ``number`` of the file as ``T_map_sensor`` (4, 4)."""
-        one = slice(number, number + 1)
-        return np.asarray(poses_between(self.stamps[one], self.values[one], self.stamps[one])[0])
+        row = slice(number, number + 1)
+        return np.asarray(poses_between(self.stamps[row], self.values[row], self.stamps[row])[0])
 
     def at(self, frame_id: str, wanted: Int64Array) -> Float64Array:
         """Return the poses (n, 4, 4) at stamps (n,), ns, of whatever frame; NaN where none is near.

@@ -37,8 +37,10 @@ def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     if header.points == 0:
         return made_cloud(np.zeros((0, 3)), {}, limits)
     names = [field.name for field in header.fields]
-    single = {one.name.lower(): k for k, one in reversed([*enumerate(header.fields)]) if one.count == 1}
-    single |= {one.name: k for k, one in reversed([*enumerate(header.fields)]) if one.count == 1 and one.name in "xyz"}
+    single = {field.name.lower(): k for k, field in reversed([*enumerate(header.fields)]) if field.count == 1}
+    single |= {
+        field.name: k for k, field in reversed([*enumerate(header.fields)]) if field.count == 1 and field.name in "xyz"
+    }
     missing = [axis for axis in "xyz" if axis not in single]
     if missing:
         raise ReadError("cloud.header", f"The cloud’s points have no field {missing[0]}.")
@@ -48,9 +50,11 @@ def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     points = np.stack([values[single[axis]] for axis in "xyz"], axis=1)
     axes = {single[axis] for axis in "xyz"}
     columns: dict[str, NDArray[Any]] = {}
-    for k, one in enumerate(header.fields):
-        if not one.is_padding and k not in axes:
-            columns[one.name if one.name not in columns else f"{one.name} {names[:k].count(one.name) + 1}"] = values[k]
+    for k, field_ in enumerate(header.fields):
+        if not field_.is_padding and k not in axes:
+            columns[
+                field_.name if field_.name not in columns else f"{field_.name} {names[:k].count(field_.name) + 1}"
+            ] = values[k]
     return made_cloud(points, columns, limits, header.shape if n == header.points else None, _viewpoint(header), notes)
 
 
@@ -58,12 +62,12 @@ def _values(data: bytes, header: PcdHeader, limits: Limits) -> list[NDArray[Any]
     """Return the numbers of each field: (n,), or (n, count)."""
     row = header.dtype()
     if header.kind == "ascii":
-        width = sum(one.count for one in header.fields)
+        width = sum(field.count for field in header.fields)
         first_line = data.count(b"\n", 0, header.begin) + 1
         rows = table(data[header.begin :], None, header.points, width, limits, first_line)
-        ends = np.cumsum([one.count for one in header.fields])
+        ends = np.cumsum([field.count for field in header.fields])
         of_fields = [
-            rows[:, end - one.count : end].astype(one.kind) for one, end in zip(header.fields, ends, strict=True)
+            rows[:, end - field.count : end].astype(field.kind) for field, end in zip(header.fields, ends, strict=True)
         ]
     elif header.kind == "binary":
         n = min(header.points, (len(data) - header.begin) // row.itemsize)
@@ -71,7 +75,9 @@ def _values(data: bytes, header: PcdHeader, limits: Limits) -> list[NDArray[Any]
         of_fields = [np.ascontiguousarray(values[name]) for name in row.names or ()]
     else:
         of_fields = _unpacked(data, header, row)
-    return [one[:, 0] if field.count == 1 else one for one, field in zip(of_fields, header.fields, strict=True)]
+    return [
+        column[:, 0] if field.count == 1 else column for column, field in zip(of_fields, header.fields, strict=True)
+    ]
 
 
 def _unpacked(data: bytes, header: PcdHeader, row: np.dtype[np.void]) -> list[NDArray[Any]]:

@@ -56,7 +56,7 @@ class PcdHeader:
 
     def dtype(self) -> np.dtype[np.void]:
         """Return the type of a point in binary data: a field ``f0``, ``f1`` … for each of the file's."""
-        parts = [(f"f{k}", f"<{one.kind}", (one.count,)) for k, one in enumerate(self.fields)]
+        parts = [(f"f{k}", f"<{field.kind}", (field.count,)) for k, field in enumerate(self.fields)]
         return np.dtype(parts)
 
     def written(self, n: int) -> bytes:

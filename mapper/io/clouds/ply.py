@@ -122,16 +122,16 @@ class PlyFile:
         at = self.begin
         for element in self.elements:
             check_count(element.count, limits)
-            found = (_text_rows if self.order == "" else _binary_rows)(
+            rows_read = (_text_rows if self.order == "" else _binary_rows)(
                 self, element, at, limits, keep=element.name == name
             )
             if element.name == name:
-                return found
-            if found.n < element.count:
+                return rows_read
+            if rows_read.n < element.count:
                 raise ReadError(
                     "cloud.truncated", f"The file ends early, within its element {printable(element.name[:40])!r}."
                 )
-            at = found.end
+            at = rows_read.end
         raise ReadError("cloud.header", f"The PLY file has no element {name}.")
 
 
@@ -141,7 +141,11 @@ def read_ply(data: bytes, limits: Limits) -> PointCloud:
     vertices = file.element("vertex") or next((element for element in file.elements if _has_axes(element)), None)
     if vertices is None:
         raise ReadError("cloud.header", "The PLY file has no element vertex: it holds no points.")
-    axes = {one.name.lower(): one.name for one in reversed(vertices.properties) if one.length_kind is None}
+    axes = {
+        property_.name.lower(): property_.name
+        for property_ in reversed(vertices.properties)
+        if property_.length_kind is None
+    }
     missing = [axis for axis in "xyz" if axis not in axes]
     if missing:
         raise ReadError("cloud.header", f"The vertices of the PLY file have no property {missing[0]}.")
@@ -153,7 +157,9 @@ def read_ply(data: bytes, limits: Limits) -> PointCloud:
 
 
 def _has_axes(element: Element) -> bool:
-    return {"x", "y", "z"} <= {one.name.lower() for one in element.properties if one.length_kind is None}
+    return {"x", "y", "z"} <= {
+        property_.name.lower() for property_ in element.properties if property_.length_kind is None
+    }
 
 
 def ply_file(data: bytes) -> PlyFile:
@@ -194,7 +200,7 @@ def _property(line: str, element: Element) -> Property:
             "PLY lacks.",
         )  # fmt: skip
     label = printable(name[0].strip()[:100])
-    if any(one.name == label for one in element.properties):
+    if any(property_.name == label for property_ in element.properties):
         raise ReadError(
             "cloud.header", f"Two properties of the element {printable(element.name[:40])} have the same name."
         )
@@ -209,32 +215,34 @@ def _binary_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
     if lengths is None:
         return Rows(0, at)
     parts: list[Any] = []
-    for k, one in enumerate(element.properties):
-        if one.length_kind is not None:
-            parts += [(f"n{k}", order + one.length_kind), (f"p{k}", order + one.kind, (lengths[k],))]
+    for k, property_ in enumerate(element.properties):
+        if property_.length_kind is not None:
+            parts += [(f"n{k}", order + property_.length_kind), (f"p{k}", order + property_.kind, (lengths[k],))]
         else:
-            parts.append((f"p{k}", order + one.kind))
+            parts.append((f"p{k}", order + property_.kind))
     row = np.dtype(parts)
     n = min(element.count, (len(data) - at) // row.itemsize) if row.itemsize else element.count
     values = np.frombuffer(data, row, n, at) if row.itemsize else np.zeros(n, row)
-    lists = {k: one for k, one in enumerate(element.properties) if one.length_kind is not None}
+    lists = {k: property_ for k, property_ in enumerate(element.properties) if property_.length_kind is not None}
     if any((values[f"n{k}"] != lengths[k]).any() for k in lists):
         return _uneven_rows(file, element, at, limits, keep=keep)
     end = at + n * row.itemsize
     if not keep:
         return Rows(n, end)
     kinds = enumerate(element.properties)
-    columns = {one.name: values[f"p{k}"].astype(one.kind) for k, one in kinds if k not in lists}
-    return Rows(n, end, columns, {one.name: values[f"p{k}"].astype(one.kind) for k, one in lists.items()})
+    columns = {property_.name: values[f"p{k}"].astype(property_.kind) for k, property_ in kinds if k not in lists}
+    return Rows(
+        n, end, columns, {property_.name: values[f"p{k}"].astype(property_.kind) for k, property_ in lists.items()}
+    )
 
 
 def _first_lengths(file: PlyFile, element: Element, at: int) -> dict[int, int] | None:
     """Return the lengths of the lists of the first row; None where the file ends within it, or there is none."""
     lengths: dict[int, int] = {}
-    for k, one in enumerate(element.properties if element.count else ()):
-        size = np.dtype(one.kind).itemsize
-        if one.length_kind is not None:
-            kind = np.dtype(file.order + one.length_kind)
+    for k, property_ in enumerate(element.properties if element.count else ()):
+        size = np.dtype(property_.kind).itemsize
+        if property_.length_kind is not None:
+            kind = np.dtype(file.order + property_.length_kind)
             if at + kind.itemsize > len(file.data):
                 return None
             lengths[k] = int(np.frombuffer(file.data, kind, 1, at)[0])
@@ -258,11 +266,11 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
     order: Any = "little" if file.order == "<" else "big"
     steps = [
         (
-            0 if one.length_kind is None else int(one.length_kind[1]),
-            int(one.kind[1]),
-            (one.length_kind or "")[:1] == "i",
+            0 if property_.length_kind is None else int(property_.length_kind[1]),
+            int(property_.kind[1]),
+            (property_.length_kind or "")[:1] == "i",
         )
-        for one in element.properties
+        for property_ in element.properties
     ]
     least = sum(length or size for length, size, _ in steps)  # bytes of a row
     starts = np.zeros((min(element.count, (size - at) // least), len(steps)), dtype=np.int64)
@@ -288,10 +296,12 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
         return Rows(n, end)
     raw = np.frombuffer(data, np.uint8)
     columns = {}
-    for k, one in enumerate(element.properties):
-        if one.length_kind is None:
+    for k, property_ in enumerate(element.properties):
+        if property_.length_kind is None:
             places = starts[:n, k, np.newaxis] + np.arange(steps[k][1])
-            columns[one.name] = np.ascontiguousarray(raw[places]).view(file.order + one.kind)[:, 0].astype(one.kind)
+            columns[property_.name] = (
+                np.ascontiguousarray(raw[places]).view(file.order + property_.kind)[:, 0].astype(property_.kind)
+            )
     return Rows(n, end, columns)
 
 
@@ -304,38 +314,42 @@ def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep
     if not keep:
         return Rows(text.count(b"\n") + (not text.endswith(b"\n") and bool(text)), end)
     first_line = file.data.count(b"\n", 0, at) + 1
-    is_list = [one.length_kind is not None for one in element.properties]
+    is_list = [property_.length_kind is not None for property_ in element.properties]
     if is_list == [True]:
         return _text_lists(text, element, end, limits, first_line)
     if any(is_list):
         text = b"".join(_without_lists(text, is_list, first_line))
         width -= sum(is_list)
     rows = table(text, None, element.count, width, limits, first_line)
-    kept = [one for one in element.properties if one.length_kind is None]
-    columns = {one.name: rows[:, k].astype(one.kind) for k, one in enumerate(kept)} if len(rows) else {}
-    columns = columns or {one.name: np.zeros(0, one.kind) for one in kept}
+    kept = [property_ for property_ in element.properties if property_.length_kind is None]
+    columns = (
+        {property_.name: rows[:, k].astype(property_.kind) for k, property_ in enumerate(kept)} if len(rows) else {}
+    )
+    columns = columns or {property_.name: np.zeros(0, property_.kind) for property_ in kept}
     return Rows(len(rows), end, columns)
 
 
 def _text_lists(text: bytes, element: Element, end: int, limits: Limits, first_line: int) -> Rows:
     """Return the rows of an element that is one list: the lists only where all have one length."""
-    (one,) = element.properties
+    (property_,) = element.properties
     lengths = {line.split(None, 1)[0] for line in text.splitlines() if line.strip()}
     if len(lengths) != 1 or not (length := lengths.pop()).isdigit() or len(length) > 9:
         return Rows(len(text.splitlines()), end)
     rows = table(text, None, element.count, 1 + int(length), limits, first_line)
-    whole = rows if one.kind[0] == "f" else np.trunc(rows)
+    whole = rows if property_.kind[0] == "f" else np.trunc(rows)
     if not np.array_equal(rows, whole):
-        raise ReadError("cloud.numbers", f"A number of {one.name!r:.40} is not whole.")
-    return Rows(len(rows), end, {}, {one.name: rows[:, 1:].astype(one.kind if one.kind[0] == "f" else "i8")})
+        raise ReadError("cloud.numbers", f"A number of {property_.name!r:.40} is not whole.")
+    return Rows(
+        len(rows), end, {}, {property_.name: rows[:, 1:].astype(property_.kind if property_.kind[0] == "f" else "i8")}
+    )
 
 
 def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterator[bytes]:
     """Yield the lines of an element without the numbers of its lists."""
     for number, line in enumerate(text.splitlines(keepends=True), first_line):
         words, kept, at = line.split(), [], 0
-        for one in is_list:
-            if one:
+        for is_one in is_list:
+            if is_one:
                 length = words[at] if at < len(words) else b""
                 if not length.isdigit() or len(length) > 9:
                     if not line.endswith(b"\n"):
@@ -357,7 +371,7 @@ def _line_count(data: bytes, at: int, element: Element) -> int:
     last row, each is a row with more numbers than the header says.
     """
     n, width = element.count, len(element.properties)
-    if n < 2 or any(one.length_kind is not None for one in element.properties):
+    if n < 2 or any(property_.length_kind is not None for property_ in element.properties):
         return n
     in_first = len(_lines(data, at, 1)[0].split())
     if in_first <= width or in_first % width:

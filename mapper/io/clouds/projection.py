@@ -120,8 +120,8 @@ class _Node:
 
     def every(self) -> Iterator[_Node]:
         yield self
-        for one in self.inner:
-            yield from one.every()
+        for node in self.inner:
+            yield from node.every()
 
 
 _TOKEN = re.compile(r'"((?:[^"]|"")*)"|([A-Za-z_][A-Za-z_0-9]*)|([-+]?[0-9.][0-9.eE+-]*)|([\[\](),])')
@@ -153,29 +153,29 @@ def _of_wkt(text: str) -> Units | None:
 
 def _number(node: _Node) -> int:
     """Return the number of a system in the EPSG dataset; 0 where it states none."""
-    stated = next((one for one in node.inner if one.name in ("AUTHORITY", "ID")), None)
+    stated = next((child for child in node.inner if child.name in ("AUTHORITY", "ID")), None)
     number = stated.values[1] if stated is not None and stated.values[:1] == ("EPSG",) and stated.values[1:] else ""
     return int(number) if number.isdecimal() and len(number) < 9 else 0
 
 
 def _unit_upwards(node: _Node | None) -> tuple[str, float] | None:
     """Return the unit of the axis of a system that points upward, of a system of three axes; None where it has none."""
-    axes = [] if node is None else [one for one in node.inner if one.name == "AXIS"]
+    axes = [] if node is None else [child for child in node.inner if child.name == "AXIS"]
     upward = next((axis for axis in axes if "up" in (value.lower() for value in axis.values)), None)
     return None if upward is None else _unit(upward, _LENGTHS)
 
 
 def _unit(node: _Node, names: tuple[str, ...]) -> tuple[str, float] | None:
     """Return the unit of a coordinate system: of its own, or of its first axis."""
-    own = [one for one in node.inner if one.name in names]
-    of_axes = [inner for one in node.inner if one.name == "AXIS" for inner in one.inner if inner.name in names]
-    for one in (*own, *of_axes):
+    own = [child for child in node.inner if child.name in names]
+    of_axes = [inner for axis in node.inner if axis.name == "AXIS" for inner in axis.inner if inner.name in names]
+    for unit in (*own, *of_axes):
         try:
-            size = float(one.values[1])
+            size = float(unit.values[1])
         except (IndexError, ValueError):
             continue
         if math.isfinite(size) and size > 0.0:
-            return printable(one.values[0][:40]), size
+            return printable(unit.values[0][:40]), size
     return None
 
 

@@ -95,9 +95,9 @@ def _split(name: str) -> tuple[str, str | None]:
     """Return a name in lower case with _ for blanks, without its unit, and the unit, where it is one that is known."""
     lower = name.strip()[:LONGEST_NAME].lower()
     for form in (_BRACKETS, _SUFFIX):
-        found = form.match(lower)
-        if found and found[2] in _UNITS:
-            return found[1].strip().replace(" ", "_"), found[2]
+        match = form.match(lower)
+        if match and match[2] in _UNITS:
+            return match[1].strip().replace(" ", "_"), match[2]
     return lower.replace(" ", "_"), None
 
 
@@ -140,7 +140,7 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     except UnicodeDecodeError:
         text = line.decode("cp1252", "replace")
     text = text.strip().lstrip("#/% \t").strip()
-    separator = next((one for one in _NAME_SEPARATORS if one in text), None)
+    separator = next((name_separator for name_separator in _NAME_SEPARATORS if name_separator in text), None)
     if separator is None:
         text = re.sub(r"[ \t]+(?=[(\[])", "\0", text)
         words = [word.replace("\0", " ") for word in text.split()]
@@ -183,15 +183,15 @@ def _beginning(data: bytes) -> _Beginning:
         end = data.find(b"\n", at)
         end = len(data) if end < 0 else end
         line = data[at : min(end, at + MOST_LINE_BYTES)]
-        found = names_of(line)
+        labels = names_of(line)
         is_remark = line.lstrip().startswith((b"#", b"//", b"%")) or (names is not None and _is_rule(line))
         count = _COUNT.fullmatch(line)
-        if found is not None and names is not None and len(found) == len(names) and _are_units(found):
-            names = tuple(f"{name} ({unit.strip('()[]')})" for name, unit in zip(names, found, strict=True))
-        elif found is not None and (columns_of(found) is not None or not (is_remark or names)):
-            if names is not None and columns_of(found) is None:
+        if labels is not None and names is not None and len(labels) == len(names) and _are_units(labels):
+            names = tuple(f"{name} ({unit.strip('()[]')})" for name, unit in zip(names, labels, strict=True))
+        elif labels is not None and (columns_of(labels) is not None or not (is_remark or names)):
+            if names is not None and columns_of(labels) is None:
                 break
-            names = found
+            names = labels
         elif count is not None and claimed is None:
             claimed = int(count[1])
         elif line.strip() and not is_remark:
@@ -326,9 +326,9 @@ def _rows(
 def _scans(text: bytes, first: int) -> Iterator[tuple[int, bytes]]:
     """Yield the number of points and the lines of each scan; ``first`` is the number of the first one's points."""
     at, n = 0, first
-    for found in _COUNT.finditer(text):
-        yield n, text[at : found.start()]
-        at, n = found.end(), int(found[1])
+    for match in _COUNT.finditer(text):
+        yield n, text[at : match.start()]
+        at, n = match.end(), int(match[1])
     yield n, text[at:]
 
 

@@ -85,36 +85,38 @@ def layout_of(lines: Sequence[bytes]) -> Layout:
         in_quotes = [_QUOTED.findall(line) for line in sample]
         _refuse_thousands(in_quotes)
         bare = [_QUOTED.sub(b"0", line) for line in sample]
-        separator = next((one for one in (*SEPARATORS, b",") if any(one in line for line in bare)), b" ").decode()
-        is_decimal = any(b"," in word for found in in_quotes for word in found) and separator != ","
+        separator = next(
+            (separator for separator in (*SEPARATORS, b",") if any(separator in line for line in bare)), b" "
+        ).decode()
+        is_decimal = any(b"," in word for words_in_quotes in in_quotes for word in words_in_quotes) and separator != ","
         return Layout(separator, is_decimal, quoted=True, is_closed=_is_closed(bare, separator))
     has_comma = any(b"," in line for line in sample)
-    for one in SEPARATORS:
-        rows = [[field.strip() for field in line.split(one)] for line in sample]
-        if one == b"\t" and not all(len(row) == len(rows[0]) > 2 for row in rows):
+    for candidate in SEPARATORS:
+        rows = [[field.strip() for field in line.split(candidate)] for line in sample]
+        if candidate == b"\t" and not all(len(row) == len(rows[0]) > 2 for row in rows):
             continue
         if any(len(row) > 1 for row in rows):
             _refuse_thousands(rows)
-            if one != b"\t":
-                return Layout(one.decode(), has_comma, is_closed=_is_closed(sample, one.decode()))
+            if candidate != b"\t":
+                return Layout(candidate.decode(), has_comma, is_closed=_is_closed(sample, candidate.decode()))
     words = [line.split() for line in sample]
-    if any(b"'" in word and _GROUPS.fullmatch(word) for one in words for word in one):
+    if any(b"'" in word and _GROUPS.fullmatch(word) for line in words for word in line):
         raise _thousands()
     if not has_comma:
         return Layout(" ")
-    if all(len(one) >= 3 for one in words):
-        if all(_DECIMAL.fullmatch(word) for one in words for word in one):
+    if all(len(word) >= 3 for word in words):
+        if all(_DECIMAL.fullmatch(word) for line in words for word in line):
             return Layout(" ", decimal_commas=True)
-        if all(word.endswith(b",") for one in words for word in one[:-1]) and all(
-            _DECIMAL.fullmatch(word.removesuffix(b",")) for one in words for word in one
+        if all(word.endswith(b",") for line in words for word in line[:-1]) and all(
+            _DECIMAL.fullmatch(word.removesuffix(b",")) for line in words for word in line
         ):
-            inner = any(b"," in word.removesuffix(b",") for one in words for word in one)
+            inner = any(b"," in word.removesuffix(b",") for line in words for word in line)
             return Layout(",", decimal_commas=inner)
-        with_comma = [word for one in words for word in one if b"," in word]
+        with_comma = [word for line in words for word in line if b"," in word]
         if all(map(_DECIMAL.fullmatch, with_comma)) and not all(map(_THOUSANDS.fullmatch, with_comma)):
             raise _decimal_commas("some numbers have decimal commas, others decimal points")
-        if any(_THOUSANDS.fullmatch(word) for one in words for word in one) and not any(
-            b"," in word and not _THOUSANDS.fullmatch(word) for one in words for word in one
+        if any(_THOUSANDS.fullmatch(word) for line in words for word in line) and not any(
+            b"," in word and not _THOUSANDS.fullmatch(word) for line in words for word in line
         ):
             raise _thousands()
     if _is_cut_by_commas([line.split(b",") for line in sample]):
@@ -194,4 +196,4 @@ def _is_cut_by_commas(rows: Sequence[Sequence[bytes]]) -> bool:
 
 def _unquoted(text: bytes) -> bytes:
     """Return a text without its quotes; a comma within them is a decimal one."""
-    return _QUOTED.sub(lambda found: found[1].replace(b",", b"."), text)
+    return _QUOTED.sub(lambda match: match[1].replace(b",", b"."), text)

@@ -49,7 +49,7 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
             "depth.no_poses", f"No pose of {poses.name} is at the time of any of {len(images)} depth images."
         )
     matrices = poses_between(stamps, values, wanted[inside])
-    kept = [one for one, is_inside in zip(images, inside, strict=True) if is_inside]
+    kept = [image for image, is_inside in zip(images, inside, strict=True) if is_inside]
     return [(path, stamp, pose) for (path, stamp), pose in zip(kept, matrices, strict=True)], notes
 
 

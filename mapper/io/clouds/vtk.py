@@ -163,12 +163,12 @@ class _Reader:
             said = printable(kind[0][:40]) if kind else ""
             raise ReadError("cloud.header", f"{printable(what[:40])} is of the type {said!r}, which VTK does not have.")
         if not self._is_ascii:
-            found = np.dtype(">" + code)
-            if self._at + n * found.itemsize > len(self._data):
+            dtype = np.dtype(">" + code)
+            if self._at + n * dtype.itemsize > len(self._data):
                 raise ReadError("cloud.truncated", f"The file ends early, within {printable(what[:40])}.")
-            values = np.frombuffer(self._data, found, n, self._at)
-            self._at += n * found.itemsize
-            return values.astype(found.newbyteorder("="))
+            values = np.frombuffer(self._data, dtype, n, self._at)
+            self._at += n * dtype.itemsize
+            return values.astype(dtype.newbyteorder("="))
         following = KEYWORD.search(self._data, max(0, self._at - 1))
         end = len(self._data) if following is None else following.start() + 1
         block = self._data[self._at : end]

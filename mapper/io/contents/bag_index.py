@@ -93,7 +93,7 @@ def definitions_in_bag(file: Source) -> dict[str, tuple[str, bytes]]:
 def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedMessage | None:
     kinds, chunks = _read_index(stream, topic)
     best: tuple[int, _Chunk, int, int] | None = None  # time, chunk, connection, offset
-    earlier = sorted((one for one in chunks if one.first_ns <= at_ns), key=lambda one: -one.last_ns)
+    earlier = sorted((chunk for chunk in chunks if chunk.first_ns <= at_ns), key=lambda chunk: -chunk.last_ns)
     for chunk in earlier:
         if best is not None and best[0] >= min(chunk.last_ns, at_ns):
             break
@@ -101,7 +101,7 @@ def _found(stream: BinaryIO, topic: str, at_ns: int, limits: Limits) -> IndexedM
             if time <= at_ns and (best is None or time >= best[0]):
                 best = (time, chunk, connection, offset)
     if best is None and chunks:
-        chunk = min(chunks, key=lambda one: one.first_ns)
+        chunk = min(chunks, key=lambda chunk: chunk.first_ns)
         first = min(_entries(stream, chunk, kinds), default=None)
         best = None if first is None else (first[0], chunk, first[1], first[2])
     if best is None:

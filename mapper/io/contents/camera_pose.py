@@ -33,7 +33,7 @@ def sight_of(
     :meth:`mapper.sensors.camera.Lens.shares`.
     """
     info = camera_info_topic(topic)
-    camera = next((one for one in contents.cameras if one.topic == info), None)
+    camera = next((camera for camera in contents.cameras if camera.topic == info), None)
     if camera is None:
         raise ReadError("camera.no_info", f"the log has no CameraInfo on {info}")
     trees = trees_of(contents.edges, topic)

@@ -64,7 +64,7 @@ def definitions_of(kind: str, text: str) -> Definitions:
                 continue  # an IDL of the same type, or nothing
             name = plain_type(lines.pop(0)[4:].strip())
         package = name.partition("/")[0]
-        own = [one for line in lines if (one := _field(line, package)) is not None]
+        own = [parsed for line in lines if (parsed := _field(line, package)) is not None]
         count += len(own)
         if count > MAX_FIELDS:
             raise ReadError("message.definition", f"The definition of {kind!r:.100} has over {MAX_FIELDS} fields.")

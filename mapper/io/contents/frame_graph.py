@@ -23,9 +23,9 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
     statics = list(dict.fromkeys(edge.topic for edge in edges if is_static(edge.topic)))
     trees = {}
     for topic in dict.fromkeys(edge.topic for edge in edges if not is_static(edge.topic)):
-        around = [f"{space}/{TF_STATIC}" for one in (topic, sensor) for space in namespaces(one)]
+        around = [f"{space}/{TF_STATIC}" for topic_ in (topic, sensor) for space in namespaces(topic_)]
         wanted = [topic + STATIC, *around, *(statics if len(statics) == 1 else [])]
-        static = next((one for one in wanted if one in statics), None)
+        static = next((topic_ for topic_ in wanted if topic_ in statics), None)
         trees[topic] = [edge for edge in edges if edge.topic in (topic, static)]
     return trees or {topic: [edge for edge in edges if edge.topic == topic] for topic in statics}
 
@@ -33,8 +33,8 @@ def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[Fra
 def tree_for(trees: Mapping[str, Sequence[FrameEdge]], sensor: str, frame: str) -> str:
     """Return the topic of the tree that has the ``frame`` of a ``sensor``: the nearest to its topic, "" for none."""
     near = [topic for space in namespaces(sensor) for topic in trees if topic == f"{space}/tf"]
-    ranked = [*near, *sorted((tree for tree in trees if tree not in near), key=lambda one: -_count(trees[one]))]
-    knows = [one for one in ranked if any(frame in (edge.parent, edge.child) for edge in trees[one])]
+    ranked = [*near, *sorted((tree for tree in trees if tree not in near), key=lambda topic_: -_count(trees[topic_]))]
+    knows = [topic_ for topic_ in ranked if any(frame in (edge.parent, edge.child) for edge in trees[topic_])]
     return next(iter([*knows, *ranked]), "")
 
 

@@ -45,7 +45,7 @@ def definitions_in_idl(kind: str, text: str) -> Definitions:
     definitions: Definitions = {}
     for name, members in parser.structures.items():
         scope = name.rpartition("::")[0]
-        fields = tuple(Field(one, *parser.resolved(scope, of)) for one, of in members)
+        fields = tuple(Field(member, *parser.resolved(scope, of)) for member, of in members)
         definitions[plain_type(name)] = () if [field.name for field in fields] == [_NO_MEMBER] else fields
     if plain_type(kind) not in definitions:
         raise ReadError("message.definition", f"The recording does not define the type {kind!r:.100}.")
@@ -104,7 +104,9 @@ class _Parser:
         for _ in range(MAX_DEPTH):
             if name in PRIMITIVES or name == STRING:
                 return name, length
-            found = next((one for one in _scoped(scope, name) if one in self.structures or one in self._typedefs), None)
+            found = next(
+                (name_ for name_ in _scoped(scope, name) if name_ in self.structures or name_ in self._typedefs), None
+            )
             if found is None:
                 raise ReadError("message.definition", f"The recording does not define every type: {name!r:.200}.")
             if found in self.structures:

@@ -202,22 +202,22 @@ class Inspector(MessageSink):
         topic.values.extend(_float32(value) for value in row)
 
     def _take_transforms_of(self, topic: _Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
-        for one in TRANSFORMS[topic.type](data, cdr=topic.cdr):
-            if why_ignored(one.frame, one.child, one.pose):
+        for transform in TRANSFORMS[topic.type](data, cdr=topic.cdr):
+            if why_ignored(transform.frame, transform.child, transform.pose):
                 continue
-            name = (topic.name, printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
+            name = (topic.name, printable(transform.frame[:MAX_NAME]), printable(transform.child[:MAX_NAME]))
             edge = self._edges.get(name)
             if edge is None:
                 if len(self._edges) >= MAX_EDGES:
                     raise LimitError("log.too_many_frames", f"The log’s tf tree has more than {MAX_EDGES} edges.")
-                edge = self._edges[name] = _Edge(one.pose)
-            edge.pose = one.pose
+                edge = self._edges[name] = _Edge(transform.pose)
+            edge.pose = transform.pose
             if publisher and len(edge.publishers) < MAX_PUBLISHERS:
                 edge.publishers.add(publisher)
-            at = one.stamp_ns if 0 < one.stamp_ns < LAST_NS else stamp_ns
+            at = transform.stamp_ns if 0 < transform.stamp_ns < LAST_NS else stamp_ns
             at = max(0, min(at, LAST_NS))
             if not is_static(topic.name) and len(edge.stamps) % edge.every == 0:
-                edge.keep(at, one.pose)
+                edge.keep(at, transform.pose)
                 self._n_poses += 1
                 if self._n_poses > MAX_POSES:
                     self._n_poses -= max(self._edges.values(), key=lambda other: len(other.pose_stamps)).thin()
@@ -234,20 +234,22 @@ class Inspector(MessageSink):
     def contents(self) -> Contents:
         """Return what was taken."""
         counted: dict[tuple[str, str], TopicContents] = {}
-        for one in self._counted.values():
-            known = counted.get((one.name, one.type))
-            counted[one.name, one.type] = _joined(known, one)
-        bad = [f"{one.bad} of {one.messages} on {one.name}" for one in self._counted.values() if one.bad]
+        for topic in self._counted.values():
+            known = counted.get((topic.name, topic.type))
+            counted[topic.name, topic.type] = _joined(known, topic)
+        bad = [f"{topic.bad} of {topic.messages} on {topic.name}" for topic in self._counted.values() if topic.bad]
         notes = [*self.notes, *([f"Messages that could not be read: {', '.join(bad[:6])}."] if bad else [])]
         if self._values_left < MAX_VALUES // 1000:
             notes.append(f"The plots hold the first {MAX_VALUES} numbers of the recording only.")
         return Contents(
-            topics=tuple(sorted(counted.values(), key=lambda one: (one.name, one.type))),
+            topics=tuple(sorted(counted.values(), key=lambda topic: (topic.name, topic.type))),
             edges=tuple(
                 edge.named(*name)
-                for name, edge in sorted(self._edges.items(), key=lambda one: (*one[0][1:], one[0][0]))
+                for name, edge in sorted(self._edges.items(), key=lambda item: (*item[0][1:], item[0][0]))
             ),
-            series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
+            series=tuple(
+                _series(topic, topic.plotted) for topic in self._counted.values() if topic.plotted and topic.stamps
+            ),
             notes=tuple(notes),
             lines=tuple(self._lines.lines),
             lines_left_out=self._lines.left_out,
@@ -255,18 +257,18 @@ class Inspector(MessageSink):
         )
 
 
-def _joined(known: TopicContents | None, one: _Topic) -> TopicContents:
+def _joined(known: TopicContents | None, topic: _Topic) -> TopicContents:
     """Return the figures of a topic; several streams of one name and type count together."""
     if known is None:
-        return TopicContents(one.name, one.type, one.messages, one.bytes, one.first_ns, one.last_ns)
-    firsts = [first for first in (known.first_ns, one.first_ns) if first]
+        return TopicContents(topic.name, topic.type, topic.messages, topic.bytes, topic.first_ns, topic.last_ns)
+    firsts = [first for first in (known.first_ns, topic.first_ns) if first]
     return TopicContents(
-        one.name,
-        one.type,
-        known.messages + one.messages,
-        known.bytes + one.bytes,
+        topic.name,
+        topic.type,
+        known.messages + topic.messages,
+        known.bytes + topic.bytes,
         min(firsts, default=0),
-        max(known.last_ns, one.last_ns),
+        max(known.last_ns, topic.last_ns),
     )
 
 

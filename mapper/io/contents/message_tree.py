@@ -54,9 +54,9 @@ class _Decoder:
         kept: list[object] = []
         for i in range(n if least else min(n, SHOWN)):
             before = self._values
-            one = self._value(kind, depth)
+            value = self._value(kind, depth)
             if i < SHOWN and self._kept < MAX_SHOWN:
-                kept.append(one)
+                kept.append(value)
                 self._kept += self._values - before
         return cut_list(kept, n)
 
@@ -98,7 +98,7 @@ class _Decoder:
             check_size(0, depth)
             self._least[kind] = 0  # of a type that has itself as a field
             own = self._types[kind]
-            self._least[kind] = sum(self._least_of(one, depth + 1) for one in own) if own else int(self.fields.cdr)
+            self._least[kind] = sum(self._least_of(field, depth + 1) for field in own) if own else int(self.fields.cdr)
         return self._least[kind]
 
     def _least_of(self, field: Field, depth: int) -> int:

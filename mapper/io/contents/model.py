@@ -102,8 +102,8 @@ class FrameEdge:
         weight = (at_ns - int(stamps[index])) / pause if pause else 0.0
         around = poses_of(poses[[index, after]])
         pose = interpolated(around[slice(0, 1)], around[slice(1, 2)], np.array([weight]))
-        x, y, z = (float(one) for one in pose.positions[0])
-        qx, qy, qz, qw = (float(one) for one in pose.rotations[0])
+        x, y, z = (float(position) for position in pose.positions[0])
+        qx, qy, qz, qw = (float(rotation) for rotation in pose.rotations[0])
         return (x, y, z, qx, qy, qz, qw)
 
     def ages(self, until_ns: int) -> Series:

@@ -143,12 +143,12 @@ class _Decoder:
             raw = bytes_of(value)
             return [self.message(raw, kind, depth + 1)] if most else [], 1
         if kind in FIXED or kind in VARYING:
-            found, n = numbers(kind, wire, value, most)
-            return [plain_number(one) for one in found], n
+            values, n = numbers(kind, wire, value, most)
+            return [plain_number(number) for number in values], n
         raw = bytes_of(value)
         is_text = kind == "string"
-        one: object = cut_text(raw.decode("utf-8", "replace")) if is_text else cut_list(list(raw[:SHOWN]), len(raw))
-        return [one][:most], 1
+        content: object = cut_text(raw.decode("utf-8", "replace")) if is_text else cut_list(list(raw[:SHOWN]), len(raw))
+        return [content][:most], 1
 
 
 def _zero(kind: str | Table) -> object:

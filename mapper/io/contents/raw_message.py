@@ -68,7 +68,7 @@ class _Cutter:
             return self.tree(value, depth + 1)
         if isinstance(value, list):
             shown = value[:SHOWN] if self._values < MAX_SHOWN // 2 else []  # the rest is for what follows
-            return cut_list([self._value(one, depth + 1) for one in shown], len(value))
+            return cut_list([self._value(item, depth + 1) for item in shown], len(value))
         return _text(value) if isinstance(value, str) else plain_number(value)
 
 

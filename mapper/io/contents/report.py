@@ -55,8 +55,13 @@ def excerpt(path: Path, limits: Limits = DEFAULT_LIMITS) -> Facts:
         facts["format"] = scrub(robot.first.format)
         facts["sensors"] = [_sensor(log) for log in robot.sensors.values()]
         facts["trajectories"] = [
-            {"name": name, "frame": one.frame_id, "child": one.child_frame_id, "placeholder": one.is_placeholder}
-            for name, one in robot.first.trajectories.items()
+            {
+                "name": name,
+                "frame": trajectory.frame_id,
+                "child": trajectory.child_frame_id,
+                "placeholder": trajectory.is_placeholder,
+            }
+            for name, trajectory in robot.first.trajectories.items()
         ]
         notes = dict.fromkeys(note for log in robot.sensors.values() for note in log.notes)
         facts["notes"] = [scrub(note) for note in list(notes)[:MOST_NOTES]]
@@ -123,17 +128,17 @@ class _Excerpt(MessageSink):
         if len(first) >= MOST_FIRST:
             return
         self._first_ns = stamp_ns if self._first_ns is None else self._first_ns
-        one: Facts = {
+        stream_facts: Facts = {
             "bytes": len(data) if size is None else size,
             "recorded_s": round((stamp_ns - self._first_ns) * 1e-9, 3),
         }
         describe = _DESCRIBED.get(kind)
         if describe is not None and data:
             try:
-                one |= describe(kind, data, cdr)
+                stream_facts |= describe(kind, data, cdr)
             except BadMessageError as error:
-                one["refused"] = _blurred(str(error)) or "the bytes are no message of this type"
-        first.append(one)
+                stream_facts["refused"] = _blurred(str(error)) or "the bytes are no message of this type"
+        first.append(stream_facts)
 
     def topics(self) -> list[Facts]:
         return sorted(self._streams.values(), key=lambda stream: str(stream["topic"]))
@@ -178,12 +183,12 @@ def _poses(kind: str, data: bytes, cdr: bool) -> Facts:
         "poses": len(stamped),
         "frames": [
             {
-                "frame": printable(one.frame[:200]),
-                "child": printable(one.child[:200]),
-                "quaternion_length": _number(float(np.linalg.norm(one.pose[3:])), 4),
-                "stamped": one.stamp_ns != 0,
+                "frame": printable(transform.frame[:200]),
+                "child": printable(transform.child[:200]),
+                "quaternion_length": _number(float(np.linalg.norm(transform.pose[3:])), 4),
+                "stamped": transform.stamp_ns != 0,
             }
-            for one in stamped[:MOST_FRAMES]
+            for transform in stamped[:MOST_FRAMES]
         ],
     }
 
@@ -304,7 +309,7 @@ def _number(value: float, digits: int = DIGITS) -> float | str:
 def _blurred(text: str) -> str:
     """Return a sentence whose decimals have few digits, without what it quotes of the file."""
     text = re.sub(r"'[^']*'|\"[^\"]*\"", "'…'", text)
-    return re.sub(r"\d+\.\d+(?:e[-+]?\d+)?", lambda found: f"{float(found[0]):.{DIGITS}g}", text)
+    return re.sub(r"\d+\.\d+(?:e[-+]?\d+)?", lambda match: f"{float(match[0]):.{DIGITS}g}", text)
 
 
 def _scrubber(path: Path) -> Callable[[str], str]:

@@ -158,10 +158,10 @@ def message_at(
     if isinstance(kind, Container):
         first: FoundMessage | None = None
         for file in reversed(files):
-            found = _found_in(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
-            if found is not None and found.stamp_ns <= at_ns:
-                return unpacked(found, limits)
-            first = found or first
+            message = _found_in(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
+            if message is not None and message.stamp_ns <= at_ns:
+                return unpacked(message, limits)
+            first = message or first
         if first is not None:
             return unpacked(first, limits)
     raise no_messages(topic)
@@ -241,11 +241,11 @@ def _found_in(
         return read_up_to(file, kind, topic, at_ns, limits, as_recorded=as_recorded)
     if kind is mcap_file.MCAP:
         try:
-            found = _by_index_of_mcap(file, topic, at_ns, limits, as_recorded=as_recorded)
+            message_at = _by_index_of_mcap(file, topic, at_ns, limits, as_recorded=as_recorded)
         except Exception:  # noqa: BLE001 - whatever the library raises on a damaged file: it is read from its beginning
-            found = None
-        if found is not None:
-            return found
+            message_at = None
+        if message_at is not None:
+            return message_at
     if kind is ros2_db3.ROS2_DB3:
         row = ros2_db3.newest_row(file, topic, at_ns, limits)
         return None if row is None else FoundMessage(row[0], plain_type(row[1]), True, row[2])
@@ -287,9 +287,9 @@ def _by_index_of_mcap(
     return None
 
 
-def unpacked(found: FoundMessage, limits: Limits) -> FoundMessage:
+def unpacked(message: FoundMessage, limits: Limits) -> FoundMessage:
     """Return a message as it was before it was compressed, if it was. Raises :class:`ReadError` for damaged data."""
-    if found.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message by itself
-        return found
-    data, _ = inflate("zstd", found.data, limits.max_chunk_bytes, "a message")
-    return FoundMessage(found.stamp_ns, found.type, found.cdr, data)
+    if message.data[:4] != ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+        return message
+    data, _ = inflate("zstd", message.data, limits.max_chunk_bytes, "a message")
+    return FoundMessage(message.stamp_ns, message.type, message.cdr, data)

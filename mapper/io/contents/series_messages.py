@@ -18,8 +18,8 @@ Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for n
 
 
 def _imu(data: bytes, *, cdr: bool) -> Row:
-    one = imu(data, cdr=cdr)
-    return one.stamp_ns, [*one.angular_velocity, *one.linear_acceleration, _yaw(one.orientation)]
+    message = imu(data, cdr=cdr)
+    return message.stamp_ns, [*message.angular_velocity, *message.linear_acceleration, _yaw(message.orientation)]
 
 
 def _odometry(data: bytes, *, cdr: bool) -> Row:

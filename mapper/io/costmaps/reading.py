@@ -105,10 +105,12 @@ class CostmapStream(Sequence[RecordedCostmap]):
         """The names of their frames, each once."""
         return sorted({kept.frame for kept in self._kept})
 
-    def add(self, found: RecordedCostmap) -> int:
+    def add(self, costmap: RecordedCostmap) -> int:
         """Keep one; return the bytes that it takes."""
-        packed = zlib.compress(found.costs.tobytes(), 1)
-        self.keep(KeptCostmap(found.stamp_ns, found.received_ns, found.frame, found.layer, found.geometry, packed))
+        packed = zlib.compress(costmap.costs.tobytes(), 1)
+        self.keep(
+            KeptCostmap(costmap.stamp_ns, costmap.received_ns, costmap.frame, costmap.layer, costmap.geometry, packed)
+        )
         return len(packed)
 
     def keep(self, kept: KeptCostmap) -> None:

@@ -174,8 +174,8 @@ def write_mcap(
     ``progress`` is called with the share that is done, 0 … 1; what it raises ends the writing. Raises
     :class:`ConfigError` for a trajectory that the log lacks.
     """
-    way = log.trajectory(trajectory)
-    frame, base = way.frame_id or "map", way.child_frame_id
+    exported = log.trajectory(trajectory)
+    frame, base = exported.frame_id or "map", exported.child_frame_id
     stamps = export_stamps(log.stamps_ns)
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start("ros2", "gridbloom")
@@ -195,7 +195,7 @@ def write_mcap(
         own = int(log.scan_of_part[index]) if isinstance(log, JointLog) else index
         x, y, yaw = (float(value) for value in sensor.poses[own])
         pose = (x, y, yaw)
-        if not way.is_placeholder and not (is_joint and written == (stamp, pose)):
+        if not exported.is_placeholder and not (is_joint and written == (stamp, pose)):
             written = (stamp, pose)
             edge = (frame, base, pose, False)
             topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))

@@ -24,12 +24,14 @@ def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
 
 def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
     """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
-    way = log.trajectory(trajectory)
-    half = way.poses[:, 2] / 2.0
-    known = itertools.repeat(True) if way.is_known is None else way.is_known
-    rows = zip(log.stamps_ns, way.poses[:, :2] + np.array(way.offset), np.sin(half), np.cos(half), strict=True)
-    told = itertools.compress(rows, known)
-    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in told)
+    exported = log.trajectory(trajectory)
+    half = exported.poses[:, 2] / 2.0
+    known = itertools.repeat(True) if exported.is_known is None else exported.is_known
+    rows = zip(
+        log.stamps_ns, exported.poses[:, :2] + np.array(exported.offset), np.sin(half), np.cos(half), strict=True
+    )
+    known_rows = itertools.compress(rows, known)
+    return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in known_rows)
 
 
 def _seconds(stamp_ns: int) -> str:

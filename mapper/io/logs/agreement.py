@@ -32,9 +32,9 @@ DELAYS_S = tuple(0.05 * k for k in range(-6, 7))  #: of the scans, with which th
 FINER_S = (0.025, 0.0125, 0.00625)  #: steps by which it is looked for around the best of them
 
 
-def fits(one: float, other: float, share: float = BETTER) -> bool:
-    """Return whether beams end clearly nearer to others, ``one`` metres, than by other times, ``other`` metres."""
-    return one <= share * other and one <= other - BY_M
+def fits(error: float, other: float, share: float = BETTER) -> bool:
+    """Return whether beams end clearly nearer to others, ``error`` metres, than by other times, ``other`` metres."""
+    return error <= share * other and error <= other - BY_M
 
 
 class Agreement:
@@ -128,5 +128,5 @@ def _stretches(
         if usual >= LEAST_MOVED_M and len(still) >= LEAST_STILL:
             still = still[np.linspace(0, len(still) - 1, min(len(still), MOST_STILL)).astype(np.int64)]
             stretches.append((usual, still, fast))
-    best = sorted(stretches, key=lambda one: -one[0])[:MOST_STRETCHES]
+    best = sorted(stretches, key=lambda candidate: -candidate[0])[:MOST_STRETCHES]
     return [(still, fast) for _, still, fast in best]

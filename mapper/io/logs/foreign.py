@@ -183,11 +183,11 @@ def trajectory_format(head: bytes) -> str | None:
     lines = [line for line in head.split(b"\n")[:-1] if line.strip() and not line.lstrip().startswith(b"#")]
     if len(lines) > 1 and not re.search(rb"\d", lines[0]):  # the names of the columns
         lines = lines[1:]
-    found = {_format_of_pose(line) for line in lines[:POSE_LINES]}
-    if found == {"TUM"}:  # and not points with a normal, whose length is 1 as well
+    formats = {_format_of_pose(line) for line in lines[:POSE_LINES]}
+    if formats == {"TUM"}:  # and not points with a normal, whose length is 1 as well
         times = [float(re.split(rb"[,\s]", line.strip(), maxsplit=1)[0]) for line in lines[:POSE_LINES]]
         return "TUM" if times == sorted(times) else None
-    return found.pop() if len(found) == 1 else None
+    return formats.pop() if len(formats) == 1 else None
 
 
 def _format_of_pose(line: bytes) -> str | None:

@@ -135,7 +135,7 @@ def log_files(path: Path) -> list[Path]:
         inside = _files_in(path, DEFAULT_LIMITS)
         files, _ = _one_log(inside, "folder")
         files = [*(file for file in inside if file.name == METADATA and len(files) > 1), *files]
-    together = [one for file in files for one in (file, journal_of(file))]
+    together = [part for file in files for part in (file, journal_of(file))]
     return [file for file in together if isinstance(file, Path)]
 
 
@@ -173,10 +173,10 @@ def _files_in(folder: Path, limits: Limits) -> list[Source]:
         raise ReadError("log.unreadable", f"The folder cannot be read: {error.strerror}.") from error
     if len(inside) > limits.max_archive_files:
         raise LimitError("log.too_many_files", f"The folder has more than {limits.max_archive_files} files.")
-    shown = [one for one in inside if not one.name.startswith(".")]
-    files: list[Source] = [one for one in shown if one.is_file()]
+    shown = [path_ for path_ in inside if not path_.name.startswith(".")]
+    files: list[Source] = [path_ for path_ in shown if path_.is_file()]
     if shown and not files:
-        names = ", ".join(repr(one.name)[:80] for one in shown[:6])
+        names = ", ".join(repr(path_.name)[:80] for path_ in shown[:6])
         raise ReadError("log.folder", f"The folder holds folders alone, {names}: open the one with the recording.")
     return files
 
@@ -310,9 +310,9 @@ def _kind_of(file: Source) -> Container | Reader:
 def _head(file: Source) -> tuple[bytes, str | None]:
     """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
     if isinstance(file, Member) and file.head is not None:
-        found = _head_of(io.BytesIO(file.head))
-        if len(found[0]) >= HEAD or len(file.head) == file.size:
-            return found
+        head = _head_of(io.BytesIO(file.head))
+        if len(head[0]) >= HEAD or len(file.head) == file.size:
+            return head
     with opened(file) as stream:
         return _head_of(stream)
 

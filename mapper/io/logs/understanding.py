@@ -66,14 +66,14 @@ def _by_one_clock(log: ScanLog) -> tuple[ScanLog, list[str]]:
     """Return the log with the poses of each source by the clock of the scans, and notes on those that were not."""
     longest = _longest(log)
     clocks = {name: pose_clock(longest, name) for name in longest.trajectories}
-    found = {name: clock for name, clock in clocks.items() if clock is not None}
-    if not found:
+    known = {name: clock for name, clock in clocks.items() if clock is not None}
+    if not known:
         return log, []
 
     def corrected(part: ScanLog) -> ScanLog:
-        return replace(part, trajectories={**part.trajectories, **{n: c.corrected(part, n) for n, c in found.items()}})
+        return replace(part, trajectories={**part.trajectories, **{n: c.corrected(part, n) for n, c in known.items()}})
 
-    notes = list(dict.fromkeys(clock.why for clock in found.values()))
+    notes = list(dict.fromkeys(clock.why for clock in known.values()))
     return each_part(log, lambda part: replace(corrected(part), wrong_clock=notes[0])), notes
 
 
@@ -138,8 +138,8 @@ def _notes_on_speed(log: ScanLog) -> list[str]:
     """Return a note on each trajectory by which the robot usually moves faster than robots do."""
     seconds = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     notes = []
-    for name, way in log.trajectories.items():
-        steps = np.hypot(*np.diff(way.poses[:, :2], axis=0).T)
+    for name, trajectory in log.trajectories.items():
+        steps = np.hypot(*np.diff(trajectory.poses[:, :2], axis=0).T)
         speeds = steps[(seconds > 0.0) & (steps > 0.0)] / seconds[(seconds > 0.0) & (steps > 0.0)]
         usual = float(np.median(speeds)) if len(speeds) >= LEAST_SCANS else 0.0
         if usual > FASTEST_USUAL:

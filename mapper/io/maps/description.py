@@ -215,7 +215,7 @@ def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
             return named, None
         beside = folder / base
         if base and not beside.is_file():
-            alike = [one for one in folder.iterdir() if _folded(one.name) == _folded(base) and one.is_file()]
+            alike = [path for path in folder.iterdir() if _folded(path.name) == _folded(base) and path.is_file()]
             beside = alike[0] if len(alike) == 1 else beside
         has_beside = bool(base) and beside.is_file()
         if has_beside and beside.resolve().is_relative_to(root):

@@ -134,19 +134,19 @@ def difference_pixels(a: OccupancyGrid, b: OccupancyGrid) -> tuple[tuple[int, in
             apart, _ = _apart(difference(a, b, rows))
             most = max(most, float(np.abs(apart).max()))
         for rows in row_bands(shape):
-            found = difference(a, b, rows)
-            apart, known = _apart(found)
+            differing = difference(a, b, rows)
+            apart, known = _apart(differing)
             index = (129 + np.copysign(np.rint(np.sqrt(np.abs(apart) / most) * 126.0), apart)).astype(np.uint8)
-            index[~known] = (found.observed_a + 2 * found.observed_b.astype(np.uint8))[~known]
+            index[~known] = (differing.observed_a + 2 * differing.observed_b.astype(np.uint8))[~known]
             yield np.asarray(GridGeometry.to_image(index), dtype=np.uint8)
 
     return shape, pixels()
 
 
-def _apart(found: Difference) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+def _apart(difference_: Difference) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Return ℓ_b − ℓ_a where both maps have observed a cell, elsewhere 0; and where they have."""
-    known = found.observed_a & found.observed_b
-    return np.where(known, found.log_odds, np.float32(0.0)), known
+    known = difference_.observed_a & difference_.observed_b
+    return np.where(known, difference_.log_odds, np.float32(0.0)), known
 
 
 def _probability_palette() -> bytes:

@@ -81,7 +81,7 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
         notes += said
         at_scans = poses.at(log.stamps_ns)
     added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
-    known = {own: one for own, one in log.trajectories.items() if not one.is_placeholder}
+    known = {own: trajectory for own, trajectory in log.trajectories.items() if not trajectory.is_placeholder}
     outdated = {trajectory.placeholder_note for trajectory in log.trajectories.values()}
     kept = [note for note in log.notes if note not in outdated]
     return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))

@@ -52,15 +52,15 @@ def filter_readings_near_cell(
         d_x, d_y = cell_x - sensors[t, 0], cell_y - sensors[t, 1]
         cos, sin = sensors[t, 2], sensors[t, 3]
         ahead, aside = cos * d_x + sin * d_y, cos * d_y - sin * d_x  # of the sensor
-        found = 0
+        count = 0
         for k in range(ranges.shape[1]):
             z = ranges[t, k]
             along, across = beams[k, 0] * ahead + beams[k, 1] * aside, beams[k, 0] * aside - beams[k, 1] * ahead
             reach = min(z, range_max) * (1.0 + 0.5 * growth) + 0.5 * window + spare
             close = (abs(across) <= spare) & (along >= -spare) & (along <= reach)
             sifted[t, k] = z if close else np.float32(np.nan)
-            found |= close
-        near[t] = found
+            count |= close
+        near[t] = count
 
 
 @jit

@@ -145,15 +145,15 @@ def _bound_blocks(
 
 
 @jit
-def _excluded(found: Int64Array, count: int, apart: Window, turn: int, y: int, x: int, side: int) -> bool:
-    """Return whether all poses of a block lie near one of the first ``count`` poses of ``found`` (k, 4)."""
+def _excluded(maxima: Int64Array, count: int, apart: Window, turn: int, y: int, x: int, side: int) -> bool:
+    """Return whether all poses of a block lie near one of the first ``count`` poses of ``maxima`` (k, 4)."""
     for k in range(count):
         if (
-            abs(turn - found[k, 1]) <= apart.turns
-            and y >= found[k, 2] - apart.cells
-            and y + side - 1 <= found[k, 2] + apart.cells
-            and x >= found[k, 3] - apart.cells
-            and x + side - 1 <= found[k, 3] + apart.cells
+            abs(turn - maxima[k, 1]) <= apart.turns
+            and y >= maxima[k, 2] - apart.cells
+            and y + side - 1 <= maxima[k, 2] + apart.cells
+            and x >= maxima[k, 3] - apart.cells
+            and x + side - 1 <= maxima[k, 3] + apart.cells
         ):
             return True
     return False

@@ -94,7 +94,7 @@ def accumulate_scan(
             n += 1
     nearest = np.empty(n, dtype=np.int64)
     _pair_points(fixed, j, xy, n, gate, rule.max_beams, wanted, nearest)
-    found = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
+    paired = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
     pairs, tried = 0, 0
     for p in range(n):
         k, q = beams[p], nearest[p]
@@ -112,24 +112,24 @@ def accumulate_scan(
         p_x, p_y = np.float64(points[k, 0]), np.float64(points[k, 1])
         e_x, e_y = xy[p, 0] - np.float64(lines[q, 0]), xy[p, 1] - np.float64(lines[q, 1])
         r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
-        found[pairs, 0], found[pairs, 1], found[pairs, 2], found[pairs, 3] = r_x, r_y, n_x, n_y
+        paired[pairs, 0], paired[pairs, 1], paired[pairs, 2], paired[pairs, 3] = r_x, r_y, n_x, n_y
         if to_line:
-            found[pairs, 4] = n_x * e_x + n_y * e_y
+            paired[pairs, 4] = n_x * e_x + n_y * e_y
         else:
-            found[pairs, 4], found[pairs, 5] = e_x, e_y
+            paired[pairs, 4], paired[pairs, 5] = e_x, e_y
         pairs += 1
     greatest = 1e300
     if rule.keep < 1.0 and pairs > 0:
-        squares_of = found[:pairs, 4] ** 2
+        squares_of = paired[:pairs, 4] ** 2
         if not to_line:
-            squares_of += found[:pairs, 5] ** 2
+            squares_of += paired[:pairs, 5] ** 2
         squares_of.sort()
         greatest = squares_of[min(max(int(rule.keep * pairs), 1), pairs) - 1]
     kept, squares, weighted = 0, 0.0, 0.0
     h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     g0, g1, g2 = 0.0, 0.0, 0.0
     for k in range(pairs):
-        r_x, r_y, n_x, n_y, e, e_y = found[k, 0], found[k, 1], found[k, 2], found[k, 3], found[k, 4], found[k, 5]
+        r_x, r_y, n_x, n_y, e, e_y = paired[k, 0], paired[k, 1], paired[k, 2], paired[k, 3], paired[k, 4], paired[k, 5]
         if to_line:
             square = e * e
             if square > greatest:
@@ -197,26 +197,26 @@ def accumulate_pairs(
     ``hessians`` (n_pairs, 6, 6) and ``gradients`` (n_pairs, 6), over (x, y, θ) of the first and then of the second
     scan, and ``figures`` (n_pairs, 4): pairs of points, points in the field of view, Σ e², Σ w e².
     """
-    one, right = np.empty((3, 3)), np.empty(3)
+    matrix, right = np.empty((3, 3)), np.empty(3)
     for k in range(len(first)):
         i, j = first[k], second[k]
-        one[:], right[:] = 0.0, 0.0
+        matrix[:], right[:] = 0.0, 0.0
         figures[k, 0], figures[k, 1], figures[k, 2], figures[k, 3] = accumulate_scan(
-            scans, i, poses[i], scans, j, poses[j], gate, rule, one, right
+            scans, i, poses[i], scans, j, poses[j], gate, rule, matrix, right
         )
         a, b = poses[i, 1] - poses[j, 1], poses[j, 0] - poses[i, 0]
         for u in range(3):
             gradients[k, u] = right[u]
             for v in range(3):
-                hessians[k, u, v] = one[u, v]
-            hessians[k, u, 3] = hessians[k, 3, u] = -one[u, 0]
-            hessians[k, u, 4] = hessians[k, 4, u] = -one[u, 1]
-            hessians[k, u, 5] = hessians[k, 5, u] = -(one[u, 2] - a * one[u, 0] - b * one[u, 1])
-        _of_other(one, right, a, b)
+                hessians[k, u, v] = matrix[u, v]
+            hessians[k, u, 3] = hessians[k, 3, u] = -matrix[u, 0]
+            hessians[k, u, 4] = hessians[k, 4, u] = -matrix[u, 1]
+            hessians[k, u, 5] = hessians[k, 5, u] = -(matrix[u, 2] - a * matrix[u, 0] - b * matrix[u, 1])
+        _of_other(matrix, right, a, b)
         for u in range(3):
             gradients[k, 3 + u] = right[u]
             for v in range(3):
-                hessians[k, 3 + u, 3 + v] = one[u, v]
+                hessians[k, 3 + u, 3 + v] = matrix[u, v]
 
 
 @jit

@@ -68,9 +68,9 @@ def write_pyramid(scores: UInt8Array, levels: UInt8Array) -> None:
         below, here = levels[level - 1], levels[level]
         for row in range(rows):
             # Slices that begin where they are read, so that the compiler sees plain loops over bytes.
-            one, other, out = below[row], below[min(row + reach, rows - 1)], here[row]
+            nearer, other, out = below[row], below[min(row + reach, rows - 1)], here[row]
             for col in range(cols):
-                higher[col] = max(one[col], other[col])
+                higher[col] = max(nearer[col], other[col])
             ahead = higher[reach:]
             for col in range(len(ahead)):
                 out[col] = max(higher[col], ahead[col])

@@ -79,7 +79,7 @@ def _write_nearest(
         sine = angle - angle * angle * angle / 6.0
         square_sines[k] = sine * sine
     for p in range(n):
-        centre, found = centres[p], -1
+        centre, closest = centres[p], -1
         if centre >= 0:
             x, y = xy[p, 0], xy[p, 1]
             to_x, to_y = x - sensor_x, y - sensor_y
@@ -98,8 +98,8 @@ def _write_nearest(
                         d_x, d_y = points[b, 0] - x, points[b, 1] - y
                         square = d_x * d_x + d_y * d_y
                         if square < best:
-                            best, found = square, b
-        nearest[p] = found
+                            best, closest = square, b
+        nearest[p] = closest
 
 
 @jit

@@ -69,10 +69,10 @@ def relax(
                 if floor[i] == -np.inf:
                     path[i, 0], path[i, 1] = x, y
                 continue
-            way = math.hypot(x - before[i, 0], y - before[i, 1])
-            clearance = known[i] - way - SLACK
+            moved = math.hypot(x - before[i, 0], y - before[i, 1])
+            clearance = known[i] - moved - SLACK
             if not clearance >= floor[i]:
-                if way < floor[i] and abs(x - first[i, 0]) <= MOVED and abs(y - first[i, 1]) <= MOVED:
+                if moved < floor[i] and abs(x - first[i, 0]) <= MOVED and abs(y - first[i, 1]) <= MOVED:
                     least_square = np.inf
                     group = i // GROUP
                     for at in range(counts[group]):

@@ -89,9 +89,9 @@ def surface_cells(
             for z in range(8):
                 for y in range(8):
                     a, b, c, d = negative[z, y], negative[z, y + 1], negative[z + 1, y], negative[z + 1, y + 1]
-                    one, all_four = a | b | c | d, a & b & c & d
+                    any_, all_four = a | b | c | d, a & b & c & d
                     sure = known[z, y] & known[z, y + 1] & known[z + 1, y] & known[z + 1, y + 1]
-                    mixed = (one | one >> 1) & ~(all_four & all_four >> 1) & sure & (sure >> 1) & 255
+                    mixed = (any_ | any_ >> 1) & ~(all_four & all_four >> 1) & sure & (sure >> 1) & 255
                     cells[z, y] = mixed
                     x = 0
                     while mixed != 0:
@@ -150,7 +150,7 @@ def vertex_rows(
                     crossing = here ^ negative[z + 1, y]
                     beside = cells[z + 1, y] | cells[z + 1, y + 1]
                     used = beside | beside >> 1
-                found = crossing & used & 255
-                out_rows[i, axis, row], out_starts[i, axis, row] = found, n
-                n += int(np.int64(tables.bits[found]))
+                crossed = crossing & used & 255
+                out_rows[i, axis, row], out_starts[i, axis, row] = crossed, n
+                n += int(np.int64(tables.bits[crossed]))
         out_counts[i] = n

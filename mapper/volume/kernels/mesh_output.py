@@ -46,8 +46,8 @@ def _slope(before: np.float32, here: np.float32, after: np.float32) -> np.float3
     forward, backward = after - here, here - before
     known_forward, known_backward = forward == forward, backward == backward  # noqa: PLR0124 - NaN is not itself
     both = (after - before) * np.float32(0.5)
-    one = forward if known_forward else (backward if known_backward else np.float32(0.0))
-    return both if known_forward & known_backward else one
+    distance = forward if known_forward else (backward if known_backward else np.float32(0.0))
+    return both if known_forward & known_backward else distance
 
 
 @jit
@@ -139,13 +139,13 @@ def write_triangles(
                     signs[k] = np.int64(blocks.negative[near[i, at], z & 7, y & 7])
                 if near[i, at + 1] >= 0:
                     signs[k] |= (np.int64(blocks.negative[near[i, at + 1], z & 7, y & 7]) & 1) << 8
-                one, after = owner[at], owner[at + 1]
+                before, after = owner[at], owner[at + 1]
                 for axis in range(3):
                     if axis != 0 and k >> (axis - 1) & 1:
                         continue  # an edge of the cell along y or z begins at the cell's own y or z
-                    if one >= 0:
-                        bits[4 * axis + k] = edges.rows[one, axis, inner]
-                        here[4 * axis + k] = firsts[one] + edges.starts[one, axis, inner]
+                    if before >= 0:
+                        bits[4 * axis + k] = edges.rows[before, axis, inner]
+                        here[4 * axis + k] = firsts[before] + edges.starts[before, axis, inner]
                     if after >= 0:
                         beyond[4 * axis + k] = firsts[after] + edges.starts[after, axis, inner]
             x = 0

@@ -122,12 +122,12 @@ def fuse_depth(
     ``corners`` (n, 3) are the first voxels' centres, u z, v z, z, in pixels and metres of the camera; ``offsets``
     (3, 512) what the others have more. ``distances`` and ``weights`` (slots, 512) are the map.
     """
-    zero, one, half, infinite = np.float32(0.0), np.float32(1.0), np.float32(0.5), np.float32(np.inf)
+    zero, unit, half, infinite = np.float32(0.0), np.float32(1.0), np.float32(0.5), np.float32(np.inf)
     right, bottom = np.float32(view.width - 0.5), np.float32(view.height - 0.5)
     band, near, far, most = fusion.truncation, fusion.near, fusion.far, fusion.max_weight
     carve, inverse_square = fusion.carve, fusion.inverse_square
     depth, width = view.depth, np.int32(view.width)
-    fall = one / max(band - near, np.float32(1e-30))
+    fall = unit / max(band - near, np.float32(1e-30))
     # Three loops: the compiler vectorises the first and the last, but no loop that looks up pixels and writes.
     pixels, away, depths = (
         np.empty(512, dtype=np.int32),
@@ -138,7 +138,7 @@ def fuse_depth(
         cu, cv, cz = corners[i, 0], corners[i, 1], corners[i, 2]
         for k in range(512):
             z = cz + offsets[2, k]
-            inverse = np.divide(one, z)  # `/` raises at 0, and no such loop is vectorised
+            inverse = np.divide(unit, z)  # `/` raises at 0, and no such loop is vectorised
             u, v = (cu + offsets[0, k]) * inverse, (cv + offsets[1, k]) * inverse
             seen = (z > zero) & (u >= -half) & (u < right) & (v >= -half) & (v < bottom)
             col, row = np.int32(u + half if seen else zero), np.int32(v + half if seen else zero)
@@ -153,8 +153,8 @@ def fuse_depth(
             distance = d - z
             old, sure = line[k], weight[k]
             before = distance > band
-            inverse = np.divide(one, z)
-            w = inverse * inverse if inverse_square else one
+            inverse = np.divide(unit, z)
+            w = inverse * inverse if inverse_square else unit
             w = w * ((band + distance) * fall) if distance < -near else w
             update = (d > zero) & (d <= far) & (distance > -band) & (carve | ~before)
             total = sure + w

@@ -28,10 +28,10 @@ def marked_blocks(
         for by in range(box.ny // 8):
             for bx in range(row):
                 corner = (bz * 8 * box.ny + by * 8) * row + bx
-                found = np.int64(0)
+                count = np.int64(0)
                 for k in range(64):
-                    found |= words[corner + ((k >> 3) * box.ny + (k & 7)) * row]
-                if found != 0:
+                    count |= words[corner + ((k >> 3) * box.ny + (k & 7)) * row]
+                if count != 0:
                     codes[n] = block_code(box.x + bx * 8, box.y + by * 8, box.z + bz * 8)
                     corners[n] = corner
                     some = 0

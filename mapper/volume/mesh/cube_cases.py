@@ -69,10 +69,10 @@ def triangles(case: int) -> list[tuple[int, int, int]]:
 def cube_tables() -> CubeTables:
     """Return the cases as arrays for kernels."""
     all_cases = [triangles(case) for case in range(256)]
-    counts = np.array([len(found) for found in all_cases], dtype=np.uint8)
+    counts = np.array([len(polygons) for polygons in all_cases], dtype=np.uint8)
     edges = np.zeros((256, 3 * int(counts.max())), dtype=np.uint8)
-    for case, found in enumerate(all_cases):
-        edges[case, : 3 * len(found)] = [edge for triangle in found for edge in triangle]
+    for case, polygons in enumerate(all_cases):
+        edges[case, : 3 * len(polygons)] = [edge for triangle in polygons for edge in triangle]
     firsts = np.array([corners_of(edge)[0] for edge in range(12)], dtype=np.uint8)
     bits = np.array([byte.bit_count() for byte in range(256)], dtype=np.uint8)
     return CubeTables(counts, edges, firsts, bits)

@@ -53,7 +53,7 @@ def face_rule(
 
 
 def _key_of(voxel: Float64Array) -> tuple[int, int, int]:
-    x, y, z = (int(one) + CENTRE for one in voxel)
+    x, y, z = (int(index) + CENTRE for index in voxel)
     return x, y, z
 
 

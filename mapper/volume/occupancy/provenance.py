@@ -61,10 +61,10 @@ def why_voxel(
             value *= np.float32(0.5 ** ((scan.stamp_ns - last_ns) * 1e-9 / config.half_life))
             value = np.float32(np.nan) if abs(value) < np.float32(FORGET_BELOW) else value
         last_ns = scan.stamp_ns or last_ns
-        found = _beams(volume, scan, key, place)
-        if found is None:
+        crossing = _beams(volume, scan, key, place)
+        if crossing is None:
             continue
-        is_hit, beams, ends = found
+        is_hit, beams, ends = crossing
         before = value
         step = config.log_odds_hit if is_hit else config.log_odds_miss
         value = np.float32(0.0 if np.isnan(value) else value) + step

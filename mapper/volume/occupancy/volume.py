@@ -175,8 +175,8 @@ class OccupancyVolume:
             )
             mark_ends(hits, box, marks)
             n = min(cores(), 1 + size // (BLOCK**3 * BLOCKS_A_THREAD))
-            found = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
-            codes, corners, parts = (np.concatenate(some) for some in zip(*found, strict=True))
+            shares_of = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
+            codes, corners, parts = (np.concatenate(some) for some in zip(*shares_of, strict=True))
             try:
                 slots = self._add(codes)
             except LimitError:

@@ -117,7 +117,7 @@ class ScanSequence:
     def nbytes(self) -> int:
         """Bytes of the arrays."""
         depth = 0 if self.depth is None else self.depth.images.nbytes
-        return self.points.nbytes + sum(one.nbytes for one in self.fields.values()) + self.origins.nbytes + depth
+        return self.points.nbytes + sum(field.nbytes for field in self.fields.values()) + self.origins.nbytes + depth
 
 
 class _Gathered:

@@ -78,7 +78,7 @@ def why_surface(
 def _place(key: Int64Array) -> tuple[int, tuple[int, int, int]]:
     """Return the code of a voxel's block and its place there, z y x."""
     x, y, z = (int(k) for k in key // BLOCK)
-    i, j, k = (int(one) for one in key % BLOCK)
+    i, j, k = (int(index) for index in key % BLOCK)
     return z << 26 | y << 13 | x, (k, j, i)
 
 

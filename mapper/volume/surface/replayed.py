@@ -142,7 +142,7 @@ class ReplayedSurface:
         self._snapshots[self.index] = kept
         while self._snapshots and sum(snapshot.nbytes for snapshot in self._snapshots.values()) > self._most_bytes:
             self._every *= 2
-            self._snapshots = {at: one for at, one in self._snapshots.items() if at % self._every == 0}
+            self._snapshots = {at: snapshot for at, snapshot in self._snapshots.items() if at % self._every == 0}
 
 
 def fuse(volume: TsdfVolume, source: MeasuredScans, index: int) -> Fused:

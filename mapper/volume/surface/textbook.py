@@ -67,12 +67,12 @@ def fuse_depth(
 
 def weight_of(distance: Float32Array, inverse_depth: Float32Array, config: TsdfConfig) -> Float32Array:
     """Return the weight (n,) of measurements at signed distances (n,), metres, at 1 / depth (n,)."""
-    band, one = config.band, np.float32(1.0)
+    band, unit = config.band, np.float32(1.0)
     weight = inverse_depth * inverse_depth if config.weighting == "inverse_square" else np.ones_like(inverse_depth)
     if not config.drop_off:
         return weight
     near = np.float32(min(config.resolution, 0.5 * float(band)))
-    return np.where(distance < -near, weight * ((band + distance) * (one / (band - near))), weight)
+    return np.where(distance < -near, weight * ((band + distance) * (unit / (band - near))), weight)
 
 
 def fuse_points(surface: Surface, points: Float64Array, origin: Float64Array, config: TsdfConfig) -> None:

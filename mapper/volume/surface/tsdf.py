@@ -105,15 +105,15 @@ class TsdfVolume:
         rays = place[:3, :3] @ np.linalg.inv(matrix) / resolution
         view = DepthView(image.reshape(-1), camera.width, camera.height, rays, origin)
         far = float(deepest) + float(fusion.truncation)
-        found = self.blocks.find(codes := self._surface_blocks(view, fusion, far))
-        new = np.flatnonzero(found < 0)
+        blocks = self.blocks.find(codes := self._surface_blocks(view, fusion, far))
+        new = np.flatnonzero(blocks < 0)
         first = self.blocks.count
         self._reserve(first + len(new))
-        slots = found.copy()
+        slots = blocks.copy()
         slots[new] = first + np.arange(len(new), dtype=np.int32)
         corners = _corners(codes)
         if fusion.carve:
-            more = self._blocks_in_front(found, view, far)
+            more = self._blocks_in_front(blocks, view, far)
             corners, slots = np.concatenate([corners, self.blocks.corners[more]]), np.concatenate([slots, more])
         project = matrix @ place[:3, :3].T
         x, y, z = ((corners - CENTRE + 0.5) * resolution - place[:3, 3]).T
@@ -199,16 +199,16 @@ class TsdfVolume:
             in_parallel(
                 [partial(mark_surface, view, fusion, resolution, box, a, b, marks) for a, b in shares(tiles, cores())]
             )
-            found = np.flatnonzero(marks)
-            marks[found] = False
-        x, y, z = found % nx + box.x // BLOCK, found // nx % ny + box.y // BLOCK, found // (nx * ny) + box.z // BLOCK
+            marked = np.flatnonzero(marks)
+            marks[marked] = False
+        x, y, z = marked % nx + box.x // BLOCK, marked // nx % ny + box.y // BLOCK, marked // (nx * ny) + box.z // BLOCK
         codes: Int64Array = z << 26 | y << 13 | x
         return codes
 
-    def _blocks_in_front(self, found: Int32Array, view: DepthView, far: float) -> Int32Array:
-        """Return the slots of the map's blocks that the camera may see and that are not ``found`` at the surface."""
+    def _blocks_in_front(self, blocks: Int32Array, view: DepthView, far: float) -> Int32Array:
+        """Return the slots of the map's blocks that the camera may see, without ``blocks``, those at the surface."""
         others = np.ones(self.blocks.count, dtype=np.bool_)
-        others[found[found >= 0]] = False
+        others[blocks[blocks >= 0]] = False
         slots: Int32Array = np.flatnonzero(others).astype(np.int32)
         away = self.blocks.corners[slots] + 0.5 * (BLOCK - 1) - view.origin
         project = np.linalg.inv(view.rays)

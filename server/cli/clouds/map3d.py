@@ -216,12 +216,12 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
     with refusing(path):
         poses = GivenPoses.read(path)
     clouds = 0
-    for one in inputs:
-        with refusing(one):
-            head = b"" if one.is_dir() else file_head(one, DEFAULT_LIMITS)
+    for source in inputs:
+        with refusing(source):
+            head = b"" if source.is_dir() else file_head(source, DEFAULT_LIMITS)
             kind = cloud_format(head)
             if kind == "scan graph":
-                refuse_poses(poses, one)
+                refuse_poses(poses, source)
         clouds += kind is not None and not is_octree(head)
     if clouds and clouds != len(poses):
         fail(

@@ -66,21 +66,21 @@ def terrain(
         every = Patches.of(read.points, config.patch)
         points = read.points[ground.is_ground]
         used = points[fitted(points, every, config)]
-        found = assess(every.emptied().with_points(used), config, occupied=every)
+        terrain = assess(every.emptied().with_points(used), config, occupied=every)
         took = time.process_time() - began
     right = None
     if truth is not None:
         with refusing(truth):
             right = agreement(ground.is_ground, _points_in(read, read_cloud(truth)))
-    files = _write(out, ground.is_ground, found)
-    notes = [*read.notes, *_unknown_patches(every, found, config)]
+    files = _write(out, ground.is_ground, terrain)
+    notes = [*read.notes, *_unknown_patches(every, terrain, config)]
     facts: dict[str, object] = {
         "cloud": str(cloud),
         "points": len(read),
         "ground": int(ground.is_ground.sum()),
         "unsure": int(ground.is_unsure.sum()),
         "left_out": ground.left_out,
-        **found.counts(),
+        **terrain.counts(),
         **({} if right is None else {name: round(value, 2) for name, value in right.items()}),
         "cpu_seconds": round(took, 3),
         "files": [str(path) for path in files],
@@ -105,9 +105,9 @@ def terrain(
     print_notes(notes)
 
 
-def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> list[str]:
+def _unknown_patches(every: Patches, terrain: Terrain, config: PatchConfig) -> list[str]:
     """Return a sentence where many of the patches with points are unknown; ``every`` has the points of all."""
-    unknown = found.classes[every.moments[..., 0] > 0.0] == UNKNOWN
+    unknown = terrain.classes[every.moments[..., 0] > 0.0] == UNKNOWN
     if unknown.mean() <= MANY_UNKNOWN:
         return []
     sentence = (
@@ -126,8 +126,8 @@ def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
     return is_inside
 
 
-def _write(prefix: Path, is_ground: BoolArray, found: Terrain) -> list[Path]:
-    files = save(found.grid(), prefix, "trinary", "map")
+def _write(prefix: Path, is_ground: BoolArray, terrain: Terrain) -> list[Path]:
+    files = save(terrain.grid(), prefix, "trinary", "map")
     path = prefix.with_name(prefix.name + ".npy")
     with output_file(path) as file:
         np.save(file, is_ground.astype(np.uint8))

@@ -80,7 +80,7 @@ def check(
             f"drift {verdict.drift:.2f} m" if verdict.drift is not None else "",
             f"sharpness {verdict.sharpness:.3f}" if verdict.sharpness is not None else "",
         ]
-        said = ["passed" if verdict.passed else "failed", *(one for one in measured if one)]
+        said = ["passed" if verdict.passed else "failed", *(drift_ for drift_ in measured if drift_)]
         typer.echo(f"{scans.name}: {', '.join(said)}")
         for reason in verdict.reasons:
             of = f" of {reason.sensor}" if reason.sensor else ""

@@ -84,15 +84,15 @@ def fleet(
                 write_page(whole, running=False)
     failed = [result for result in whole.results.values() if result.failed]
     if as_json:
-        results = {key: one.public() for key, one in whole.results.items()}
+        results = {key: result.public() for key, result in whole.results.items()}
         print_json({"logs": len(whole.logs), "failed": len(failed), "results": results})
     else:
         ended = f"{len(whole.results)} of {len(whole.logs)} logs, {before} of them before, {len(failed)} failed"
         typer.echo(f"{ended}, in {time.monotonic() - began:.1f} s")
         for line in starmap(line_of, ordered([*whole.results.values()], order)):
             typer.echo(f"  {line}")
-        for one in failed:
-            typer.echo(f"  {one.log}: {one.message}")
+        for failure in failed:
+            typer.echo(f"  {failure.log}: {failure.message}")
         typer.echo(f"  {out / PAGE}")
     if failed:
         raise typer.Exit(1)

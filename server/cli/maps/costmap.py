@@ -100,9 +100,9 @@ def costmap(
         "no_information": int(counts[NO_INFORMATION]),
         "unknown_as_free": unknown_as_free,
         "without_effect": list(parameters.unused),
-        "filters": [one.name for one in parameters.filters],
+        "filters": [filter_.name for filter_ in parameters.filters],
         "without_mask": list(built.unmasked),
-        "speed_limited": sum(int((one.mask.on(loaded.grid.geometry) > 0).sum()) for one in built.speed),
+        "speed_limited": sum(int((filter_.mask.on(loaded.grid.geometry) > 0).sum()) for filter_ in built.speed),
         "without_costs": list(built.given),
         "without_readings": list(built.observed),
         "notes": notes,
@@ -163,10 +163,10 @@ def with_masks(
     if speed is not None:
         kind = ABSOLUTE if scale.is_absolute else PERCENTAGE
         added.append((speed, NamedFilter("speed_mask", "speed", speed.name, kind, scale.base, scale.multiplier)))
-    for path, one in added:
+    for path, filter_ in added:
         with refusing(path):
-            masks |= load_masks(replace(parameters, filters=(one,)), path.parent, frame)
-    return replace(parameters, filters=(*parameters.filters, *(one for _, one in added))), masks
+            masks |= load_masks(replace(parameters, filters=(filter_,)), path.parent, frame)
+    return replace(parameters, filters=(*parameters.filters, *(filter_ for _, filter_ in added))), masks
 
 
 def notes_on_masks(masks: Mapping[str, Mask]) -> list[str]:

@@ -88,7 +88,7 @@ def map_log(
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
         frame, notes_on_sensors = _frame_of(logs, trajectory)
-    read_notes = [*dict.fromkeys(note for one in logs for note in one.notes), *notes_on_sensors]
+    read_notes = [*dict.fromkeys(note for log in logs for note in log.notes), *notes_on_sensors]
     notes = [*read_notes, *(prior_map.notes_for(scans, trajectory) if prior_map else ())]
     if prior_map is not None:
         frame = prior_map.frame
@@ -129,7 +129,7 @@ def map_log(
         "log": scans.name,
         "trajectory": trajectory,
         "frame": frame,
-        "scans": sum(one.n_scans for one in logs) if first_scans is None else first_scans,
+        "scans": sum(log.n_scans for log in logs) if first_scans is None else first_scans,
         "beams": scans.n_beams,
         "deskewed_scans": deskewed,
         "cells_updated": updated,
@@ -143,13 +143,13 @@ def map_log(
         "notes": notes,
     }
     if len(logs) > 1:
-        facts["sensors"] = [{"topic": one.topic, "scans": one.n_scans, "beams": one.n_beams} for one in logs]
+        facts["sensors"] = [{"topic": log.topic, "scans": log.n_scans, "beams": log.n_beams} for log in logs]
     if not quiet:
         facts |= {"cause": cause, "drift": drift}
     if as_json:
         print_json(facts)
         return
-    beams = " and ".join(dict.fromkeys(str(one.n_beams) for one in logs))
+    beams = " and ".join(dict.fromkeys(str(log.n_beams) for log in logs))
     of = f" of {len(logs)} sensors" if len(logs) > 1 else ""
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
@@ -167,7 +167,7 @@ def map_log(
         typer.echo(f"  wrote {path}")
     if quiet:
         return
-    print_notes([*notes, *(one for one in (cause, drift) if one)])
+    print_notes([*notes, *(finding for finding in (cause, drift) if finding)])
 
 
 def _joined(logs: Sequence[ScanLog]) -> ScanLog:
@@ -177,22 +177,24 @@ def _joined(logs: Sequence[ScanLog]) -> ScanLog:
 
 def _frame_of(logs: Sequence[ScanLog], trajectory: str) -> tuple[str | None, list[str]]:
     """Return the frame of the poses of all sensors, and notes; end the command where they are in different ones."""
-    ways = [log.trajectory(trajectory) for log in logs]
-    frames = dict.fromkeys(way.frame_id for way in ways)
+    trajectories = [log.trajectory(trajectory) for log in logs]
+    frames = dict.fromkeys(trajectory.frame_id for trajectory in trajectories)
     if len(frames) < 2:
-        return ways[0].frame_id, []
-    if not all(way.is_placeholder for way in ways):
+        return trajectories[0].frame_id, []
+    if not all(trajectory.is_placeholder for trajectory in trajectories):
         fail(f"The poses of these sensors are in different frames: {', '.join(map(repr, frames))}.")
-    return ways[0].frame_id, ["Where these sensors sit on the robot is not known; all are taken to be in one place."]
+    return trajectories[0].frame_id, [
+        "Where these sensors sit on the robot is not known; all are taken to be in one place."
+    ]
 
 
 def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -> tuple[int, list[str]]:
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
     deskewed = left_out = 0
-    for one in (part for log in logs for part in sensors_of(log)):
-        plan = plan_update(config, one.range_min, one.range_max)
-        deskewed += int(deskewed_scans(one, plan, trajectory).sum())
-        left_out += int((~covered_scans(one, plan, trajectory)).sum())
+    for sensor in (part for log in logs for part in sensors_of(log)):
+        plan = plan_update(config, sensor.range_min, sensor.range_max)
+        deskewed += int(deskewed_scans(sensor, plan, trajectory).sum())
+        left_out += int((~covered_scans(sensor, plan, trajectory)).sum())
     scans, are = ("1 scan is", "is") if left_out == 1 else (f"{left_out} scans are", "are")
     note = f"With this time offset {scans} from before or after all poses, and {are} left out."
     return deskewed, [note] if left_out else []
@@ -255,7 +257,9 @@ def _drift_line(log: ScanLog, trajectory: str | None) -> str:
     name = trajectory or log.default_trajectory
     poses = log.trajectory(name).poses
     others = [
-        other for other, one in log.trajectories.items() if np.abs(one.poses[:, :2] - poses[:, :2]).max() > SAME_POSES_M
+        other
+        for other, trajectory in log.trajectories.items()
+        if np.abs(trajectory.poses[:, :2] - poses[:, :2]).max() > SAME_POSES_M
     ]
     remedy = (
         f"try other poses of this log with --trajectory {' or '.join(others)}, or correct them with gridbloom slam"

@@ -65,7 +65,7 @@ class PriorMap:
         return self.notes
 
     def _remedy(self, log: ScanLog, frame: str) -> str:
-        others = [name for name, one in log.trajectories.items() if one.frame_id == self.frame]
+        others = [name for name, trajectory in log.trajectories.items() if trajectory.frame_id == self.frame]
         chosen = f"Choose poses in its frame with --trajectory {others[0]}, or" if others else "If that is wrong,"
         return f"{chosen} state the frame of the prior map with --prior-frame {frame}."
 

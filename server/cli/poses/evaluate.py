@@ -171,7 +171,7 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, read: R
                 if clear is None
                 else {"count": len(clear["translation"].errors), **_figures(clear)},
                 "benchmark": benchmark,
-                "published": [asdict(one) for one in published],
+                "published": [asdict(entry) for entry in published],
                 "notes": list(poses.notes),
             }
         )
@@ -203,11 +203,12 @@ def _beside(published: Sequence[PublishedResult], errors: RelationErrors, clear:
     for name, translation, rotation in rows:
         t, r = translation.statistics.mean, math.degrees(rotation.statistics.mean)
         typer.echo(f"    {name:<26} {t:>8.4f} {r:>8.3f} {errors.policy:>10} {len(translation.errors):>10}")
-    for one in published:
-        turn = "–" if one.rotation is None else f"{one.rotation:.3f}"
-        count = "–" if one.count is None else str(one.count)
+    for entry in published:
+        turn = "–" if entry.rotation is None else f"{entry.rotation:.3f}"
+        count = "–" if entry.count is None else str(entry.count)
         typer.echo(
-            f"    {one.program:<26} {one.translation:>8.4f} {turn:>8} {one.policy:>10} {count:>10}  {one.source}"
+            f"    {entry.program:<26} {entry.translation:>8.4f} {turn:>8} {entry.policy:>10} {count:>10}  "
+            f"{entry.source}"
         )
 
 

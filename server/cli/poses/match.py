@@ -90,14 +90,14 @@ def match(
 
     A topic, a mount and a time offset are those of both; a TUM file is the first log's.
     """
-    one, other = _sides(first, second, scans)
-    if (one.index is None) != (other.index is None):
-        fail(f"{one.name} and {other.name}: Two scans can be matched, or two maps; these are one of each.")
-    is_map = one.index is None
+    base, other = _sides(first, second, scans)
+    if (base.index is None) != (other.index is None):
+        fail(f"{base.name} and {other.name}: Two scans can be matched, or two maps; these are one of each.")
+    is_map = base.index is None
     mapping = configured(given_parameters(parameters, mount))
 
     def read(path: Path) -> ScanLog:
-        log = read_log(path, topic, tum_trajectory if path == one.path else None, tf)
+        log = read_log(path, topic, tum_trajectory if path == base.path else None, tf)
         return with_corrections(path, log, mapping)
 
     wanted: dict[str, object] = {}
@@ -114,11 +114,11 @@ def match(
     began = time.process_time()
     if is_map:
         begin = begin or [0.0, 0.0, 0.0]
-        aligned, notes = _match_maps(one, other, begin, config, read, trajectory)
+        aligned, notes = _match_maps(base, other, begin, config, read, trajectory)
     else:
         notes = []
-        begin, aligned = _match_scans(one, other, begin, config, read, trajectory)
-    _print(one, other, begin, config, aligned, time.process_time() - began, notes, as_json=as_json)
+        begin, aligned = _match_scans(base, other, begin, config, read, trajectory)
+    _print(base, other, begin, config, aligned, time.process_time() - began, notes, as_json=as_json)
 
 
 def _sides(first: str, second: str | None, scans: tuple[int, int] | None) -> tuple[Side, Side]:
@@ -142,18 +142,18 @@ def _side(text: str) -> Side:
 
 
 def _match_scans(
-    one: Side, other: Side, guess: list[float] | None, config: MatchConfig, read: Read, trajectory: str | None
+    base: Side, other: Side, guess: list[float] | None, config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[list[float], Match]:
-    log = read(one.path)
-    second = log if other.path == one.path else read(other.path)
-    indices = [_index(side, side_log) for side, side_log in ((one, log), (other, second))]
+    log = read(base.path)
+    second = log if other.path == base.path else read(other.path)
+    indices = [_index(side, side_log) for side, side_log in ((base, log), (other, second))]
     if guess is None:
         guess = [0.0, 0.0, 0.0]
-        with refusing(one.path):
+        with refusing(base.path):
             poses = log.trajectory(trajectory)
         if second is log and not poses.is_placeholder:
             guess = compose(inverse(poses.poses[indices[0]]), poses.poses[indices[1]]).tolist()
-    with refusing(one.path):
+    with refusing(base.path):
         target = scan_target(prepare_scans(log, indices[0], indices[0] + 1), 0)
     with refusing(other.path):
         return guess, match_scan(prepare_scans(second, indices[1], indices[1] + 1), 0, target, np.array(guess), config)
@@ -167,11 +167,11 @@ def _index(side: Side, log: ScanLog) -> int:
 
 
 def _match_maps(
-    one: Side, other: Side, guess: list[float], config: MatchConfig, read: Read, trajectory: str | None
+    base: Side, other: Side, guess: list[float], config: MatchConfig, read: Read, trajectory: str | None
 ) -> tuple[Match, list[str]]:
     """Return the match, and the notes on map files."""
-    (first, of_first), (second, of_second) = (_grid(side.path, read, trajectory) for side in (one, other))
-    notes = [f"{side.path.name}: {note}" for side, of in ((one, of_first), (other, of_second)) for note in of]
+    (first, of_first), (second, of_second) = (_grid(side.path, read, trajectory) for side in (base, other))
+    notes = [f"{side.path.name}: {note}" for side, of in ((base, of_first), (other, of_second)) for note in of]
     with refusing(other.path):
         return match_maps(first, second, np.array(guess), config), notes
 
@@ -191,14 +191,14 @@ def _grid(path: Path, read: Read, trajectory: str | None) -> tuple[OccupancyGrid
 
 
 def _print(
-    one: Side, other: Side, guess: list[float], config: MatchConfig, aligned: Match, seconds: float,
+    base: Side, other: Side, guess: list[float], config: MatchConfig, aligned: Match, seconds: float,
     notes: list[str], *, as_json: bool,
 ) -> None:  # fmt: skip
     direction = None if aligned.unknown_direction is None else aligned.unknown_direction.tolist()
     if as_json:
         print_json(
             {
-                "first": one.name,
+                "first": base.name,
                 "second": other.name,
                 "method": aligned.method,
                 "guess": guess,
@@ -223,7 +223,7 @@ def _print(
         return
     x, y, theta = aligned.pose
     sigma = np.sqrt(np.diag(aligned.covariance))
-    typer.echo(f"{other.name} in {one.name}, method {aligned.method}")
+    typer.echo(f"{other.name} in {base.name}, method {aligned.method}")
     typer.echo(f"  pose {x:.4f} m, {y:.4f} m, {math.degrees(theta):.3f}°")
     spread = f"{sigma[0]:.4f} m, {sigma[1]:.4f} m, {math.degrees(sigma[2]):.3f}°"
     typer.echo(f"  standard deviation {spread}, if it is the right one")

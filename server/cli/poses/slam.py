@@ -121,9 +121,9 @@ def slam(
             "max": round(float(residuals.max()), 4) if len(residuals) else None,
         },
         **{
-            f"{name}_{when}": None if one is None or (value := getattr(one, name)) is None else round(value, 4)
+            f"{name}_{when}": None if figures is None or (value := getattr(figures, name)) is None else round(value, 4)
             for name in FIGURES
-            for when, one in (("before", before), ("after", after))
+            for when, figures in (("before", before), ("after", after))
         },
         "events": [event.public() for event in events],
         "files": [str(path) for path in written],
@@ -151,7 +151,7 @@ def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
     """Return what tells whether the map can be trusted, along the poses after SLAM and before."""
     lines = []
     for name, (words, form) in FIGURES.items():
-        was, now = (None if one is None else getattr(one, name) for one in (before, after))
+        was, now = (None if value_ is None else getattr(value_, name) for value_ in (before, after))
         if now is not None:
             lines.append(f"{words} {form(now)}{'' if was is None else f', before {form(was)}'}")
     return lines

@@ -50,12 +50,12 @@ def _contents(record: Mapping[str, Any]) -> str:
     if record["clouds"]:
         unit = "leaves" if str(record["format"]).startswith("OctoMap") else "points"
         clouds = record["clouds"]
-        found = f"{record['points']} {unit}" + (f" of {clouds} clouds" if clouds > 1 else "")
+        content = f"{record['points']} {unit}" + (f" of {clouds} clouds" if clouds > 1 else "")
     elif record["costmaps"]:
-        found = f"{record['costmaps']} costmap{'s' if record['costmaps'] != 1 else ''}"
+        content = f"{record['costmaps']} costmap{'s' if record['costmaps'] != 1 else ''}"
     else:
-        found = f"{record['scans']} scan{'s' if record['scans'] != 1 else ''} of {record['beams']} beams"
-    return f"{found}, {record['format']}"
+        content = f"{record['scans']} scan{'s' if record['scans'] != 1 else ''} of {record['beams']} beams"
+    return f"{content}, {record['format']}"
 
 
 @app.command()
@@ -75,8 +75,8 @@ def notes(
     if wanted is None:
         fail(f"{out}: notes are written as .geojson, .json or .csv.")
     try:
-        with Client(address, visitors=Settings().data_dir / "visitors.json") as client, client.at(address) as found:
-            data = client.notes(found, wanted)
+        with Client(address, visitors=Settings().data_dir / "visitors.json") as client, client.at(address) as server:
+            data = client.notes(server, wanted)
     except MapperError as error:
         fail(error.message)
     with output_file(out) as file:

@@ -42,7 +42,7 @@ async def give(
 ) -> None:
     """Have the class solve a puzzle."""
     room = owned_class(brake, classes, code, request, visitor)
-    known = {one.name: one.title for one in puzzles.offered()}
+    known = {puzzle.name: puzzle.title for puzzle in puzzles.offered()}
     room.give_puzzle(given.puzzle, known.get(given.puzzle) or library.puzzles.get(given.puzzle).title)
 
 
@@ -74,9 +74,9 @@ async def begin(
         raise MapperError("class.no_puzzle", "The class has no puzzle now.")
     number = room.number_of(visitor, client_address(request))
     link = puzzle_link_of(room, len(room.puzzles))
-    for one in sessions.all():
-        if one.link == link and one.owner == visitor:
-            return created(response, one)
+    for live in sessions.all():
+        if live.link == link and live.owner == visitor:
+            return created(response, live)
     session = await begin_puzzle(
         request,
         sessions,

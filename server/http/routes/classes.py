@@ -275,9 +275,9 @@ async def fork(
         plan = await _copy(session, settings.max_story_s)
         address, places = client_address(request), places_of(settings)
         made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)
-        for one in earlier:  # not before there is another one
+        for class_ in earlier:  # not before there is another one
             with suppress(SessionNotFoundError):
-                await sessions.close(one.id)
+                await sessions.close(class_.id)
         return made
 
     made = await while_connected(request, begun())

@@ -163,27 +163,27 @@ async def contents(
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
     with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds since the log's first scan.
     """
-    recording, found = await _looked_into(request, sessions, library, visitor, session_id)
-    if isinstance(found, float):
+    recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
+    if isinstance(contents, float):
         response.status_code = 202
-        return ContentsReading(round(found, 3))
-    held = HeldContents(recording, found)
+        return ContentsReading(round(contents, 3))
+    held = HeldContents(recording, contents)
     ahead_ns = held.recorded_ahead_ns
     sensors = {topic.name: topic.chosen for topic in recording.log.topics if topic.beams is not None}
     return ContentsAnswer(
-        topics=[_topic(topic, held, ahead_ns, sensors.get(topic.name)) for topic in found.topics],
+        topics=[_topic(topic, held, ahead_ns, sensors.get(topic.name)) for topic in contents.topics],
         series=[
             PlottedTopic(
-                topic=one.topic,
-                type=one.type,
-                samples=len(one.stamps_ns),
-                plots=list(dict.fromkeys(column.plot for column in one.columns)),
+                topic=series.topic,
+                type=series.type,
+                samples=len(series.stamps_ns),
+                plots=list(dict.fromkeys(column.plot for column in series.columns)),
             )
-            for one in found.series
+            for series in contents.series
         ],
-        frames=len(_frames_of(found.edges)),
-        pictures=[topic.name for topic in found.topics if topic.type in PICTURED],
-        notes=list(found.notes),
+        frames=len(_frames_of(contents.edges)),
+        pictures=[topic.name for topic in contents.topics if topic.type in PICTURED],
+        notes=list(contents.notes),
     )
 
 
@@ -232,13 +232,16 @@ async def series(
 ) -> Response:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
     held = await look_into(request, sessions, library, visitor, session_id)
-    one = next((one for one in held.contents.series if one.topic == topic), None)
-    if one is None:
+    series = next((series for series in held.contents.series if series.topic == topic), None)
+    if series is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
 
     # A series may have millions of samples: on the event loop it would hold up all streams.
     return await in_turn(
-        request, work, visitor, lambda: json_answer(SeriesAnswer.of(one, held.origin_of(one), start, end, buckets))
+        request,
+        work,
+        visitor,
+        lambda: json_answer(SeriesAnswer.of(series, held.origin_of(series), start, end, buckets)),
     )
 
 
@@ -258,7 +261,7 @@ async def picture(
     The header ``X-Picture-Seconds`` says when it was recorded, on the same clock as ``at``.
     """
     held = await look_into(request, sessions, library, visitor, session_id)
-    if not any(one.name == topic and one.type in PICTURED for one in held.contents.topics):
+    if not any(topic_.name == topic and topic_.type in PICTURED for topic_ in held.contents.topics):
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
     ahead_ns = held.recorded_ahead_ns
     owner = owner_of(sessions, library, session_id)
@@ -384,7 +387,7 @@ async def message(
 ) -> MessageAnswer:
     """Return the newest message on a topic at a moment, by the definition that the recording carries."""
     held = await look_into(request, sessions, library, visitor, session_id)
-    if not any(one.name == topic for one in held.contents.topics):
+    if not any(topic_.name == topic for topic_ in held.contents.topics):
         raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
     owner, ahead_ns = owner_of(sessions, library, session_id), held.recorded_ahead_ns
     making = library.message(
@@ -523,7 +526,7 @@ async def frame_age(
     """Return the age of a transform that moves over the time of the log, seconds: it grows until the next one comes."""
     held = await look_into(request, sessions, library, visitor, session_id)
     wanted = (tf, parent, child)
-    edge = next((one for one in held.contents.edges if (one.topic, one.parent, one.child) == wanted), None)
+    edge = next((edge for edge in held.contents.edges if (edge.topic, edge.parent, edge.child) == wanted), None)
     if edge is None or edge.is_static:
         raise MapperError("contents.no_edge", f"No transforms from {child!r} to {parent!r} move on {tf!r:.200}.")
     until_ns = int(held.recording.log.stamps_ns.max(initial=held.origin_ns))

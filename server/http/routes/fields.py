@@ -66,18 +66,18 @@ async def fields(
     202 with ``progress`` while they are looked up.
     """
     held = await look_into(request, sessions, library, visitor, session_id)
-    topics = [(one.name, one.type) for one in held.contents.topics]
+    topics = [(topic.name, topic.type) for topic in held.contents.topics]
     owner = owner_of(sessions, library, session_id)
-    found: Sequence[TopicFields] | float = (
+    answer: Sequence[TopicFields] | float = (
         await library.fields(owner, held.recording.log_id, visitor, topics, address=client_address(request))
         if any(kind != CARMEN_LINE for _, kind in topics)
         else []
     )
-    if isinstance(found, float):
+    if isinstance(answer, float):
         response.status_code = 202
-        return ContentsReading(round(found, 3))
-    ready = {one.topic: [_ready_name(column) for column in one.columns] for one in held.contents.series}
-    named = {one.topic: one for one in found}
+        return ContentsReading(round(answer, 3))
+    ready = {series.topic: [_ready_name(column) for column in series.columns] for series in held.contents.series}
+    named = {series.topic: series for series in answer}
     computed = [
         TopicFieldsAnswer(topic, "computed", list(names), "", [], computed=True)
         for topic, names in (await computed_fields(library, sessions.get(session_id), owner)).items()
@@ -143,25 +143,25 @@ async def field(
             return json_answer(ContentsReading(round(computed, 3)), 202)
         return await answered(_column(computed, field), plot_origin_ns(recording_of(session).log))
     held = await look_into(request, sessions, library, visitor, session_id)
-    one = _ready(held.contents, topic, field)
-    if one is None:
-        kind = next((one.type for one in held.contents.topics if one.name == topic), None)
+    series = _ready(held.contents, topic, field)
+    if series is None:
+        kind = next((topic_.type for topic_ in held.contents.topics if topic_.name == topic), None)
         if kind is None:
             raise MapperError("contents.no_topic", f"The recording has no topic {topic!r:.200}.")
         owner, address = owner_of(sessions, library, session_id), client_address(request)
         whole = await library.field_series(owner, held.recording.log_id, visitor, topic, kind, address=address)
         if isinstance(whole, float):
             return json_answer(ContentsReading(round(whole, 3)), 202)
-        one = _column(whole, field)
-    return await answered(one, held.origin_of(one))
+        series = _column(whole, field)
+    return await answered(series, held.origin_of(series))
 
 
 def _ready(contents: Contents, topic: str, field: str) -> Series | None:
     """Return a number that is kept with the contents; None for any other one."""
-    for one in contents.series:
-        names = [_ready_name(column) for column in one.columns]
-        if one.topic == topic and field in names:
-            return _only(one, names.index(field))
+    for series in contents.series:
+        names = [_ready_name(column) for column in series.columns]
+        if series.topic == topic and field in names:
+            return _only(series, names.index(field))
     return None
 
 

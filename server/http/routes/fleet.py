@@ -63,7 +63,7 @@ def _logs(library: Library, visitor: str) -> Sequence[Record]:
     return [
         log
         for log in library.files(visitor)
-        if (found := log.summary) is None or not (found.map or found.costmaps or found.clouds)
+        if (summary := log.summary) is None or not (summary.map or summary.costmaps or summary.clouds)
     ]
 
 

@@ -85,13 +85,13 @@ async def _picture(
         if isinstance(contents, float):
             return None
         held = HeldContents(of_log.recording, contents)
-        topic = next((one.name for one in contents.topics if one.type in CAMERAS), None)
+        topic = next((topic.name for topic in contents.topics if topic.type in CAMERAS), None)
         if topic is None:
             return None
         at_ns = held.recorded_ns(seconds)
-        found = await library.picture(of_log.owner, of_log.log_id, visitor, topic, at_ns, address=address)
+        picture = await library.picture(of_log.owner, of_log.log_id, visitor, topic, at_ns, address=address)
     except MapperError:
         return None  # a picture that cannot be read is no reason for no report
     return server.report.Picture(
-        found.data, found.media_type, topic, held.seconds(found.stamp_ns - held.recorded_ahead_ns)
+        picture.data, picture.media_type, topic, held.seconds(picture.stamp_ns - held.recorded_ahead_ns)
     )

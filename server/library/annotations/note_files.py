@@ -82,7 +82,7 @@ def notes_from_geojson(data: bytes, frame: MapFrame) -> list[tuple[str, Pin]]:
     """
     try:
         features = msgspec.json.decode(data, type=_Features).features
-        return [(one.properties.text, _pin(one, frame)) for one in features]
+        return [(feature.properties.text, _pin(feature, frame)) for feature in features]
     except (msgspec.DecodeError, ValueError, IndexError) as error:
         raise ReadError("notes.file", f"These are not notes as GeoJSON: {error}.") from None
 

@@ -50,14 +50,14 @@ class MadePuzzles:
 
     async def follow(self, _: object = None) -> None:
         """Load the stored puzzles. Raises ``StorageError``."""
-        self._made = {one.token: one for one in await self._database.run(_load)}
+        self._made = {puzzle.token: puzzle for puzzle in await self._database.run(_load)}
 
     async def make(self, owner: str, record: Record | None, title: str, spec: str) -> MadePuzzle:
         """Return a new puzzle of ``owner``; ``record`` is that of its log.
 
         Raises :class:`LimitError` for one too many and for a story that is too long, and ``StorageError``.
         """
-        if sum(one.owner == owner for one in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
+        if sum(puzzle.owner == owner for puzzle in self._made.values()) >= MAX_PUZZLES_PER_OWNER:
             message = f"You have {MAX_PUZZLES_PER_OWNER} puzzles, the maximum: remove one."
             raise LimitError("puzzle.too_many", message)
         if len(spec) > MAX_SPEC_BYTES:
@@ -84,7 +84,9 @@ class MadePuzzles:
 
     def of(self, owner: str) -> Sequence[MadePuzzle]:
         """Return the puzzles of ``owner``, the newest first."""
-        return sorted((one for one in self._made.values() if one.owner == owner), key=lambda one: -one.created_s)
+        return sorted(
+            (puzzle for puzzle in self._made.values() if puzzle.owner == owner), key=lambda puzzle: -puzzle.created_s
+        )
 
     async def remove(self, owner: str, token: str) -> None:
         """Remove a puzzle of ``owner``. Raises :class:`PuzzleGoneError`, and ``StorageError``."""
@@ -95,7 +97,7 @@ class MadePuzzles:
 
     def drop(self, log_id: str) -> None:
         """Forget the puzzles of a deleted log, whose rows were deleted with it."""
-        self._made = {token: one for token, one in self._made.items() if one.log_id != log_id}
+        self._made = {token: puzzle for token, puzzle in self._made.items() if puzzle.log_id != log_id}
 
 
 def _load(connection: Connection) -> Sequence[MadePuzzle]:

@@ -104,22 +104,26 @@ class Trajectories:
 
     async def follow(self, _: object = None) -> None:
         """Load the records. Raises :class:`StorageError`."""
-        self._added = {one.id: one for one in await self._database.run(load_added)}
+        self._added = {trajectory.id: trajectory for trajectory in await self._database.run(load_added)}
 
     @property
     def total_bytes(self) -> int:
         """Bytes of all files."""
-        return sum(one.bytes for one in self._added.values())
+        return sum(trajectory.bytes for trajectory in self._added.values())
 
     def of(self, owner: str, log_id: str) -> Sequence[Added]:
         """Return what ``owner`` has added to a log, oldest first."""
-        return [one for one in self._added.values() if one.owner == owner and one.log_id == log_id]
+        return [
+            trajectory
+            for trajectory in self._added.values()
+            if trajectory.owner == owner and trajectory.log_id == log_id
+        ]
 
     def get(self, owner: str, log_id: str, name: str) -> Added:
         """Return one of them. Raises :class:`TrajectoryNotFoundError`."""
-        for one in self.of(owner, log_id):
-            if one.name == name:
-                return one
+        for trajectory in self.of(owner, log_id):
+            if trajectory.name == name:
+                return trajectory
         raise TrajectoryNotFoundError("trajectory.not_found", f"You have added no trajectory {name!r:.90} to this log.")
 
     def check(self, owner: str, log_id: str, name: str, own_names: Sequence[str]) -> None:
@@ -139,12 +143,12 @@ class Trajectories:
                 "trajectory.name", f"The log has a trajectory {name!r:.90} of its own: choose another name."
             )
         known = self.of(owner, log_id)
-        if any(one.name == name for one in known):
+        if any(trajectory.name == name for trajectory in known):
             return
         if len(known) >= MAX_OF_LOG:
             message = f"You have added {MAX_OF_LOG} trajectories to this log, the maximum: delete one."
             raise LimitError("trajectory.too_many", message)
-        if sum(one.owner == owner for one in self._added.values()) >= MAX_OF_OWNER:
+        if sum(trajectory.owner == owner for trajectory in self._added.values()) >= MAX_OF_OWNER:
             message = f"You have added {MAX_OF_OWNER} trajectories to your logs, the maximum: delete one."
             raise LimitError("trajectory.too_many", message)
 
@@ -159,7 +163,9 @@ class Trajectories:
         beside = sum(map(len, new.files.values()))
         if self._room() < len(new.text) + beside:
             raise LimitError("library.full", "The server has no space left for logs; try again later.")
-        own_names = [one for one in log.trajectories if one not in {added.name for added in self.of(owner, record.id)}]
+        own_names = [
+            name for name in log.trajectories if name not in {added.name for added in self.of(owner, record.id)}
+        ]
         self.check(owner, record.id, new.name, own_names)
         trajectory_id = secrets.token_hex(10)
         file = self._scratch / f"{trajectory_id}.tum"
@@ -199,11 +205,11 @@ class Trajectories:
         except BaseException:
             await self._remove_files(added.id)
             raise
-        replaced = [one.id for one in self.of(added.owner, added.log_id) if one.name == added.name]
+        replaced = [trajectory.id for trajectory in self.of(added.owner, added.log_id) if trajectory.name == added.name]
         self._added[added.id] = added
-        for one in replaced:
-            del self._added[one]
-            await self._remove_files(one)
+        for added_id in replaced:
+            del self._added[added_id]
+            await self._remove_files(added_id)
 
     async def put_changed(
         self, owner: str, record: Record, log: ScanLog, name: str, text: bytes, graph: bytes
@@ -227,9 +233,9 @@ class Trajectories:
 
     async def forget_log(self, log_id: str) -> None:
         """Remove the trajectories of a log whose row, and theirs with it, was deleted."""
-        for one in [one for one in self._added.values() if one.log_id == log_id]:
-            self._added.pop(one.id, None)
-            await self._remove_files(one.id)
+        for trajectory in [trajectory for trajectory in self._added.values() if trajectory.log_id == log_id]:
+            self._added.pop(trajectory.id, None)
+            await self._remove_files(trajectory.id)
 
     async def _remove_files(self, trajectory_id: str) -> None:
         for kind in (TUM, GRAPH, FILTER_STATES):

@@ -223,12 +223,12 @@ class Catalogue:
         Raises ``StorageError``.
         """
         records = await (self._store.load() if log_ids is None else self._store.get(log_ids))
-        records = [one for one in records if one.source == "upload" or one.id in self.folder_logs]
-        there = {one.id for one in records}
-        for log_id in [one.id for one in self.uploaded()] if log_ids is None else log_ids:
+        records = [record for record in records if record.source == "upload" or record.id in self.folder_logs]
+        there = {record.id for record in records}
+        for log_id in [record.id for record in self.uploaded()] if log_ids is None else log_ids:
             if log_id not in there and log_id in self._records:
                 await self._forget(log_id)
-        self._records |= {one.id: one for one in records}
+        self._records |= {record.id: record for record in records}
         return records
 
     async def delete(self, log_id: str) -> None:

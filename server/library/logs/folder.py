@@ -110,10 +110,10 @@ def _files_of(target: Path, root: Path) -> list[os.stat_result]:
             inside = sorted(target.iterdir())
             if is_depth_folder(target):
                 most = MAX_DEPTH_FILES
-                inside = [one for path in inside for one in (sorted(path.iterdir()) if path.is_dir() else [path])]
+                inside = [file for path in inside for file in (sorted(path.iterdir()) if path.is_dir() else [path])]
         if len(inside) > most:
             return []
-        files = [one.stat() for one in inside if _within(one, root) is not None]
+        files = [path.stat() for path in inside if _within(path, root) is not None]
     except OSError:  # deleted meanwhile, or not readable
         return []
     return files if len(files) == len(inside) and all(stat.S_ISREG(file.st_mode) for file in files) else []

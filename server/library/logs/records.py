@@ -134,7 +134,7 @@ class Record:
             mount=summary.mount if summary else None,
             upside_down=summary.upside_down if summary else False,
             trajectories=(
-                *(TrajectoryAnswer(one.name, one.description, one.length_m) for one in own),
+                *(TrajectoryAnswer(trajectory.name, trajectory.description, trajectory.length_m) for trajectory in own),
                 *self.added,
             ),
             topics=summary.topics if summary else (),

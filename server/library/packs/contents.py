@@ -43,12 +43,12 @@ def write_contents(contents: Contents, path: Path) -> None:
         ],
         "series": [
             {
-                "topic": one.topic,
-                "type": one.type,
-                "columns": [asdict(column) for column in one.columns],
-                "recorded": one.recorded,
+                "topic": series.topic,
+                "type": series.type,
+                "columns": [asdict(column) for column in series.columns],
+                "recorded": series.recorded,
             }
-            for one in contents.series
+            for series in contents.series
         ],
         "notes": list(contents.notes),
         "lines": [astuple(line) for line in contents.lines],
@@ -58,8 +58,8 @@ def write_contents(contents: Contents, path: Path) -> None:
     arrays: dict[str, NDArray[Any]] = {}
     for n, edge in enumerate(contents.edges):
         arrays |= {f"edge{n}": edge.stamps_ns, f"pose_times{n}": edge.pose_stamps_ns, f"poses{n}": edge.poses}
-    for n, one in enumerate(contents.series):
-        arrays |= {f"times{n}": one.stamps_ns, f"values{n}": one.values}
+    for n, series in enumerate(contents.series):
+        arrays |= {f"times{n}": series.stamps_ns, f"values{n}": series.values}
     write_arrays(path, json.dumps(about), arrays)
 
 
@@ -74,23 +74,23 @@ def read_contents(path: Path) -> Contents:
                 topics=msgspec.convert(about["topics"], tuple[TopicContents, ...]),
                 edges=tuple(
                     FrameEdge(
-                        **one | {"pose": tuple(one["pose"]), "publishers": tuple(one["publishers"])},
+                        **edge | {"pose": tuple(edge["pose"]), "publishers": tuple(edge["publishers"])},
                         stamps_ns=arrays[f"edge{n}"],
                         pose_stamps_ns=arrays[f"pose_times{n}"],
                         poses=arrays[f"poses{n}"],
                     )
-                    for n, one in enumerate(about["edges"])
+                    for n, edge in enumerate(about["edges"])
                 ),
                 series=tuple(
                     Series(
-                        one["topic"],
-                        one["type"],
-                        msgspec.convert(one["columns"], tuple[Column, ...]),
+                        series["topic"],
+                        series["type"],
+                        msgspec.convert(series["columns"], tuple[Column, ...]),
                         arrays[f"times{n}"],
                         arrays[f"values{n}"],
-                        recorded=one["recorded"],
+                        recorded=series["recorded"],
                     )
-                    for n, one in enumerate(about["series"])
+                    for n, series in enumerate(about["series"])
                 ),
                 notes=tuple(about["notes"]),
                 lines=tuple(LogLine(*line) for line in about["lines"]),

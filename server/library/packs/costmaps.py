@@ -71,7 +71,7 @@ def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
     """
     stream = max(streams.values(), key=len)
     at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
-    costs = max((stream[int(k)].costs for k in at), key=lambda one: np.count_nonzero(one == LETHAL))
+    costs = max((stream[int(k)].costs for k in at), key=lambda sheet: np.count_nonzero(sheet == LETHAL))
     from mapper.replay.overview import cells_overview  # noqa: PLC0415 - few recordings have costmaps
 
     return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))

@@ -78,9 +78,9 @@ def read_filter_states(data: bytes) -> FilterStates:
     """Return what :func:`filter_states_bytes` was given. Raises :class:`ReadError` for anything else."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            found = {name: arrays[name] for name in _ARRAYS if name in arrays}
+            arrays_ = {name: arrays[name] for name in _ARRAYS if name in arrays}
             # Of a file that was made before it was stated, nothing is known to be sure.
-            found.setdefault("is_sure", np.zeros(len(found["is_converged"]), dtype=np.bool_))
-            return FilterStates(**found, given=ReferenceMap.of_arrays(arrays))
+            arrays_.setdefault("is_sure", np.zeros(len(arrays_["is_converged"]), dtype=np.bool_))
+            return FilterStates(**arrays_, given=ReferenceMap.of_arrays(arrays))
     except UNREADABLE as error:
         raise ReadError("localization.file", _UNREADABLE) from error

@@ -163,7 +163,7 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             about[field.name] = value
     about["range_max"] = float(log.range_max) if np.isfinite(log.range_max) else None
     about["chosen"] = [topic.name for topic in log.topics if topic.chosen]
-    about["trajectories"] = [_Trajectory.of(name, one, store) for name, one in log.trajectories.items()]
+    about["trajectories"] = [_Trajectory.of(name, trajectory, store) for name, trajectory in log.trajectories.items()]
     if log.odometry is not None:
         about["odometry"] = _Odometry.of(log.odometry, store)
     return about
@@ -178,10 +178,10 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
         sensors = about.sensors
         name = topic if topic is not None or not sensors else sensors[0]["topic"]
         # A sensor whose scans have different beams has several parts.
-        found = [_log_of(sensor, about.topics, load) for sensor in sensors if sensor["topic"] == name]
-        if not found:
+        logs = [_log_of(sensor, about.topics, load) for sensor in sensors if sensor["topic"] == name]
+        if not logs:
             raise NotPackedError(topic)
-        return _joined(found)
+        return _joined(logs)
 
 
 def read_whole_pack(path: Path) -> ScanLog:
@@ -238,7 +238,7 @@ def nbytes(log: ScanLog) -> int:
     if log.odometry is not None:
         timed.append(log.odometry.messages)
         arrays += [log.odometry.before_scan, log.odometry.at_scans]
-    arrays += [array for one in timed for array in (one.stamps_ns, one.poses)]
+    arrays += [array for poses in timed for array in (poses.stamps_ns, poses.poses)]
     return sum({id(array): array.nbytes for array in arrays if array is not None}.values())
 
 

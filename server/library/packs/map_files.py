@@ -53,7 +53,7 @@ def is_map(source: Path) -> bool:
     if is_bee_map(source):
         return True
     try:
-        names = [one.name.lower() for one in _files_in(source)]
+        names = [path.name.lower() for path in _files_in(source)]
     except (OSError, MapperError):
         return False
     if not all(name.endswith((*_YAML, *_IMAGES, _EDITS)) for name in names):
@@ -133,11 +133,11 @@ def _files_in(source: Path) -> list[Member]:
 def _unpacked(source: Path, folder: Path) -> list[str]:
     """Write the files of a tar archive into ``folder`` by their last names, and return these."""
     files = _files_in(source)
-    if sum(one.size for one in files) > MOST_BYTES:
+    if sum(file.size for file in files) > MOST_BYTES:
         raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
-    for one in files:
-        if len(one.name.encode()) > MOST_NAME_BYTES:
-            raise ReadError("map.files", f"The file name {one.name!r:.60} is too long.")
-        with one.open() as content:
-            (folder / one.name).write_bytes(content.read())
-    return [one.name for one in files]
+    for file in files:
+        if len(file.name.encode()) > MOST_NAME_BYTES:
+            raise ReadError("map.files", f"The file name {file.name!r:.60} is too long.")
+        with file.open() as content:
+            (folder / file.name).write_bytes(content.read())
+    return [file.name for file in files]

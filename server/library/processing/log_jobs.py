@@ -158,7 +158,7 @@ class Run(Generic[Q, P]):
 
     def own_name(self, log: ScanLog, name: str, other: str) -> str:
         """Return the name of a trajectory to add: ``name``, or ``other`` where the log itself has one of that name."""
-        added = {one.name for one in self.logs.trajectories.of(self.owner, self.log_id)}
+        added = {trajectory.name for trajectory in self.logs.trajectories.of(self.owner, self.log_id)}
         return other if name in log.trajectories and name not in added else name
 
 
@@ -220,8 +220,8 @@ class LogJobs(Generic[Q, P, R, S]):
         """
         kind = self._kind
         checked = await asyncio.to_thread(kind.checked, log_id, request or kind.jobs.request())
-        for one in (log_id, *kind.others(checked)):
-            self._logs.get(owner, one)
+        for other_id in (log_id, *kind.others(checked)):
+            self._logs.get(owner, other_id)
         await self._queue.ask(owner, log_id, checked)
         return self.state(owner, log_id)
 
@@ -284,7 +284,7 @@ def emptied(folder: Path) -> None:
 def packed(log: ScanLog, path: Path) -> None:
     """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
-        write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
+        write_pack(RobotLog({sensor.topic: sensor for sensor in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
             "log.storage", "The log could not be stored for this job; the server’s disk may be full."

@@ -91,11 +91,11 @@ class Lookups(Generic[T]):
     def _timer(self, task: asyncio.Task[T | None]) -> asyncio.TimerHandle:
         return asyncio.get_running_loop().call_later(IDLE_S, task.cancel)
 
-    def _keep(self, key: str, found: T) -> None:
+    def _keep(self, key: str, value: T) -> None:
         self._kept.pop(key, None)
         while len(self._kept) >= MOST_KEPT:
             del self._kept[next(iter(self._kept))]
-        self._kept[key] = found
+        self._kept[key] = value
 
     async def _found(
         self, key: str, record: Record, visitor: str, address: str, job: Callable[[str], WorkerJob[T | None]]
@@ -115,5 +115,5 @@ class Lookups(Generic[T]):
         for running in self._running.values():
             running.timer.cancel()
             running.task.cancel()
-        await asyncio.gather(*(one.task for one in self._running.values()), return_exceptions=True)
+        await asyncio.gather(*(lookup.task for lookup in self._running.values()), return_exceptions=True)
         await self._worker.close()

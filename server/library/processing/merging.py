@@ -96,8 +96,8 @@ def _merge(job: MergeJob) -> MergeOutcome:
     logs = log_in(job.first), log_in(job.second)
     merged = slam.merge_logs(*logs, progress=report)
     for log, poses, ending in zip(logs, merged.poses, ENDINGS, strict=True):
-        one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
-        Path(job.out + ending).write_text(export.tum_text(one, NAME), encoding="ascii")
+        corrected = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
+        Path(job.out + ending).write_text(export.tum_text(corrected, NAME), encoding="ascii")
     begin("writing")
     both, note = merged_log(logs, merged.poses)
     with Path(job.out + LOG).open("wb") as mcap:

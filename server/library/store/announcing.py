@@ -32,9 +32,9 @@ END $$
 def announce_changes(connection: Connection) -> None:
     """Make the triggers that are missing; all changes of a transaction are announced, equal ones once."""
     connection.execute(text(_FUNCTION))
-    found = connection.execute(text("SELECT tgrelid::regclass::text FROM pg_trigger WHERE tgname = :name"),
+    trigger = connection.execute(text("SELECT tgrelid::regclass::text FROM pg_trigger WHERE tgname = :name"),
                                {"name": _TRIGGER}).scalars()  # fmt: skip
-    for table in ANNOUNCED.keys() - set(found):
+    for table in ANNOUNCED.keys() - set(trigger):
         connection.exec_driver_sql(
             f"CREATE TRIGGER {_TRIGGER} AFTER INSERT OR UPDATE OR DELETE ON {table} "
             f"FOR EACH ROW EXECUTE FUNCTION {_TRIGGER}('{ANNOUNCED[table]}')"

@@ -58,7 +58,7 @@ class LeaseRows:
         """End a lease after all that was asked of the database before; what fails ends by itself."""
         mine = self._mine(name)
         done = self._database.run_deletion(lambda connection: connection.execute(delete(leases).where(mine)).rowcount)
-        done.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
+        done.add_done_callback(lambda task: None if task.cancelled() else task.exception() and None)
 
     async def finish(self, name: str, work: Callable[[Any], None]) -> None:
         """Run ``work`` and end the lease in one transaction.

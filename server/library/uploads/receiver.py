@@ -74,7 +74,7 @@ class UploadReceiver:
     @property
     def reserved(self) -> int:
         """Bytes that uploads which may go on take on the disk."""
-        return sum(one.size for one in self._partial.values())
+        return sum(upload.size for upload in self._partial.values())
 
     def offset(self, owner: str, key: str) -> int:
         """Return how many bytes of an upload have come; 0 for an unknown one."""
@@ -147,7 +147,7 @@ class UploadReceiver:
                 "upload.offset", f"The server has {have} bytes of this upload; the next part must begin there."
             )
         if known is None:
-            self._make_room([one for one in self._partial if one[0] == owner], MAX_PARTIALS_PER_OWNER)
+            self._make_room([key for key in self._partial if key[0] == owner], MAX_PARTIALS_PER_OWNER)
             self._make_room(list(self._partial), MAX_PARTIALS)
             known = self._partial[name] = Received(self._blobs.incoming(), part.total)
         return known
@@ -185,8 +185,8 @@ class UploadReceiver:
 
     def _forget_old(self) -> None:
         oldest = time.monotonic() - KEEP_PARTIAL_S
-        for name, one in list(self._partial.items()):
-            if not one.busy and one.touched_s < oldest:
+        for name, upload in list(self._partial.items()):
+            if not upload.busy and upload.touched_s < oldest:
                 self._forget(name)
 
     def _forget(self, name: tuple[str, str]) -> None:

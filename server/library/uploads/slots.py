@@ -111,7 +111,7 @@ class UploadSlots:
 
     def of(self, owner: str) -> int:
         """Return how many uploads of ``owner`` have a slot or wait for one."""
-        return [one.owner for one in self._taken].count(owner) + [one.owner for one in self._waiting].count(owner)
+        return [slot.owner for slot in self._taken].count(owner) + [slot.owner for slot in self._waiting].count(owner)
 
     @asynccontextmanager
     async def take(self, owner: str, address: str) -> AsyncIterator[UploadSlot]:
@@ -144,27 +144,27 @@ class UploadSlots:
 
     def _share_out(self) -> None:
         """Give free slots to waiting uploads, fewest of an address first; cancel slow uploads for the rest."""
-        uploads = Counter(one.address for one in self._taken)
-        for waiting in sorted(self._waiting, key=lambda one: uploads[one.address]):
+        uploads = Counter(slot.address for slot in self._taken)
+        for waiting in sorted(self._waiting, key=lambda slot: uploads[slot.address]):
             if len(self._taken) < self._most:
                 slot = UploadSlot(waiting.owner, waiting.address, self._idle_s)
                 self._taken.append(slot)
                 self._waiting.remove(waiting)
                 waiting.slot.set_result(slot)
-        leaving = sum(one.is_given_up for one in self._taken)
+        leaving = sum(slot.is_given_up for slot in self._taken)
         for waiting in self._waiting[leaving:]:
-            slow = [one for one in self._taken if self._makes_room(one, uploads[waiting.address], uploads)]
+            slow = [slot for slot in self._taken if self._makes_room(slot, uploads[waiting.address], uploads)]
             if slow:
-                min(slow, key=lambda one: (-uploads[one.address], one.speed())).give_up()
+                min(slow, key=lambda slot: (-uploads[slot.address], slot.speed())).give_up()
         if self._waiting and self._timer is None:
             self._timer = asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
 
-    def _makes_room(self, one: UploadSlot, newcomers: int, uploads: Counter[str]) -> bool:
+    def _makes_room(self, slot: UploadSlot, newcomers: int, uploads: Counter[str]) -> bool:
         """Return whether an upload is cancelled for one from an address that has ``newcomers`` uploads."""
-        if one.is_given_up:
+        if slot.is_given_up:
             return False
-        speed = one.speed()
-        return speed < SLOW_BYTES_PER_S or (speed < math.inf and uploads[one.address] >= newcomers + 2)
+        speed = slot.speed()
+        return speed < SLOW_BYTES_PER_S or (speed < math.inf and uploads[slot.address] >= newcomers + 2)
 
     def _look(self) -> None:
         self._timer = None

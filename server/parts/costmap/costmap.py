@@ -88,7 +88,7 @@ class Costmap:
         parameters = self.parameters
         stack, masks, is_painted = parameters.stack, {}, parameters.is_on("keepout_filter")
         if self._zones is not None and is_painted:
-            at = next((k for k, one in enumerate(stack.layers) if isinstance(one.config, InflationConfig)), None)
+            at = next((k for k, layer in enumerate(stack.layers) if isinstance(layer.config, InflationConfig)), None)
             stack = replace(stack, filters=(NamedFilter(_ZONES, "keepout", _ZONES, below=at),))
             masks[_ZONES] = self._zones
         self._built = build_costmap(
@@ -97,7 +97,7 @@ class Costmap:
         )  # fmt: skip
         self.costmap = self._built.costmap
         self._own: dict[str, CostLayer | InflationLayer] = {"keepout_filter": self._keepout}
-        enabled = sorted(stack.all_layers(), key=lambda one: not one.config.enabled)
+        enabled = sorted(stack.all_layers(), key=lambda layer: not layer.config.enabled)
         for layer in enabled:
             kind = table_name(layer.config)
             if kind is not None:
@@ -106,7 +106,7 @@ class Costmap:
     @property
     def layers(self) -> tuple[Layer, ...]:
         """The costs, each layer's own, that of a terrain only with one, and the speed limits."""
-        sheets = [one for name, one in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
+        sheets = [sheet for name, sheet in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
         return (self._master, *sheets, self._limits)
 
     @property
@@ -164,8 +164,8 @@ class Costmap:
                 # How high the sensor is is not known: its scans are within the heights that are looked at.
                 least = max(0.0, source.min_obstacle_height, config.min_obstacle_height)
                 height = min(least, source.max_obstacle_height, config.max_obstacle_height)
-                one = observation_of_scan(scan, sensor_pose, inf_is_valid=source.inf_is_valid, height=height)
-                seen.append(replace(one, source=name))
+                observation = observation_of_scan(scan, sensor_pose, inf_is_valid=source.inf_is_valid, height=height)
+                seen.append(replace(observation, source=name))
             layer.observe(*seen)
 
     def lay_terrain(self, terrain: LayerCosts | None) -> None:

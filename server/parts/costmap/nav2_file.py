@@ -87,9 +87,9 @@ class Nav2File:
             if kind is not None:
                 kinds.add(kind)
                 _change(layer.config, kind, block, changes)
-        for one, block in _filter_blocks(self.costmap, given):
-            if _OF_FILTERS.get(one.kind) in changes:
-                block["enabled"] = changes[_OF_FILTERS[one.kind]]
+        for filter_, block in _filter_blocks(self.costmap, given):
+            if _OF_FILTERS.get(filter_.kind) in changes:
+                block["enabled"] = changes[_OF_FILTERS[filter_.kind]]
         for kind, config in (("static_layer", StaticConfig()), ("obstacle_layer", ObstacleConfig()),
                              ("terrain_layer", GivenConfig()), ("inflation_layer", InflationConfig())):  # fmt: skip
             if changes.get(kind) is True and kind not in kinds:
@@ -100,10 +100,10 @@ class Nav2File:
         """Return the file with painted ``filters`` too, and the planner and the follower where they are others."""
         given = self._parameters()
         servers: dict[str, Any] = {}
-        for one in filters:
-            name = one.name if one.name not in given else f"painted_{one.name}"
+        for filter_ in filters:
+            name = filter_.name if filter_.name not in given else f"painted_{filter_.name}"
             given["filters"] = [*(given.get("filters") or ()), name]
-            given[name], nodes = filter_nodes(one, name)
+            given[name], nodes = filter_nodes(filter_, name)
             servers |= nodes
         root = {**self._with(given).root} | servers
         before, nodes = path_of(dict(self.root)), yaml.safe_load(nav2_path_yaml(path))
@@ -129,11 +129,13 @@ class Nav2File:
         node = yaml.safe_load(nav2_yaml(alone, 1.0))[alone.node][alone.node]["ros__parameters"]
         given[name] = node[name]
         _change(config, kind, given[name], changes)
-        inflations = [one.name for one in self.costmap.layers if isinstance(one.config, InflationConfig)]
+        inflations = [layer.name for layer in self.costmap.layers if isinstance(layer.config, InflationConfig)]
         types = dict(zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=True))  # of Eloquent
-        types = types or {name: f"nav2_costmap_2d::{one}" for name, one in DEFAULT_LAYERS.items()}
+        types = types or {name: f"nav2_costmap_2d::{plugin}" for name, plugin in DEFAULT_LAYERS.items()}
         plugins = list(given.get("plugins", types))
-        for named in [one for one in plugins if one in types]:  # Nav2 knows a layer by its name in that list alone
+        for named in [
+            plugin for plugin in plugins if plugin in types
+        ]:  # Nav2 knows a layer by its name in that list alone
             given[named] = {"plugin": types[named]} | (given.get(named) or {})
         places = {"static_layer": 0, "inflation_layer": len(plugins)}
         last = plugins.index(inflations[0]) if inflations else len(plugins)
@@ -151,8 +153,8 @@ def _blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[Named
 
 
 def _filter_blocks(costmap: Nav2Costmap, given: dict[str, Any]) -> Iterator[tuple[NamedFilter, dict[str, Any]]]:
-    for one in costmap.filters:
-        yield one, given[one.name]
+    for filter_ in costmap.filters:
+        yield filter_, given[filter_.name]
     for layer in costmap.layers:
         if isinstance(layer.config, ContainerConfig):
             yield from _filter_blocks(layer.config.inner, given[layer.name])
@@ -173,8 +175,8 @@ def _change(config: LayerConfig, kind: str, block: dict[str, Any], changes: Mapp
         names = str(block.get("observation_sources", "")).split()
         for name in names:
             block[name] = block.get(name) or {}
-        for one in [block[name] for name in names] or [block]:
+        for values_of_source in [block[name] for name in names] or [block]:
             for old, (new, _) in RENAMED.items():
                 if new in of_sources:
-                    one.pop(old, None)
-            one.update(of_sources)
+                    values_of_source.pop(old, None)
+            values_of_source.update(of_sources)

@@ -200,7 +200,7 @@ class CostmapParameters:
         found = self.loaded.now.costmap
         kinds = {table_name(layer.config) for layer in found.all_layers()}
         missing = [NamedLayer(name, own[name]) for name in PAGE_ONLY if name not in kinds]
-        inflations = [k for k, one in enumerate(found.layers) if isinstance(one.config, InflationConfig)]
+        inflations = [k for k, layer in enumerate(found.layers) if isinstance(layer.config, InflationConfig)]
         at = inflations[0] if inflations else len(found.layers)
         return replace(found, layers=(*found.layers[:at], *missing, *found.layers[at:]), filters=())
 
@@ -230,7 +230,9 @@ class CostmapParameters:
         loaded = self.loaded
         if loaded is not None:
             return loaded.now.yaml(filters, replace(loaded.path, planner=self.planner, pursuit=self.pursuit))
-        layers = tuple(NamedLayer(name, one) for name, one in self._own.items() if name in IN_NAV2 and one.enabled)
+        layers = tuple(
+            NamedLayer(name, config) for name, config in self._own.items() if name in IN_NAV2 and config.enabled
+        )
         costmap = Nav2Costmap("global_costmap", self.general, self.footprint, layers, filters)
         return nav2_yaml(costmap, resolution) + nav2_path_yaml(Nav2Path(self.planner, self.pursuit))
 
@@ -258,9 +260,9 @@ def from_nav2(
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
     values |= dict.fromkeys(IN_NAV2, False)
-    shown = [one for one in found.all_layers() if table_name(one.config) is not None]
+    shown = [layer for layer in found.all_layers() if table_name(layer.config) is not None]
     paths: dict[str, str] = {}
-    for layer in sorted(shown, key=lambda one: one.config.enabled):  # the first that is enabled comes last
+    for layer in sorted(shown, key=lambda layer: layer.config.enabled):  # the first that is enabled comes last
         kind = table_name(layer.config) or ""
         values[kind] = layer.config.enabled
         of_layer: dict[str, Any] = {}
@@ -274,12 +276,12 @@ def from_nav2(
                 of_layer["lifetime"] = layer.config.lifetime
         values |= of_layer
         paths |= {name: f"{where}.{name}" for name in of_layer}
-    for one in found.filters:
-        if one.kind == "speed":
-            kind = "absolute" if one.type == ABSOLUTE else "percentage"
-            values |= {"speed_filter": one.enabled, "speed_limits": kind}
-        elif one.kind == "keepout":
-            values["keepout_filter"] = one.enabled
+    for filter_ in found.filters:
+        if filter_.kind == "speed":
+            kind = "absolute" if filter_.type == ABSOLUTE else "percentage"
+            values |= {"speed_filter": filter_.enabled, "speed_limits": kind}
+        elif filter_.kind == "keepout":
+            values["keepout_filter"] = filter_.enabled
     values |= {name: getattr(path.planner, name) for name in _OF_PLANNER}
     values |= {name: getattr(path.pursuit, name) for name in _OF_PURSUIT}
     paths |= {name: f"planner_server.{path.planner_name}.{name}" for name in _OF_PLANNER}

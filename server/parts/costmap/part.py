@@ -157,7 +157,7 @@ class CostmapPart(Part, Costed):
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         elif isinstance(command, CostCommand):
             x, y = command.x, command.y
-            said = [LayerCost(one.layer, one.cost, one.master, one.sentence) for one in costmap.why(x, y)]
+            said = [LayerCost(cost.layer, cost.cost, cost.master, cost.sentence) for cost in costmap.why(x, y)]
             result.answer(CostMessage(round(x, 4), round(y, 4), said, costmap.why_speed(x, y)))
         else:
             self._exchange(costmap, command, result)

@@ -70,8 +70,10 @@ class Stroke:
 def strokes_of(given: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
     """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
     strokes = tuple(
-        Stroke(one.width, one.erases, tuple(one.points), one.speed if isinstance(one.speed, int) else None)
-        for one in given
+        Stroke(
+            stroke.width, stroke.erases, tuple(stroke.points), stroke.speed if isinstance(stroke.speed, int) else None
+        )
+        for stroke in given
     )
     if len(strokes) > MOST_STROKES or sum(len(stroke.points) for stroke in strokes) > MOST_POINTS:
         message = f"At most {MOST_STROKES} strokes of {MOST_POINTS} points can be painted; clear some first."

@@ -102,18 +102,18 @@ async def doctor(
     trajectory = recording.trajectory  # which may be another one when the examination is over
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
-        found = await while_connected(request, recording.examined())
-    return doctor_answer(recording, trajectory, found)
+        diagnosis = await while_connected(request, recording.examined())
+    return doctor_answer(recording, trajectory, diagnosis)
 
 
-def doctor_answer(recording: Recording, trajectory: str, found: Diagnosis) -> DoctorAnswer:
+def doctor_answer(recording: Recording, trajectory: str, diagnosis: Diagnosis) -> DoctorAnswer:
     """Return the diagnosis of a session's log along a trajectory as it is answered."""
     seconds = recorded_seconds(recording.log)
     return DoctorAnswer(
         trajectory=trajectory,
         findings=[
             FindingAnswer(**finding.public(), seconds=[round(float(seconds[scan]), 3) for scan in finding.scans])
-            for finding in found.findings
+            for finding in diagnosis.findings
         ],
-        events=[LogEvent(**event.public()) for event in found.events],
+        events=[LogEvent(**event.public()) for event in diagnosis.events],
     )

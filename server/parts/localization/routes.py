@@ -225,7 +225,7 @@ async def filter_history(library: Logs, sessions: Sessions, session_id: str) -> 
     localization = session.model.find(Localized)
 
     async def source(trajectory: str) -> bytes | None:
-        known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))
+        known = any(candidate.name == trajectory for candidate in library.trajectories.of(owner, log_id))
         return await library.trajectories.filter_states(owner, log_id, trajectory) if known else None
 
     return PresentHistory(None if localization is None else await localization.public(source))

@@ -80,8 +80,8 @@ async def terrain(
     cloud.
     """
     of_log = writable_session(sessions, session_id)
-    found = None
+    terrain = None
     if wanted.log is not None:
-        found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
-    of_log.session.enqueue(UseCosts(found))
-    return ChosenMap(None if found is None else found.public())
+        terrain = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
+    of_log.session.enqueue(UseCosts(terrain))
+    return ChosenMap(None if terrain is None else terrain.public())

@@ -130,7 +130,7 @@ class VolumeDrawings:
         rule = self.rule(volume, look, has_free=has_free)
         of_points = self._painted_by(look.colour, volume.config.resolution, index)
         # Low chunks first: the ground, and what stands on it.
-        for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
+        for key in sorted(self._pending, key=lambda key: (key[2], key[1], key[0])):
             painted = painted_directions(volume, key) if look.colour == "normal" else of_points
             self.faces.update(volume, rule, [key], painted=painted)
             self._pending.discard(key)

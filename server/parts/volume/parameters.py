@@ -121,7 +121,7 @@ class VolumeParameters:
     def surface(self) -> TsdfConfig:
         """Parameters of the surface. Raises :class:`ConfigError` for a truncation of less than two voxels."""
         values = self.values
-        own = {one.name: values[one.name] for one in fields(TsdfConfig) if one.name not in _NOT_OF_SURFACE}
+        own = {field.name: values[field.name] for field in fields(TsdfConfig) if field.name not in _NOT_OF_SURFACE}
         return TsdfConfig(resolution=values["voxel"], range_max=values["reach"], **own)
 
     @property

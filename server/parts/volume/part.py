@@ -383,7 +383,7 @@ class VolumeView(Part, Volumetric, DepthSensing):
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
             self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
         size, look = made.parameters.config.resolution, made.parameters.look
-        drawings = [one for one in flat if not isinstance(one, GridColumns)]
+        drawings = [value for value in flat if not isinstance(value, GridColumns)]
         drawings.append(
             Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
             if surface is None

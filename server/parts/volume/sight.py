@@ -24,16 +24,16 @@ def sensor_sight(scans: ScanSequence, index: int) -> Sight | None:
         pose = scans.depth.poses[index - 1]
         return Sight(_point(pose[:3, 3]), _point(pose[:3, 2]))
     place = scans.origins[index - 1]
-    ways = scans.origins - place
-    far = np.flatnonzero(np.linalg.norm(ways, axis=1) >= LEAST_WAY_M)  # a place that is not known is not far: NaN
+    directions = scans.origins - place
+    far = np.flatnonzero(np.linalg.norm(directions, axis=1) >= LEAST_WAY_M)  # a place that is not known is not far: NaN
     before, after = far[far < index - 1], far[far >= index]
     if len(before):
-        way = -ways[before[-1]]
+        direction = -directions[before[-1]]
     elif len(after):
-        way = ways[after[0]]
+        direction = directions[after[0]]
     else:
         return None
-    return Sight(_point(place), _point(way / np.linalg.norm(way)))
+    return Sight(_point(place), _point(direction / np.linalg.norm(direction)))
 
 
 def _point(values: Float64Array) -> Point:

@@ -227,7 +227,7 @@ class VolumeSurface:
             self.is_busy = False
         centre = centres_of(key[None], size)[0]
         # A measured distance within a voxel is that of a beam that ended there.
-        chosen.choose(centre, size, [(abs(one.measured) <= size, one.origin, centre[None]) for one in updates])
+        chosen.choose(centre, size, [(abs(update.measured) <= size, update.origin, centre[None]) for update in updates])
         result.slot(
             SurfaceVoxelMessage(
                 centre=rounded_place(centre),

@@ -96,7 +96,7 @@ class VoxelQuestions:
             self.is_busy = False
         size = config.resolution
         centre = centres_of(key[None], size)[0]
-        self._chosen.choose(centre, size, [(one.is_hit, one.origin, one.ends) for one in updates])
+        self._chosen.choose(centre, size, [(update.is_hit, update.origin, update.ends) for update in updates])
         value = float(now.volume.log_odds_of(key[None])[0])
         known = not math.isnan(value)
         state: CellState = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"

@@ -59,9 +59,9 @@ class CellQuestions(Part):
                 result.questions[client] = lambda: self._explain(client, command, result)
 
     def _map_of(self, command: InspectCommand | WhyCommand) -> ExplainedMap:
-        for one in self._maps():
-            if one.layer.name == command.layer:
-                return one
+        for map_ in self._maps():
+            if map_.layer.name == command.layer:
+                return map_
         raise ProtocolError("command.layer", f"There is no map {command.layer!r:.80} to ask about.")
 
     def _explain(self, client: Client | None, command: WhyCommand, result: TickResult) -> None:

@@ -38,7 +38,7 @@ export function beamToward(frame: Frame, from: Pose, [x, y]: Point): Beam | null
 
 /** The beam nearest to a bearing, at most 45° away, as `uneven_fields` in `mapper/sensors/scan.py`. */
 function beamNear(frame: Frame, bearings: readonly number[], bearing: number): Beam | null {
-  const off = bearings.map((one) => Math.abs(Math.atan2(Math.sin(one - bearing), Math.cos(one - bearing))));
+  const off = bearings.map((other) => Math.abs(Math.atan2(Math.sin(other - bearing), Math.cos(other - bearing))));
   const nearest = off.indexOf(Math.min(...off));
   return (off[nearest] ?? TURN) <= Math.PI / 4 ? beamAt(frame, nearest) : null;
 }

@@ -24,26 +24,26 @@ const cases = vectors.cases as readonly {
 }[];
 
 describe("the profile in the browser is the mapper's", () => {
-  it.each(cases.map((one, n) => [n, one] as const))("along the beam, case %i", (_n, one) => {
-    one.s.forEach((s, i) => {
-      expect(increment(s, one.z, one.parameters)).toBeCloseTo(one.profile[i] as number, 7);
+  it.each(cases.map((sampled, n) => [n, sampled] as const))("along the beam, case %i", (_n, sampled) => {
+    sampled.s.forEach((s, i) => {
+      expect(increment(s, sampled.z, sampled.parameters)).toBeCloseTo(sampled.profile[i] as number, 7);
     });
   });
 
-  it.each(cases.map((one, n) => [n, one] as const))("in every cell, case %i", (_n, one) => {
-    one.cells.forEach((gained, index) => {
-      const zone = cellZone(index, one.z, one.parameters);
+  it.each(cases.map((sampled, n) => [n, sampled] as const))("in every cell, case %i", (_n, sampled) => {
+    sampled.cells.forEach((gained, index) => {
+      const zone = cellZone(index, sampled.z, sampled.parameters);
       if (gained === null) expect([index, zone]).toEqual([index, "beyond"]);
-      else if (!isCone(one.parameters)) expect([index, zone]).not.toEqual([index, "beyond"]);
-      expect(cellIncrement(index, one.z, one.parameters)).toBeCloseTo(gained ?? 0, 4);
+      else if (!isCone(sampled.parameters)) expect([index, zone]).not.toEqual([index, "beyond"]);
+      expect(cellIncrement(index, sampled.z, sampled.parameters)).toBeCloseTo(gained ?? 0, 4);
     });
   });
 
-  it.each(vectors.fans.map((one, n) => [n, one] as const))("beside the axis of a cone, case %i", (_n, one) => {
-    one.s.forEach((s, i) => {
-      one.theta.forEach((theta, k) => {
-        const wanted = one.increments[i]?.[k] as number;
-        expect(increment(s, one.z, one.parameters, theta)).toBeCloseTo(wanted, 7);
+  it.each(vectors.fans.map((fan, n) => [n, fan] as const))("beside the axis of a cone, case %i", (_n, fan) => {
+    fan.s.forEach((s, i) => {
+      fan.theta.forEach((theta, k) => {
+        const wanted = fan.increments[i]?.[k] as number;
+        expect(increment(s, fan.z, fan.parameters, theta)).toBeCloseTo(wanted, 7);
       });
     });
   });

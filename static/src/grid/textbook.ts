@@ -98,7 +98,7 @@ function countHitsAndMisses(
 ): number {
   const [hits, misses] = statisticsOf(grid);
   const prior = probability(config.log_odds_prior);
-  const one = { ...config, log_odds_hit: 1, log_odds_miss: -1 };
+  const counting = { ...config, log_odds_hit: 1, log_odds_miss: -1 };
   const visit = (index: number, isHit: boolean): number => {
     if (index < 0) return 0;
     const counts = isHit ? hits : misses;
@@ -110,12 +110,12 @@ function countHitsAndMisses(
   };
   let visits = 0;
   if (config.update === "per_scan")
-    inverseRangeSensorModel(grid.geometry, scan, pose, one).forEach((kind, index) => {
+    inverseRangeSensorModel(grid.geometry, scan, pose, counting).forEach((kind, index) => {
       if (!Number.isNaN(kind)) visits += visit(index, kind > 0);
     });
   else
     scan.ranges.forEach((_, beam) => {
-      for (const { cell, evidence } of evidenceOfBeam(grid.geometry, scan, beam, pose, one))
+      for (const { cell, evidence } of evidenceOfBeam(grid.geometry, scan, beam, pose, counting))
         visits += visit(indexOf(grid.geometry, cell), evidence > 0);
     });
   return visits;

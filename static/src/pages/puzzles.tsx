@@ -106,7 +106,7 @@ function Page() {
     );
   }
   if (session.value === null) {
-    const awaited = offered.find((one) => one.name === name);
+    const awaited = offered.find((puzzle) => puzzle.name === name);
     return (
       <Opening now={preparing.value} what="Preparing the puzzle" onCancel={() => ending?.abort()}>
         {awaited && (

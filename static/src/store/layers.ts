@@ -98,7 +98,7 @@ export class Layers {
       this.#infos.value = infos;
       // A layer that was removed or created again is cleared, except a grid: it stays until its successor is complete.
       for (const { name, id, kind } of before)
-        if (kind !== "grid" && !infos.some((one) => one.id === id)) this.#content(name).value = null;
+        if (kind !== "grid" && !infos.some((info) => info.id === id)) this.#content(name).value = null;
     });
   }
 

@@ -48,7 +48,7 @@ class FakeBrowser implements Environment {
     const wait = { task, ms };
     this.waits.push(wait);
     return () => {
-      this.waits = this.waits.filter((one) => one !== wait);
+      this.waits = this.waits.filter((other) => other !== wait);
     };
   }
   tick: () => void = () => undefined;

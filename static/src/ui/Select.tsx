@@ -38,8 +38,8 @@ export function Select<V extends string>({
       disabled={disabled}
       onChange={(event) => onChange(event.currentTarget.value as V)}
     >
-      {options.map((one) => {
-        const option = typeof one === "string" ? { value: one, label: one } : one;
+      {options.map((choice) => {
+        const option = typeof choice === "string" ? { value: choice, label: choice } : choice;
         return (
           <option key={option.value} value={option.value} selected={option.value === value}>
             {option.label}

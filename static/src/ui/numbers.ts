@@ -120,5 +120,5 @@ export function bytes(count: number): string {
 }
 
 /** A count with its noun: 1 cell, 2,000 cells. */
-export const plural = (count: number, one: string, many = `${one}s`): string =>
-  `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+export const plural = (count: number, singular: string, many = `${singular}s`): string =>
+  `${count.toLocaleString("en")} ${count === 1 ? singular : many}`;

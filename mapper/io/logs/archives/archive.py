@@ -139,9 +139,9 @@ def members(
     return _with_journals(listed), ["The archive ends early: only what precedes is read."]
 
 
-def _with_journals(found: list[Member]) -> list[Member]:
-    by_place = {(one.folder, one.name): one for one in found}
-    return [replace(one, journal=by_place.get((one.folder, f"{one.name}-wal"))) for one in found]
+def _with_journals(members: list[Member]) -> list[Member]:
+    by_place = {(member.folder, member.name): member for member in members}
+    return [replace(member, journal=by_place.get((member.folder, f"{member.name}-wal"))) for member in members]
 
 
 def _header(header: bytes) -> tuple[bytes, int, str]:

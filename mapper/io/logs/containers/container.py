@@ -137,8 +137,8 @@ def are_parts_by_name(names: Sequence[str]) -> bool:
     """
     closed = [name.removesuffix(".active") for name in names]
     matches = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in closed]
-    parts = {(_BEGUN.sub("", one[1]), one[3]) for one in matches if one}
-    numbers = {int(one[2]) for one in matches if one}
+    parts = {(_BEGUN.sub("", match[1]), match[3]) for match in matches if match}
+    numbers = {int(match[2]) for match in matches if match}
     return None not in matches and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
 
 

@@ -240,9 +240,9 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     with _looked_into(file, limits) as connection:
         try:
             _check_tables(connection)
-            found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
-            found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
-            row = None if found is None else connection.execute(whole, found).fetchone()
+            sample = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+            sample = sample or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+            row = None if sample is None else connection.execute(whole, sample).fetchone()
         except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
             raise _unreadable(error) from error
     if row is None or not isinstance(row[0], int) or not isinstance(row[2], bytes):
@@ -265,7 +265,7 @@ def definition_rows(file: Source, limits: Limits) -> dict[str, tuple[str, str, s
             ).fetchall()
         except (sqlite3.Error, UnicodeDecodeError, ReadError):
             return {}
-    return {printable(row[0]): (row[1], row[2], row[3]) for row in rows if all(isinstance(one, str) for one in row)}
+    return {printable(row[0]): (row[1], row[2], row[3]) for row in rows if all(isinstance(value, str) for value in row)}
 
 
 def _other_database(connection: sqlite3.Connection, lacking: str) -> str:
@@ -282,9 +282,9 @@ def _other_database(connection: sqlite3.Connection, lacking: str) -> str:
 def _check_tables(connection: sqlite3.Connection, tables: dict[str, set[str]] = TABLES) -> None:
     """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
     for table, needed in tables.items():
-        found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
+        schema = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
         # A view, a virtual table or a computed column would run what the file says.
-        if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
+        if len(schema) != 1 or schema[0][0] != "table" or str(schema[0][1]).upper().startswith("CREATE VIRTUAL"):
             raise ReadError("log.unknown_format", _other_database(connection, table))
         columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
         if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):

@@ -137,8 +137,8 @@ class _Grouping:
         self.angles = _same_angles(self.beamings)
         self.notes: list[str] = []
         stated: Counter[tuple[float, float]] = Counter()
-        for one, count in zip(self.beamings, counts, strict=True):
-            stated[one.range_min, one.range_max] += count
+        for beaming_, count in zip(self.beamings, counts, strict=True):
+            stated[beaming_.range_min, beaming_.range_max] += count
         if not sensor.is_cut:
             self.notes += notes_on_limits(sensor.where, sensor.n_scans, stated)
 
@@ -292,13 +292,13 @@ class _Grouping:
         )
         return out
 
-    def _note_on_groups(self, found: list[ScanGroup]) -> str:
+    def _note_on_groups(self, groups: list[ScanGroup]) -> str:
         kinds = [
-            f"{len(one.scans)} with {one.ranges.shape[1]} beams {np.degrees(one.angle_increment):.4g}° apart from "
-            f"{np.degrees(one.angle_min):.4g}°, up to {one.range_max:g} m"
-            for one in found[:MOST_TOLD]
+            f"{len(group.scans)} with {group.ranges.shape[1]} beams {np.degrees(group.angle_increment):.4g}° apart "
+            f"from {np.degrees(group.angle_min):.4g}°, up to {group.range_max:g} m"
+            for group in groups[:MOST_TOLD]
         ]
-        more = f"; and {len(found) - MOST_TOLD} kinds more" if len(found) > MOST_TOLD else ""
+        more = f"; and {len(groups) - MOST_TOLD} kinds more" if len(groups) > MOST_TOLD else ""
         return (
             f"{counted(self.sensor.n_scans, self.sensor.n_scans)} {self.sensor.where} do not have the same beams or "
             f"limits: {'; '.join(kinds)}{more}. Each scan is read as it states itself."
@@ -309,15 +309,17 @@ def _same_angles(beamings: list[Beaming]) -> list[int]:
     """Return for each beaming the number of its angles, which are compared modulo one turn."""
     known = np.empty((0, 2))
     equal = []
-    for number, one in enumerate(beamings):
-        off = np.abs(wrap_angle(known[:, 0] - one.angle_min))
-        off = np.maximum(off, np.abs(known[:, 1] - one.angle_increment) * (0.05 * one.beams if one.beams > 1 else 0.0))
+    for number, beaming in enumerate(beamings):
+        off = np.abs(wrap_angle(known[:, 0] - beaming.angle_min))
+        off = np.maximum(
+            off, np.abs(known[:, 1] - beaming.angle_increment) * (0.05 * beaming.beams if beaming.beams > 1 else 0.0)
+        )
         same = np.flatnonzero(off < SAME_ANGLE)
         if len(same):
             equal.append(int(same[0]))
         elif len(known) < MOST_COMPARED:
             equal.append(len(known))
-            known = np.vstack([known, [one.angle_min, one.angle_increment]])
+            known = np.vstack([known, [beaming.angle_min, beaming.angle_increment]])
         else:
             equal.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
     return equal

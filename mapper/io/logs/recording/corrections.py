@@ -104,8 +104,8 @@ def shared_out(
 
     rotations = interpolated(values[step], values[step + 1], shares(turned + HEADING_PER_M * driven)).rotations
     moved = 0.5 * (rotated(rotations[:-1], moved) + rotated(rotations[1:], moved))
-    way = np.append(np.zeros((1, 3)), np.cumsum(moved, axis=0), axis=0)
-    places = (values[:-1] @ poses[first]).positions[step] + way - way[first][step]
+    path = np.append(np.zeros((1, 3)), np.cumsum(moved, axis=0), axis=0)
+    places = (values[:-1] @ poses[first]).positions[step] + path - path[first][step]
     missing = (values[1:] @ poses[last]).positions - places[last]
     places += shares(driven)[:, np.newaxis] * missing[step]
     corrected = Poses3(places - rotated(rotations, poses.positions), rotations)
@@ -147,7 +147,7 @@ def motion_along(tree: FrameTree, path: Path) -> Motion:
     if len(moving) < 2:
         return by_tf2
     last, line = moving[-1]
-    odometry = max((one for _, one in moving[:-1]), key=len)
+    odometry = max((track for _, track in moving[:-1]), key=len)
     below, edge, above = path[: last + 1], path[last : last + 2], path[last + 1 :]
     corrections = None if line.has_runs or odometry.has_runs else _corrections(tree, below, edge, line, odometry)
     if corrections is None:
@@ -195,10 +195,10 @@ def leaps_of(
     where they are many, so that the odometry is no measure of them.
     """
     driven = odometry(known).planar
-    way = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
+    distance = np.append(0.0, np.cumsum(_apart(driven[1:], driven[:-1])))
     there = odometry(Moments(stamps_ns[1:]))
     after, before = (values[1:] @ there).planar, (values[:-1] @ there).planar
-    between = np.diff(np.interp(stamps_ns, known.stamps_ns, way))
+    between = np.diff(np.interp(stamps_ns, known.stamps_ns, distance))
     are_leaps = np.asarray(_apart(after, before) > MOST_DRIFT * between)
     metres, radians = np.hypot(*(after - before)[:, :2].T), np.abs(wrap_angle(after[:, 2] - before[:, 2]))
     far = np.flatnonzero(are_leaps & ((metres > FAR_M) | (radians > FAR_RAD)))
@@ -223,9 +223,9 @@ def _ahead_ns(line: Timeline, odometry: Timeline) -> int:
     return ahead if least <= ahead <= MOST_AHEAD_NS else 0
 
 
-def _apart(one: Float64Array, other: Float64Array) -> Float64Array:
+def _apart(first: Float64Array, other: Float64Array) -> Float64Array:
     """Return how far planar poses (n, 3) are apart (n,), metres, turns included."""
-    difference = one - other
+    difference = first - other
     return np.asarray(np.hypot(difference[:, 0], difference[:, 1]) + TURN_M * np.abs(wrap_angle(difference[:, 2])))
 
 

@@ -94,19 +94,19 @@ class Cutter:
     def finish(self) -> None:
         """Cut what is held with what is known now. An image without a CameraInfo counts as one that cannot be read."""
         held, self._held, self._held_bytes = self._held, [], 0
-        for one in held:
+        for cloud in held:
             try:
-                self._cut_one(one)
+                self._cut_one(cloud)
             except BadMessageError as error:
-                one.stream.refuse(str(error), one.number)
+                cloud.stream.refuse(str(error), cloud.number)
 
-    def _take(self, one: _Held) -> None:
-        waits = any(held.stream is one.stream for held in self._held)
-        if not waits and self._is_ready(one.message, one.stream):
-            self._cut_one(one)
+    def _take(self, cloud: _Held) -> None:
+        waits = any(held.stream is cloud.stream for held in self._held)
+        if not waits and self._is_ready(cloud.message, cloud.stream):
+            self._cut_one(cloud)
             return
-        self._held.append(one)
-        self._held_bytes += one.size
+        self._held.append(cloud)
+        self._held_bytes += cloud.size
         self._cut_held()
         if self._held_bytes > HELD_BYTES:
             self.finish()
@@ -115,16 +115,16 @@ class Cutter:
         """Cut what can be cut so far; of one stream in the order of the recording."""
         held, self._held = self._held, []
         waiting: set[int] = set()  #: streams, by their ids
-        for one in held:
-            if id(one.stream) in waiting or not self._is_ready(one.message, one.stream):
-                waiting.add(id(one.stream))
-                self._held.append(one)
+        for cloud in held:
+            if id(cloud.stream) in waiting or not self._is_ready(cloud.message, cloud.stream):
+                waiting.add(id(cloud.stream))
+                self._held.append(cloud)
                 continue
-            self._held_bytes -= one.size
+            self._held_bytes -= cloud.size
             try:
-                self._cut_one(one)
+                self._cut_one(cloud)
             except BadMessageError as error:
-                one.stream.refuse(str(error), one.number)
+                cloud.stream.refuse(str(error), cloud.number)
 
     def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
         if isinstance(message, DepthImage):
@@ -135,12 +135,12 @@ class Cutter:
         base = tf.base_of(message.frame, self._children)
         return tf.is_base(base, self._children) and tf.reaches(message.frame, base, message.stamp_ns)
 
-    def _cut_one(self, one: _Held) -> None:
-        if isinstance(one.message, Cloud):
-            beams = self._beams_of_cloud(one.message, one.stream.topic, one.position)
+    def _cut_one(self, cloud: _Held) -> None:
+        if isinstance(cloud.message, Cloud):
+            beams = self._beams_of_cloud(cloud.message, cloud.stream.topic, cloud.position)
         else:
-            beams = self._beams_of_image(one.message, one.stream.topic)
-        self._emit(one.stream, one.recorded_ns, beams, one.position)
+            beams = self._beams_of_image(cloud.message, cloud.stream.topic)
+        self._emit(cloud.stream, cloud.recorded_ns, beams, cloud.position)
 
     def _beams_of_cloud(self, cloud: Cloud, topic: str, position: int) -> Beams:
         cut = self._cut
@@ -172,7 +172,9 @@ class Cutter:
         key = (topic, cloud.frame)
         if self._statics != self._tf.statics:  # one may have been replaced
             self._statics = self._tf.statics
-            self._placements = {known: one for known, one in self._placements.items() if one is NOT_PLACED}
+            self._placements = {
+                known: placement for known, placement in self._placements.items() if placement is NOT_PLACED
+            }
         placement = self._placements.get(key)
         if placement is not None:
             return placement

@@ -99,7 +99,7 @@ def trajectories_at(
         is_any = True
         trajectory, covered, more = _at(when, source, limits, offsets)
         is_known = trajectory is not None and any(
-            _are_alike(trajectory, one, covered & known[name]) for name, one in by_name.items()
+            _are_alike(trajectory, other, covered & known[name]) for name, other in by_name.items()
         )
         if source.repeats and is_known:
             continue
@@ -124,33 +124,36 @@ def trajectories_at(
     return PosesAtScans({STILL: still}, np.ones(len(when), dtype=np.bool_), [*notes, note])
 
 
-def _moving_first(found: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
+def _moving_first(trajectories: dict[str, Trajectory], notes: list[str]) -> dict[str, Trajectory]:
     """Return trajectories with those that never move behind the others, with a note where the first one is such."""
-    still = [name for name, one in found.items() if not np.ptp(one.poses, axis=0).any()]
-    first = next(iter(found))
-    if first not in still or len(still) == len(found):
-        return found
-    ordered = sorted(found, key=lambda name: name in still)
+    still = [name for name, trajectory in trajectories.items() if not np.ptp(trajectory.poses, axis=0).any()]
+    first = next(iter(trajectories))
+    if first not in still or len(still) == len(trajectories):
+        return trajectories
+    ordered = sorted(trajectories, key=lambda name: name in still)
     notes.append(f"By {first} the robot never moves, and by {ordered[0]} it does: the latter is the log’s first.")
-    return {name: found[name] for name in ordered}
+    return {name: trajectories[name] for name in ordered}
 
 
-def _known_to_any(found: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
+def _known_to_any(trajectories: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
     """Return of which scans (n,) any trajectory has a pose; one that never moves says nothing where others move."""
-    moving = [name for name, one in found.items() if np.ptp(one.poses, axis=0).any()]
+    moving = [name for name, trajectory in trajectories.items() if np.ptp(trajectory.poses, axis=0).any()]
     return np.asarray(np.any([known[name] for name in moving or known], axis=0))
 
 
 def _notes_on_left_out(
-    when: Moments, found: Mapping[str, Trajectory], known: Mapping[str, NDArray[np.bool_]], kept: NDArray[np.bool_]
+    when: Moments,
+    trajectories: Mapping[str, Trajectory],
+    known: Mapping[str, NDArray[np.bool_]],
+    kept: NDArray[np.bool_],
 ) -> list[str]:
     """Return a note on the scans of which there is no pose, by the reason."""
     if kept.all():
         return []
-    first = next(iter(found))
+    first = next(iter(trajectories))
     reasons = _before_and_after(when, ~kept, known[first])
     n = int(np.count_nonzero(~kept))
-    others = "" if len(found) == 1 else ", and no other source of poses has them"
+    others = "" if len(trajectories) == 1 else ", and no other source of poses has them"
     left = "1 scan is left out" if n == 1 else f"{n} scans are left out"
     return [f"{left}: {reasons} pose of {first}{others}. As in tf2, poses are not extrapolated."]
 
@@ -168,7 +171,7 @@ def _before_and_after(when: Moments, scans: NDArray[np.bool_], known: NDArray[np
 
 def _continued(
     when: Moments,
-    found: Mapping[str, Trajectory],
+    trajectories: Mapping[str, Trajectory],
     known: Mapping[str, NDArray[np.bool_]],
     kept: NDArray[np.bool_],
 ) -> tuple[dict[str, Trajectory], list[str]]:
@@ -179,16 +182,18 @@ def _continued(
     """
     whole: dict[str, Trajectory] = {}
     notes: list[str] = []
-    moving = [name for name, one in found.items() if np.ptp(one.poses, axis=0).any()] or list(found)
-    for name, one in found.items():
-        poses, rest = one.poses.copy(), kept & ~known[name]
+    moving = [name for name, trajectory in trajectories.items() if np.ptp(trajectory.poses, axis=0).any()] or list(
+        trajectories
+    )
+    for name, trajectory in trajectories.items():
+        poses, rest = trajectory.poses.copy(), kept & ~known[name]
         for other in moving:
             both = np.flatnonzero(known[name] & known[other])
             scans = np.flatnonzero(rest & known[other])
             if other == name or not len(both) or not len(scans):
                 continue
             nearest = both[_nearest(when.stamps_ns[both], when.stamps_ns[scans])]
-            there = found[other].poses
+            there = trajectories[other].poses
             poses[scans] = compose(compose(poses[nearest], inverse(there[nearest])), there[scans])
             rest[scans] = False
             far = int(np.count_nonzero(np.abs(when.stamps_ns[scans] - when.stamps_ns[nearest]) > FAR_NS))
@@ -196,7 +201,7 @@ def _continued(
                 continue
             are = "1 scan is" if far == 1 else f"{far} scans are"
             notes.append(f"{are} before the first or after the last pose of {name}, which moves as {other} there.")
-        whole[name] = replace(one, poses=poses)
+        whole[name] = replace(trajectory, poses=poses)
     return whole, notes
 
 
@@ -210,14 +215,14 @@ def _nearest(of_ns: Int64Array, stamps_ns: Int64Array) -> Int64Array:
     return np.asarray(order[np.where(is_low, low, high)])
 
 
-def _are_alike(one: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> bool:
+def _are_alike(first: Trajectory, other: Trajectory, at: NDArray[np.bool_]) -> bool:
     """Return whether two trajectories are the same poses in the same frame, to a millimetre and a milliradian.
 
     They are compared ``at`` the scans (n,) of which both have one.
     """
-    if (one.frame_id, one.offset) != (other.frame_id, other.offset) or not at.any():
+    if (first.frame_id, first.offset) != (other.frame_id, other.offset) or not at.any():
         return False
-    apart = one.poses[at] - other.poses[at]
+    apart = first.poses[at] - other.poses[at]
     apart[:, 2] = wrap_angle(apart[:, 2])
     return bool(np.abs(apart).max(initial=0.0) < SAME)
 

@@ -50,7 +50,7 @@ class RecordedLog:
             if stream.bad
         ]
         #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
-        self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
+        self._sensors = sorted(taken.sensors.values(), key=lambda sensor: (_RANK[sensor.kind], -sensor.n_scans))
         #: The same sensors with their frames looked up in other topics of transforms; a person may choose one of them.
         self._in_other_tf = [other for sensor in self._sensors for other in self._looked_up_otherwise(sensor)]
         #: Poses with stamps of their own, by the topic of transforms and the source.
@@ -76,7 +76,9 @@ class RecordedLog:
                 left_out.append(f"{sensor.topic} is left out: {error.message}")
         if left_out:
             sensors[chosen[0].topic] = with_notes(log, left_out)
-        timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
+        timed = {
+            name: trajectory.timed for name, trajectory in log.trajectories.items() if trajectory.timed is not None
+        }
         tree = self._taken.tf.tree_of(chosen[0].topic, chosen[0].frame)
         return RobotLog(sensors, timed, tree.transforms())
 
@@ -125,11 +127,13 @@ class RecordedLog:
         if self._bad:
             held = f"messages that could not be read: {listed(self._bad)}"
         elif streams and not any(stream.count for stream in streams):
-            topics = listed(sorted({f"{one.kind} on {one.topic}" for one in streams}))
+            topics = listed(sorted({f"{stream.kind} on {stream.topic}" for stream in streams}))
             held = f"its topics have no messages ({topics})"
         elif streams:
             other = " (serialised in a way that is not read)"
-            kinds = {f"{one.kind or 'messages without a type'}{'' if one.readable else other}" for one in streams}
+            kinds = {
+                f"{stream.kind or 'messages without a type'}{'' if stream.readable else other}" for stream in streams
+            }
             held = f"it has {listed(sorted(kinds))}"
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
@@ -319,9 +323,9 @@ class RecordedLog:
                 known = rest.get(key, Topic(*key, 0))
                 rest[key] = replace(known, count=known.count + stream.count)
         # Sensors whose scans were not asked for are listed among the others.
-        sensors += [one for (_, kind), one in rest.items() if kind in PREFERENCE and one.count]
-        others = [one for _, one in sorted(rest.items()) if one not in sensors]
-        return (*sorted(sensors, key=lambda one: -one.count), *others)
+        sensors += [stream for (_, kind), stream in rest.items() if kind in PREFERENCE and stream.count]
+        others = [stream for _, stream in sorted(rest.items()) if stream not in sensors]
+        return (*sorted(sensors, key=lambda stream: -stream.count), *others)
 
     def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
         _, increment, _, _, n = sensor.stated.usual

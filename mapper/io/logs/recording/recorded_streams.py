@@ -63,17 +63,17 @@ class _Recorded:
             readings = []
             for message in part:
                 try:
-                    one = imu(message.data, cdr=message.cdr)
+                    reading = imu(message.data, cdr=message.cdr)
                 except BadMessageError:
                     continue
-                readings.append((one.frame, one.stamp_ns or message.stamp_ns, one))
+                readings.append((reading.frame, reading.stamp_ns or message.stamp_ns, reading))
             if readings:
                 yield ImuSamples(
                     readings[0][0],
                     np.array([stamp for _, stamp, _ in readings], dtype=np.int64),
-                    np.array([one.angular_velocity for *_, one in readings]),
-                    np.array([one.linear_acceleration for *_, one in readings]),
-                    np.array([one.orientation for *_, one in readings]),
+                    np.array([message.angular_velocity for *_, message in readings]),
+                    np.array([message.linear_acceleration for *_, message in readings]),
+                    np.array([message.orientation for *_, message in readings]),
                 )
 
     def mounts(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
@@ -115,7 +115,7 @@ class _Recorded:
         if self.trajectory is not None:
             has = [*(f"tf/{path[-1]}" for path in worlds), *(name.lstrip("/") for name in sources)]
             worlds = [path for path in worlds if f"tf/{path[-1]}" == self.trajectory]
-            sources = {name: one for name, one in sources.items() if name.lstrip("/") == self.trajectory}
+            sources = {name: source for name, source in sources.items() if name.lstrip("/") == self.trajectory}
             if not worlds and not sources:
                 raise ReadError(
                     "clouds.trajectory",

@@ -217,18 +217,18 @@ class Recording(MessageSink):
         return sensors[name]
 
     def _take_pose(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        for one in POSES[stream.kind](data, cdr=stream.cdr):
-            self._add_pose(stream, stamp_ns, one)
+        for pose in POSES[stream.kind](data, cdr=stream.cdr):
+            self._add_pose(stream, stamp_ns, pose)
 
-    def _add_pose(self, stream: Stream, stamp_ns: int, one: StampedPose) -> None:
+    def _add_pose(self, stream: Stream, stamp_ns: int, pose: StampedPose) -> None:
         taken = self._taken
-        frame, child = printable(one.frame[:MAX_FRAME_NAME]), printable(one.child[:MAX_FRAME_NAME])
+        frame, child = printable(pose.frame[:MAX_FRAME_NAME]), printable(pose.child[:MAX_FRAME_NAME])
         known = self._poses_of(stream, frame, child)
-        at = _stamp(one.stamp_ns, stamp_ns)
-        known.timeline.add(at, one.pose, self._position, _stamp(stamp_ns, 0))
+        at = _stamp(pose.stamp_ns, stamp_ns)
+        known.timeline.add(at, pose.pose, self._position, _stamp(stamp_ns, 0))
         known.clock.add(at, _stamp(stamp_ns, 0))
-        if math.isfinite(one.speed):
-            known.fastest = max(known.fastest, one.speed)
+        if math.isfinite(pose.speed):
+            known.fastest = max(known.fastest, pose.speed)
         if child and len(taken.children) < MAX_CHILDREN:
             taken.children.add(child)
 
@@ -261,10 +261,10 @@ class Recording(MessageSink):
                 stream.refuse(str(error))
 
     def _take_transforms(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        for one in TRANSFORMS[stream.kind](data, cdr=stream.cdr):
-            at = _stamp(one.stamp_ns, stamp_ns)
+        for transform in TRANSFORMS[stream.kind](data, cdr=stream.cdr):
+            at = _stamp(transform.stamp_ns, stamp_ns)
             self._taken.tf_clock.add(at, _stamp(stamp_ns, 0))
-            pose = StampedPose(at, printable(one.frame), printable(one.child), one.pose)
+            pose = StampedPose(at, printable(transform.frame), printable(transform.child), transform.pose)
             ignored = self._taken.tf.add(stream.topic, pose, self._position, _stamp(stamp_ns, 0))
             if ignored:
                 stream.leave_out(ignored)
@@ -280,7 +280,7 @@ class Recording(MessageSink):
         for _, line in lines:
             line.set_stamps()
         self._take_recorded_times(sensors)
-        senders: list[tuple[str, Timeline | SensorScans]] = [*lines, *((one.topic, one) for one in sensors)]
+        senders: list[tuple[str, Timeline | SensorScans]] = [*lines, *((sensor.topic, sensor) for sensor in sensors)]
         tracks = self._by_clocks_never_set(senders)
         disordered = is_in_disorder(tracks)
         offsets = None if disordered else offsets_of_runs(tracks)
@@ -299,7 +299,7 @@ class Recording(MessageSink):
             if by_recording:
                 taken.tf.put_statics_in_order()
             return
-        taken.run_offsets = tuple(int(one) for one in np.unique(np.concatenate(offsets)))
+        taken.run_offsets = tuple(int(offset) for offset in np.unique(np.concatenate(offsets)))
         for (_, line), own in zip(lines, offsets, strict=False):
             line.count_on(own)
         for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
@@ -317,11 +317,11 @@ class Recording(MessageSink):
             if not own or track.recorded_ns is None:
                 continue
             sender.set_to(as_never_set(track.stamps_ns, track.recorded_ns, own))
-            told = ", ".join(f"by {step * 1e-9:+,.1f} s before message {at + 1}" for at, step in own[:3])
+            steps = ", ".join(f"by {step * 1e-9:+,.1f} s before message {at + 1}" for at, step in own[:3])
             more = f" and {len(own) - 3} more times" if len(own) > 3 else ""
             self.notes.append(
-                f"The clock of {track.topic} was set {told}{more}, while others went on: its stamps count as if it had "
-                "not been."
+                f"The clock of {track.topic} was set {steps}{more}, while others went on: its stamps count as if it "
+                "had not been."
             )
         if any(settings):
             self._take_clocks_anew()

@@ -45,12 +45,12 @@ def restarts_of(stated: StatedPoses) -> Int64Array:
     return np.flatnonzero(begins) + 1
 
 
-def sees_the_same(one: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
+def sees_the_same(ranges: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
     """Return whether two scans may be of one place, however the robot has turned: their distances are alike.
 
     Of a robot that was carried to where it began, as a simulated one that is reset, they are not.
     """
-    known = [scan[np.isfinite(scan) & (scan > 0.0)] for scan in (one, other)]
+    known = [scan[np.isfinite(scan) & (scan > 0.0)] for scan in (ranges, other)]
     if min(map(len, known)) == 0:
         return False
     first, second = (np.quantile(scan, np.linspace(0.025, 0.975, 20)) for scan in known)

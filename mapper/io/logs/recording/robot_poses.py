@@ -124,7 +124,7 @@ class RobotPoses:
     def _scans_after(self, stamps_ns: Sequence[int]) -> str:
         """Return the numbers of the first scans after some times, the first three of them."""
         stamps = self.sensor.moments.stamps_ns
-        first = [str(int(np.count_nonzero(stamps < one)) + 1) for one in stamps_ns[:3]]
+        first = [str(int(np.count_nonzero(stamps < stamp_ns)) + 1) for stamp_ns in stamps_ns[:3]]
         return ", ".join(first) + (f" and {len(stamps_ns) - 3} more times" if len(stamps_ns) > 3 else "")
 
     def _carried(self, source: PoseSource, odometry: list[PoseSource]) -> PoseSource:
@@ -163,13 +163,13 @@ class RobotPoses:
         corrections = shared_out(made.stamps_ns, between, odometry.at, known.stamps_ns, nowhere)
 
         def at(when: Moments) -> Poses3:
-            found = source.at(when)
+            placed = source.at(when)
             step = np.searchsorted(made.stamps_ns, when.stamps_ns, side="right") - 1
             is_leap = np.append(are_leaps, False)[np.clip(step, -1, len(are_leaps))]
             inside = odometry.covers(when.stamps_ns) & ~is_leap
             carried = corrections.at(when.stamps_ns[inside]) @ odometry.at(when[inside])
-            found.positions[inside], found.rotations[inside] = carried.positions, carried.rotations
-            return found
+            placed.positions[inside], placed.rotations[inside] = carried.positions, carried.rotations
+            return placed
 
         def stated() -> StatedPoses:
             first, last = made.stamps_ns[[0, -1]]

@@ -152,8 +152,8 @@ def _clustered(tracks: Sequence[Track], steps: Sequence[Sequence[int]]) -> list[
     """Return the steps of different tracks that are near to each other, in the order of the recording."""
     events = sorted(
         (int(track.positions[index]), number, index)
-        for number, (track, found) in enumerate(zip(tracks, steps, strict=True))
-        for index in found
+        for number, (track, step) in enumerate(zip(tracks, steps, strict=True))
+        for index in step
     )
     near = _messages_in(tracks, NEAR_S)
     groups: list[list[tuple[int, int, int]]] = []
@@ -162,15 +162,15 @@ def _clustered(tracks: Sequence[Track], steps: Sequence[Sequence[int]]) -> list[
         if is_next:
             groups.append([])
         groups[-1].append(event)
-    found = []
+    passed = []
     for group in groups:
         back = [
             int(tracks[number].stamps_ns[:index].max()) - int(tracks[number].stamps_ns[index])
             for _, number, index in group
         ]
         position = group[len(group) // 2][0]
-        found.append(_Reset(position, {number: index for _, number, index in group}, int(np.median(back)), near))
-    return found
+        passed.append(_Reset(position, {number: index for _, number, index in group}, int(np.median(back)), near))
+    return passed
 
 
 def _messages_in(tracks: Sequence[Track], seconds: float) -> int:

@@ -40,7 +40,7 @@ class Reasons:
     @property
     def sentence(self) -> str:
         """The reasons, most frequent first, each with its count where there are several."""
-        reasons = sorted(self.by_kind.values(), key=lambda one: -one.count)
+        reasons = sorted(self.by_kind.values(), key=lambda stream: -stream.count)
         if len(reasons) == 1:
             return _with_first(reasons[0])
         return "; ".join(f"{reason.count} of them: {_with_first(reason)}" for reason in reasons)

@@ -55,14 +55,16 @@ class TfTopics:
         self.statics = 0  #: number of static transforms, without those that are stated again
         self._nothing = Stated()
 
-    def add(self, topic: str, one: StampedPose, position: int, recorded_ns: int = 0) -> str:
+    def add(self, topic: str, transform: StampedPose, position: int, recorded_ns: int = 0) -> str:
         """Take one transform of message number ``position``, recorded at ``recorded_ns``, on a topic.
 
         See :meth:`FrameTree.add`.
         """
         stated = self._stated.setdefault(topic, Stated())
         before, statics = stated.edges, stated.statics
-        ignored = stated.add(one, self._limits, is_static=is_static(topic), position=position, recorded_ns=recorded_ns)
+        ignored = stated.add(
+            transform, self._limits, is_static=is_static(topic), position=position, recorded_ns=recorded_ns
+        )
         if stated.edges != before:
             self._chosen.clear()
         self.statics += stated.statics - statics
@@ -76,18 +78,18 @@ class TfTopics:
     @property
     def timelines(self) -> list[tuple[str, Timeline]]:
         """The transforms of each pair of frames that are not static, with their topics."""
-        lines = ((topic, each.values()) for topic, one in self._stated.items() for each in one.moving.values())
+        lines = ((topic, each.values()) for topic, tree in self._stated.items() for each in tree.moving.values())
         return [(topic, line) for topic, each in lines for line in each]
 
     @property
     def static_tracks(self) -> list[Track]:
         """The stamps of the static transforms of each frame of each topic."""
-        return [Track(topic, *line.track) for topic, one in self._stated.items() for line in one.static.values()]
+        return [Track(topic, *line.track) for topic, tree in self._stated.items() for line in tree.static.values()]
 
     def put_statics_in_order(self) -> None:
         """Let the static transforms count by when they were recorded, not by where their messages are stored."""
-        for one in self._stated.values():
-            for line in one.static.values():
+        for tree in self._stated.values():
+            for line in tree.static.values():
                 line.put_in_order()
 
     def tree_of(self, sensor: str, frame: str) -> FrameTree:
@@ -131,7 +133,7 @@ class TfTopics:
         """Return the topics of a name in the namespace of another topic and around it, the nearest first."""
         names = {known.strip("/"): known for known in self._stated}
         wanted = (f"{space}/{name}".strip("/") for space in namespaces(topic))
-        return [names[one] for one in wanted if one in names]
+        return [names[name] for name in wanted if name in names]
 
     def _moving_of(self, sensor: str, frame: str) -> str:
         near = self._named(sensor, "tf")
@@ -170,4 +172,4 @@ class TfTopics:
 
     def _known(self, topic: str) -> str | None:
         """Return the topic of transforms that may change of that name, with or without its first slash."""
-        return next((one for one in self.moving if one.strip("/") == topic.strip("/")), None)
+        return next((topic_ for topic_ in self.moving if topic_.strip("/") == topic.strip("/")), None)

@@ -79,7 +79,7 @@ class _Statics:
         """Put them into the order in which they were recorded; see :meth:`at`."""
         ends = zip(self.recorded, self.again, strict=True)
         times = sorted((time, index) for index, both in enumerate(ends) for time in both)
-        kept = [times[0], *(one for before, one in pairwise(times) if before[1] != one[1])]
+        kept = [times[0], *(after for before, after in pairwise(times) if before[1] != after[1])]
         which = [index for _, index in kept]
         self.positions, self.recorded, self.again = ([time for time, _ in kept] for _ in range(3))
         self.parents = [self.parents[index] for index in which]
@@ -117,10 +117,12 @@ class Stated:
     edges: int = 0
     statics: int = 0
 
-    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int, recorded_ns: int = 0) -> str:
+    def add(
+        self, transform: StampedPose, limits: Limits, *, is_static: bool, position: int, recorded_ns: int = 0
+    ) -> str:
         """Take one transform, recorded at ``recorded_ns``; see :meth:`FrameTree.add`."""
-        parent, child = one.frame.lstrip("/"), one.child.lstrip("/")
-        why = why_ignored(parent, child, one.pose)
+        parent, child = transform.frame.lstrip("/"), transform.child.lstrip("/")
+        why = why_ignored(parent, child, transform.pose)
         if why:
             return f"the transform of {child!r:.100} in {parent!r:.100}, as in tf2: {why}"
         known = self.children.setdefault(parent, {})
@@ -133,19 +135,19 @@ class Stated:
             parents = self.moving.setdefault(child, {})
             if parent not in parents:
                 parents[parent] = Timeline(limits)
-            parents[parent].add(one.stamp_ns, one.pose, position, recorded_ns)
+            parents[parent].add(transform.stamp_ns, transform.pose, position, recorded_ns)
             return ""
         statics = self.static.setdefault(child, _Statics())
-        if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, one.pose):
+        if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, transform.pose):
             statics.again[-1] = recorded_ns
             return ""
         if len(statics.parents) >= limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {limits.max_messages} poses.")
         self.statics += 1
         statics.parents.append(parent)
-        statics.values.append(one.pose)
+        statics.values.append(transform.pose)
         statics.positions.append(position)
-        statics.stamps.append(one.stamp_ns)
+        statics.stamps.append(transform.stamp_ns)
         statics.recorded.append(recorded_ns)
         statics.again.append(recorded_ns)
         return ""
@@ -163,13 +165,13 @@ class FrameTree:
         self._of_moving, self._of_static = moving or Stated(), static or Stated()
         self._moving, self._static = self._of_moving.moving, self._of_static.static
 
-    def add(self, one: StampedPose, *, is_static: bool = False, position: int = 0) -> str:
+    def add(self, transform: StampedPose, *, is_static: bool = False, position: int = 0) -> str:
         """Take one transform, ``is_static`` where it is said never to change, of message number ``position``.
 
         Return which one is ignored, and why; nothing where it is valid. Raises :class:`LimitError`.
         """
         stated = self._of_static if is_static else self._of_moving
-        return stated.add(one, self._limits, is_static=is_static, position=position)
+        return stated.add(transform, self._limits, is_static=is_static, position=position)
 
     def knows(self, frame: str) -> bool:
         """Return whether a transform of or to a frame was stated."""
@@ -181,7 +183,7 @@ class FrameTree:
         return [name for name in dict.fromkeys(names) if name != frame and _last(name) == _last(frame)][:3]
 
     def _children_of(self, frame: str) -> tuple[str, ...]:
-        moving, static = (one.children.get(frame, {}) for one in (self._of_moving, self._of_static))
+        moving, static = (tree.children.get(frame, {}) for tree in (self._of_moving, self._of_static))
         return tuple(dict.fromkeys([*moving, *static]))
 
     @property
@@ -280,8 +282,8 @@ class FrameTree:
         n = len(when)
         out = Poses3(np.zeros((n, 3)), np.zeros((n, 4)))
         for path, where in paths:
-            found = self.lookup(path, when[where])
-            out.positions[where], out.rotations[where] = found.positions, found.rotations
+            transform = self.lookup(path, when[where])
+            out.positions[where], out.rotations[where] = transform.positions, transform.rotations
         return out
 
     def covers_relative(self, source: str, target: str, when: Moments) -> NDArray[np.bool_]:
@@ -382,32 +384,32 @@ class FrameTree:
             path.append(last)
         return tuple(reversed(path))
 
-    def _line(self, one: str, other: str) -> tuple[Timeline | None, bool]:
-        """Return the moving transform between two frames of a path, and whether ``one`` is the child in it."""
-        if other in self.parents(one):
-            return self._moving.get(one, {}).get(other), True
-        return self._moving.get(other, {}).get(one), False
+    def _line(self, frame: str, other: str) -> tuple[Timeline | None, bool]:
+        """Return the moving transform between two frames of a path, and whether ``frame`` is the child in it."""
+        if other in self.parents(frame):
+            return self._moving.get(frame, {}).get(other), True
+        return self._moving.get(other, {}).get(frame), False
 
     def moving_lines(self, path: Path) -> list[tuple[int, Timeline]]:
         """Return the transforms between a frame of a path and the next one that move, each with the frame's index."""
-        lines = [(index, self._line(one, other)[0]) for index, (one, other) in enumerate(pairwise(path))]
+        lines = [(index, self._line(frame, other)[0]) for index, (frame, other) in enumerate(pairwise(path))]
         return [(index, line) for index, line in lines if line is not None and line.moves]
 
-    def _moves(self, one: str, other: str) -> bool:
-        line, _ = self._line(one, other)
+    def _moves(self, frame: str, other: str) -> bool:
+        line, _ = self._line(frame, other)
         return line is not None and line.moves
 
     def lookup(self, path: Path, when: Moments) -> Poses3:
         """Return where the first frame of a path was in the last, at n times, or once where nothing of it moves."""
         poses = identity()
-        for one, other in pairwise(path):
-            line, is_up = self._line(one, other)
-            step = self._static_at(one, other, is_up, when) if line is None else line.at(when.stamps_ns)
+        for frame, other in pairwise(path):
+            line, is_up = self._line(frame, other)
+            step = self._static_at(frame, other, is_up, when) if line is None else line.at(when.stamps_ns)
             poses = (step if is_up else step.inverse) @ poses
         return poses
 
-    def _static_at(self, one: str, other: str, is_up: bool, when: Moments) -> Poses3:
-        child, parent = (one, other) if is_up else (other, one)
+    def _static_at(self, frame: str, other: str, is_up: bool, when: Moments) -> Poses3:
+        child, parent = (frame, other) if is_up else (other, frame)
         statics = self._static[child]
         own = statics.of(parent)
         held = statics.at(when.positions)
@@ -418,8 +420,8 @@ class FrameTree:
     def covers(self, path: Path, stamps_ns: Int64Array) -> NDArray[np.bool_]:
         """Return whether all that moves along a path is known at each time (n,)."""
         covered = np.ones(len(stamps_ns), dtype=np.bool_)
-        for one, other in pairwise(path):
-            line, _ = self._line(one, other)
+        for frame, other in pairwise(path):
+            line, _ = self._line(frame, other)
             if line is not None and line.moves:
                 covered &= line.covers(stamps_ns)
         return covered
@@ -429,7 +431,7 @@ class FrameTree:
 
         Beside them are the stamps (n,) as they were stated.
         """
-        lines = [line for one, other in pairwise(path) if (line := self._line(one, other)[0]) is not None]
+        lines = [line for frame, other in pairwise(path) if (line := self._line(frame, other)[0]) is not None]
         lines = [line for line in lines if line.moves]
         if not lines:
             return Moments(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)), np.zeros(0, dtype=np.int64)
@@ -444,9 +446,9 @@ class FrameTree:
         if path is None:
             return False
         return all(
-            self._line(one, other)[0] is None and not self._static[one if is_up else other].changes
-            for one, other in pairwise(path)
-            for is_up in (self._line(one, other)[1],)
+            self._line(frame, other)[0] is None and not self._static[frame if is_up else other].changes
+            for frame, other in pairwise(path)
+            for is_up in (self._line(frame, other)[1],)
         )
 
     def reaches(self, source: str, target: str, stamp_ns: int) -> bool:
@@ -454,7 +456,7 @@ class FrameTree:
         path = self.path(source, target)
         if path is None:
             return False
-        lines = (self._line(one, other)[0] for one, other in pairwise(path))
+        lines = (self._line(frame, other)[0] for frame, other in pairwise(path))
         return all(line is None or line.latest_ns >= stamp_ns for line in lines)
 
     # The robot
@@ -477,9 +479,9 @@ class FrameTree:
         fixed = self._fixed_base(sensor)
         if fixed is not None:
             return fixed
-        lowest = next((one for one, other in pairwise(chain) if self._moves(one, other)), None)
+        lowest = next((frame for frame, other in pairwise(chain) if self._moves(frame, other)), None)
         # Of a robot that is the root itself, a fixed frame moves in it.
-        return lowest or next((one for one in chain[1:] if self._has_fixed_child(one)), sensor)
+        return lowest or next((frame for frame in chain[1:] if self._has_fixed_child(frame)), sensor)
 
     def _has_fixed_child(self, frame: str) -> bool:
         """Return whether a frame that is named as a fixed one moves in another."""
@@ -542,7 +544,7 @@ class FrameTree:
         if not any(moves for _, moves in up):
             down += self._paths_beside(base)
         paths: dict[Path, None] = {}
-        for path, moves in [*sorted(up, key=lambda one: -len(one[0])), *down]:
+        for path, moves in [*sorted(up, key=lambda item: -len(item[0])), *down]:
             if path[-1] not in robot and (moves or (not only_moving and _last(path[-1]) in WORLDS)):
                 paths[path] = None
         return sorted(paths, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]

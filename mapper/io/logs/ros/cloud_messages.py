@@ -62,8 +62,8 @@ class Cloud:
         kind = np.float64 if double else np.float32
         points = np.stack([axis.astype(kind).reshape(-1) for axis in self.axes], axis=-1)
         fields = {
-            name: one.astype(one.dtype.newbyteorder("=")).reshape(len(points), *one.shape[2:])
-            for name, one in self.others.items()
+            name: values.astype(values.dtype.newbyteorder("=")).reshape(len(points), *values.shape[2:])
+            for name, values in self.others.items()
         }
         stamp_ns = self.stamp_ns or recorded_ns
         height, width = self.axes[0].shape

@@ -275,8 +275,8 @@ class CarmenReader:
         groups: list[ScanGroup] = []
         if not is_even:
             beamings = [
-                Beaming(one.angle_min, one.angle_increment, 0.0, limit, n)
-                for one, limit, (n, _) in zip(of_kinds, greatest, sensor.kinds, strict=True)
+                Beaming(stated_.angle_min, stated_.angle_increment, 0.0, limit, n)
+                for stated_, limit, (n, _) in zip(of_kinds, greatest, sensor.kinds, strict=True)
             ]
             times = np.zeros(sensor.n_scans, dtype=np.float32)
             stated = StatedScans(f"of {word} lines", beamings, sensor.kind_of_scan, readings, times)
@@ -338,7 +338,7 @@ class CarmenReader:
         messages = TimedPoses(np.round(stamps[~restart] * 1e9).astype(np.int64), poses[~restart])
         # What the scan lines themselves state, where that is odometry: it needs no stamps, which may run backwards.
         stated = (trajectories[name] for name in ("odom", "scan", "wheel") if name in trajectories)
-        at_scans = next((one.poses for one in stated if one.frame_id == "odom"), None)
+        at_scans = next((trajectory.poses for trajectory in stated if trajectory.frame_id == "odom"), None)
         return OdometryRecords(messages, kept_before[before] - 1, at_scans)
 
     def _chosen(self, topic: str | None) -> str:

@@ -75,11 +75,11 @@ _NAME = re.compile(r"(.+?)(?:_([a-z]+)| ?[\[(]([a-z]+)[\])])")
 
 def _with_unit(word: str) -> tuple[str, float]:
     """Return a name of the format, and how many of its unit are one of the unit in ``word``; 1 where it states none."""
-    found = _NAME.fullmatch(word)
-    if word in _UNITS or found is None:
+    match = _NAME.fullmatch(word)
+    if word in _UNITS or match is None:
         return word, 1.0
-    per_unit = _UNITS.get(found[1], {}).get(found[2] or found[3])
-    return (word, 1.0) if per_unit is None else (found[1], per_unit)
+    per_unit = _UNITS.get(match[1], {}).get(match[2] or match[3])
+    return (word, 1.0) if per_unit is None else (match[1], per_unit)
 
 
 def is_csv_scans(head: bytes) -> bool:
@@ -252,7 +252,7 @@ def read_csv_scans(
     times = np.full(stack.n_scans, v["time_increment"], dtype=np.float32)
     stated = StatedScans("of the log", [beaming], stack.kind_of_scan, ranges, times)
     (scans,), notes_on_limits = scan_groups(stated, limits)
-    way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan’s line", limits)
+    poses, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan’s line", limits)
     return ScanLog(
         ranges=scans.ranges,
         angle_min=v["angle_min"],
@@ -260,7 +260,7 @@ def read_csv_scans(
         range_min=least,
         range_max=most,
         stamps_ns=stack.stamps_ns,
-        trajectories={"scan": way},
+        trajectories={"scan": poses},
         mount=(v["mount_x"], v["mount_y"], v["mount_yaw"]),
         time_increment=v["time_increment"],
         name=path.name,

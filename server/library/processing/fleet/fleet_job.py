@@ -195,7 +195,7 @@ def _done(job: FleetJob) -> MapFacts:
         resolution=geometry.resolution,
         contrast=round(figures.sharpness, 4) if math.isfinite(figures.sharpness) else None,
         drift_m=None if figures.drift_m is None else round(figures.drift_m, 3),
-        findings=tuple(FleetFinding(one.check, one.sentence, one.possible) for one in findings),
+        findings=tuple(FleetFinding(finding.check, finding.sentence, finding.possible) for finding in findings),
         picture=picture,
         cpu_s=round(time.process_time() - began, 3),
     )

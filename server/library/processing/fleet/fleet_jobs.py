@@ -229,8 +229,8 @@ class FleetJobs:
         finally:
             self._idle.append(worker)
             if len(self._queue.running) == 1:  # the last one: processes that wait take memory
-                for one in self._idle:
-                    one.end()
+                for idle in self._idle:
+                    idle.end()
         await self._catalogue.publish(log.id)
         seconds = round(time.monotonic() - began, 3)
         given = {field.name: getattr(facts, field.name) for field in fields(facts)}

@@ -39,7 +39,7 @@ function plain(value: number): string {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-4 || size >= 1e6)) {
     const [digits, power] = value.toExponential(3).split("e");
-    const raised = [...String(Number(power))].map((one) => RAISED[one] ?? one).join("");
+    const raised = [...String(Number(power))].map((digit) => RAISED[digit] ?? digit).join("");
     return `${digits} · 10${raised}`.replace("-", "−");
   }
   return String(Number(value.toPrecision(9))).replace("-", "−");
@@ -114,15 +114,15 @@ interface LinesProps {
 function Lines({ path, hits, misses, at, width }: LinesProps) {
   const right = width - 12;
   const total = hits + misses;
-  const sums = path.map((one) => one.logOdds);
+  const sums = path.map((belief) => belief.logOdds);
   const low = Math.min(-5, ...sums);
   const high = Math.max(20, ...sums) * 1.06;
   const x = (i: number): number => LEFT + ((right - LEFT) * i) / Math.max(1, total);
   const y = (l: number): number => BOTTOM - ((BOTTOM - TOP) * (l - low)) / (high - low);
   const lines = FORMS.map(({ form }) =>
     path
-      .map((one, i) => {
-        const l = asLogOdds(one, form);
+      .map((belief, i) => {
+        const l = asLogOdds(belief, form);
         return `${i === 0 ? "M" : "L"}${x(i).toFixed(1)} ${(l === Infinity ? (form === "p" ? 9 : 15) : y(Math.max(low, l))).toFixed(1)}`;
       })
       .join(""),

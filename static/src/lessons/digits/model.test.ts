@@ -19,7 +19,7 @@ describe("three representations of a belief in single precision", () => {
     // Below 1 the next number is 1 − 2⁻²⁴; half of that gap away, at ℓ ≈ 25 log 2, a step rounds to 1 itself.
     expect(saturated * logOdds(0.7)).toBeGreaterThan(23 * Math.LN2);
     expect(saturated * logOdds(0.7)).toBeLessThan(26 * Math.LN2);
-    expect(path.slice(saturated).every((one) => one.p === 1)).toBe(true);
+    expect(path.slice(saturated).every((belief) => belief.p === 1)).toBe(true);
     expect(bayesStep(1, 0.3)).toBe(1);
     expect(path.at(-1)?.logOdds).toBeCloseTo(0, 3);
   });
@@ -34,7 +34,7 @@ describe("three representations of a belief in single precision", () => {
 
   it("never lose the sum", () => {
     const path = run({ ...READINGS, hits: 200, misses: 200 });
-    expect(path.every((one) => Number.isFinite(one.logOdds))).toBe(true);
+    expect(path.every((belief) => Number.isFinite(belief.logOdds))).toBe(true);
     expect(path.at(-1)?.logOdds).toBeCloseTo(0, 3);
   });
 });

@@ -48,12 +48,16 @@ export function run({ hits, misses, pHit, pMiss }: Readings): readonly Belief[] 
 
 /** After which reading a form saturates (p exactly 1 or 0, odds infinite or 0); null if it does not. */
 export function saturatedAt(path: readonly Belief[], form: "p" | "odds"): number | null {
-  const at = path.findIndex((one) =>
-    form === "p" ? one.p === 1 || one.p === 0 : !(one.odds > 0 && one.odds < Infinity),
+  const at = path.findIndex((belief) =>
+    form === "p" ? belief.p === 1 || belief.p === 0 : !(belief.odds > 0 && belief.odds < Infinity),
   );
   return at < 0 ? null : at;
 }
 
 /** A belief in log-odds, so that the three can be drawn on one axis; ±Infinity where a form has saturated. */
-export const asLogOdds = (one: Belief, form: "p" | "odds" | "logOdds"): number =>
-  form === "logOdds" ? one.logOdds : form === "odds" ? Math.log(one.odds) : Math.log(one.p) - Math.log(1 - one.p);
+export const asLogOdds = (belief: Belief, form: "p" | "odds" | "logOdds"): number =>
+  form === "logOdds"
+    ? belief.logOdds
+    : form === "odds"
+      ? Math.log(belief.odds)
+      : Math.log(belief.p) - Math.log(1 - belief.p);

@@ -27,7 +27,7 @@ describe("the lecture's pose graph", () => {
 
   it("gives way where a node is held", () => {
     const { node, pose } = vectors.held;
-    const start = START.map((one, k) => (k === node ? (pose as unknown as Pose) : one));
+    const start = START.map((startPose, k) => (k === node ? (pose as unknown as Pose) : startPose));
     const found = optimise(start, EDGES, { kernel: "cauchy", scale: vectors.scale, fixed: [0, node] });
     expectAlike(found, vectors.held);
     expect(found.poses[node]).toEqual(pose);

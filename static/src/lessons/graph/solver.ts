@@ -132,9 +132,9 @@ export function gaussNewtonStep(
     const error = edgeError(poses, edge);
     const columns = jacobianColumns(poses, edge);
     const ends = [rows.get(edge.i), rows.get(edge.j)];
-    ends.forEach((row, one) => {
+    ends.forEach((row, end) => {
       if (row === undefined) return;
-      columns[one]?.forEach((column, r) => {
+      columns[end]?.forEach((column, r) => {
         const weighed = times(edge.information, column);
         g[3 * row + r] = (g[3 * row + r] ?? 0) - weight * dot(weighed, error);
         ends.forEach((other, two) => {
@@ -187,7 +187,7 @@ export function optimise(start: readonly Pose[], edges: readonly GraphEdge[], op
     const { weights } = judge(poses, edges, kernel, scale * Math.sqrt(widening));
     const step = gaussNewtonStep(poses, edges, weights, fixed);
     poses = moved(poses, step);
-    const largest = Math.max(...step.map((one) => Math.max(...one.map(Math.abs))));
+    const largest = Math.max(...step.map((matrixRow) => Math.max(...matrixRow.map(Math.abs))));
     if (widening === 1 && largest < STOP) break;
     widening = Math.max(1, SHRINK * widening);
   }

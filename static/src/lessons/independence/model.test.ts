@@ -42,7 +42,7 @@ describe("independent cells and the joint", () => {
   it("always shows the map without anything", () => {
     const shown = likeliest(beamResults("ended", "ended", "ended"), SENSOR, 3);
     expect(shown).toHaveLength(3);
-    expect(shown.some((one) => one.map === 0)).toBe(true);
+    expect(shown.some((column) => column.map === 0)).toBe(true);
   });
 
   it("takes the narrow beam's evidence from its error", () => {

@@ -86,7 +86,7 @@ export function likeliest(
     .map((p, map) => ({ map, joint: p, grid: productOf(map, cells) }))
     .sort((a, b) => b.joint - a.joint || a.map - b.map);
   const shown = ranked.slice(0, count);
-  const nothing = ranked.find((one) => one.map === 0);
+  const nothing = ranked.find((column) => column.map === 0);
   if (nothing && !shown.includes(nothing)) shown[count - 1] = nothing;
   return shown;
 }

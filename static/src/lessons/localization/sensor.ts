@@ -24,8 +24,8 @@ const SHARES: readonly Share[] = ["z_hit", "z_short", "z_max", "z_rand"];
 /** The mixture with another share; the three others change in proportion, so that the sum stays 1. */
 export function withShare(mix: BeamMixture, name: Share, value: number): BeamMixture {
   const share = Math.min(0.97, Math.max(0, value));
-  const others = SHARES.filter((one) => one !== name);
-  const rest = others.reduce((sum, one) => sum + mix[one], 0);
+  const others = SHARES.filter((share) => share !== name);
+  const rest = others.reduce((sum, share) => sum + mix[share], 0);
   const scaled = others.map(
     (other) => [other, rest > 0 ? (mix[other] * (1 - share)) / rest : (1 - share) / 3] as const,
   );

@@ -100,7 +100,7 @@ export function Layers() {
           </thead>
           <tbody>
             {shown.map(({ id, own, master }) => {
-              const layer = LAYERS.find((one) => one.id === id);
+              const layer = LAYERS.find((layer) => layer.id === id);
               const isOn = switched.value[id];
               return (
                 <tr key={id} class={isOn ? "" : "off"}>

@@ -23,7 +23,7 @@ export function Lifetime() {
         value={placeOfTable.value}
         sentence="Which part of the costmap has the table that was seen."
         onChange={(value) => {
-          placeOfTable.value = (PLACES.find((one) => one.value === value)?.value ?? "static") as Place;
+          placeOfTable.value = (PLACES.find((place) => place.value === value)?.value ?? "static") as Place;
           looked.value = [];
         }}
       />

@@ -21,11 +21,11 @@ export const LENGTH = ORDER.reduce((sum, phase) => sum + STEPS[phase], 0);
 
 /** The first step of a phase. */
 export const begin = (phase: Phase): number =>
-  ORDER.slice(0, ORDER.indexOf(phase)).reduce((sum, one) => sum + STEPS[one], 0);
+  ORDER.slice(0, ORDER.indexOf(phase)).reduce((sum, earlier) => sum + STEPS[earlier], 0);
 
 /** The phase of a step, and how many steps of it there were before. */
 export function phaseOf(step: number): readonly [phase: Phase, index: number] {
-  const phase = ORDER.findLast((one) => begin(one) <= step) ?? "slam";
+  const phase = ORDER.findLast((candidate) => begin(candidate) <= step) ?? "slam";
   return [phase, step - begin(phase)];
 }
 

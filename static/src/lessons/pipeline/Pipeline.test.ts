@@ -11,6 +11,6 @@ describe("a map of characters", () => {
 
   it("has six steps of probability", () => {
     const p = [0.95, 0.8, 0.6, 0.5, 0.35, 0.2, 0.05];
-    expect(p.map((one) => densityCharacter(logOdds(one))).join("")).toBe("#o+ −..");
+    expect(p.map((p) => densityCharacter(logOdds(p))).join("")).toBe("#o+ −..");
   });
 });

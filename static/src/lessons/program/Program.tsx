@@ -223,11 +223,11 @@ function CurrentBeam({ transform, here, pose, scan }: CurrentBeamProps) {
 
 /** The values of the program's variables at this line. */
 function Values({ here, run, scan }: { here: Step; run: Run; scan: LaserScan }) {
-  const one = here.current === null ? undefined : here.evidence[here.current];
+  const cellEvidence = here.current === null ? undefined : here.evidence[here.current];
   const change = here.current === null ? undefined : run.changes[here.done];
   const made = here.current === null ? undefined : run.changes[here.done - 1];
-  const isMade = here.fn === "update" && one !== undefined && made?.cell === one.cell;
-  const shown = isMade ? made : change?.cell === one?.cell ? change : undefined;
+  const isMade = here.fn === "update" && cellEvidence !== undefined && made?.cell === cellEvidence.cell;
+  const shown = isMade ? made : change?.cell === cellEvidence?.cell ? change : undefined;
   const range = here.beam === null ? undefined : scan.ranges[here.beam];
   const degrees = here.beam === null ? "" : `${written((bearingOf(scan, here.beam) * 180) / Math.PI, 0)}°`;
   const rows: readonly (readonly [name: string, value: string, tone: string])[] = [
@@ -238,8 +238,12 @@ function Values({ here, run, scan }: { here: Step; run: Run; scan: LaserScan }) 
       "noun-beam",
     ],
     ["evidence", here.evidence.length === 0 ? "" : `${here.evidence.length} cells`, ""],
-    ["cell", one ? `row ${one.cell.row}, column ${one.cell.col}` : "", ""],
-    ["increment", one ? signed(one.evidence) : "", one && one.evidence > 0 ? "noun-hit" : "noun-miss"],
+    ["cell", cellEvidence ? `row ${cellEvidence.cell.row}, column ${cellEvidence.cell.col}` : "", ""],
+    [
+      "increment",
+      cellEvidence ? signed(cellEvidence.evidence) : "",
+      cellEvidence && cellEvidence.evidence > 0 ? "noun-hit" : "noun-miss",
+    ],
     [
       "log-odds",
       shown ? `${written(shown.before, 2)} ${isMade ? "→" : "will be"} ${written(shown.after, 2)}` : "",

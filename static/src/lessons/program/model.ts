@@ -114,18 +114,18 @@ export function runProgram(geometry: GridGeometry, scan: LaserScan, pose: Pose):
       at(GATHERED);
     }
     at(PUT);
-    for (const [k, one] of found.entries()) {
+    for (const [k, entry] of found.entries()) {
       current = k;
       at(IS_INSIDE);
-      const index = indexOf(geometry, one.cell);
+      const index = indexOf(geometry, entry.cell);
       if (index < 0) {
         at(IS_OUTSIDE);
         continue;
       }
       at(...CHANGE);
       const before = grid.logOdds[index] ?? 0;
-      update(grid, one.cell, one.evidence, INITIAL_CONFIG);
-      changes.push({ ...one, before, after: bayesFilter(before, one.evidence, INITIAL_CONFIG) });
+      update(grid, entry.cell, entry.evidence, INITIAL_CONFIG);
+      changes.push({ ...entry, before, after: bayesFilter(before, entry.evidence, INITIAL_CONFIG) });
       at(...CHANGED);
     }
     current = null;

@@ -15,10 +15,10 @@ const made: readonly Signal<Made | null>[] = SIDES.map(() => signal(null));
 
 /** Make the next map that is missing or has other noise, coarse ones first; return whether there was one. */
 function makeNext(): boolean {
-  const next = made.findLastIndex((one) => one.peek()?.noise !== noise.peek());
-  const [one, side] = [made[next], SIDES[next]];
-  if (!one || side === undefined) return false;
-  one.value = make(side, noise.peek());
+  const next = made.findLastIndex((noisyMap) => noisyMap.peek()?.noise !== noise.peek());
+  const [map, side] = [made[next], SIDES[next]];
+  if (!map || side === undefined) return false;
+  map.value = make(side, noise.peek());
   return true;
 }
 

@@ -85,7 +85,7 @@ const kept: MapHistory[] = [];
 /** The history of a plan: the one that is kept for these conditions, or a new one. The oldest are dropped. */
 export function historyOf(plan: Plan): MapHistory {
   const key = keyOf(plan);
-  const at = kept.findIndex((one) => one.key === key);
+  const at = kept.findIndex((entry) => entry.key === key);
   const found = kept[at] ?? new MapHistory(plan);
   if (at >= 0) kept.splice(at, 1);
   kept.push(found);

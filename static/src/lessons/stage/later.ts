@@ -21,7 +21,7 @@ const LATER_IDS = [
 export type LaterId = (typeof LATER_IDS)[number];
 
 /** Whether the code of a section's scene and figure is one of these. */
-export const isLater = (id: string): id is LaterId => LATER_IDS.some((one) => one === id);
+export const isLater = (id: string): id is LaterId => LATER_IDS.some((known) => known === id);
 
 /** What a section of these has: the scene of the stage, and its figure or what stands beside its picture. */
 export interface Later {

@@ -175,12 +175,12 @@ describe("the camera", () => {
 
 describe("the reader's own changes", () => {
   it("are known, and taken back all at once", () => {
-    const [one, two] = [onPath(1), onPath("a")];
+    const [first, two] = [onPath(1), onPath("a")];
     expect(isOffPath.value).toBe(false);
-    one.value = 2;
+    first.value = 2;
     two.value = "b";
     expect(isOffPath.value).toBe(true);
     backToPath();
-    expect([one.value, two.value, isOffPath.value]).toEqual([1, "a", false]);
+    expect([first.value, two.value, isOffPath.value]).toEqual([1, "a", false]);
   });
 });

@@ -75,7 +75,7 @@ export function* triplesOf(n: number): Generator<readonly [number, number, numbe
   const draw = (left: number, taken: readonly number[]): number => {
     state = (Math.imul(1664525, state) + 1013904223) >>> 0;
     let chosen = (state >>> 8) % left;
-    for (const one of [...taken].sort((a, b) => a - b)) if (chosen >= one) chosen++;
+    for (const index of [...taken].sort((a, b) => a - b)) if (chosen >= index) chosen++;
     return chosen;
   };
   for (let trial = 0; trial < TRIALS; trial++) {

@@ -12,7 +12,7 @@ const GRID = {
 
 describe("the map's file", () => {
   it.each(vectors.images)("has the mapper's bytes at $occupied and $free", ({ occupied, free, pgm }) => {
-    const header = [...pgmHeader(GRID.geometry)].map((one) => one.charCodeAt(0));
+    const header = [...pgmHeader(GRID.geometry)].map((character) => character.charCodeAt(0));
     expect([...header, ...greysOf(GRID, occupied, free)]).toEqual(pgm);
   });
 
@@ -29,8 +29,8 @@ describe("the map's file", () => {
     const { occupied, free } = STATED;
     const back = counted(greys, occupied, free);
     const states = [...MAP.observed.keys()].map((i) => stateOf(MAP, i));
-    expect(back.occupied).toBe(states.filter((one) => one === "occupied").length);
-    expect(back.free).toBe(states.filter((one) => one === "free").length);
+    expect(back.occupied).toBe(states.filter((state) => state === "occupied").length);
+    expect(back.free).toBe(states.filter((state) => state === "free").length);
     expect(counted(greys, occupied, 0.25)).toEqual({ ...back, free: back.free + back.unknown, unknown: 0 });
   });
 

@@ -39,12 +39,12 @@ const LOGS = [
   mapped("run 2", 90),
   log("run 1", { state: "running", fraction: 0.5 }),
 ];
-const names = (logs: readonly FleetLog[]): string[] => logs.map((one) => one.name);
+const names = (logs: readonly FleetLog[]): string[] => logs.map((log) => log.name);
 
 test("an answer replaces what has changed, and all where it is whole", () => {
   const counts = { none: 0, queued: 0, running: 0, done: 1, failed: 0 };
   const answer = { revision: 3, whole: false, workers: 1, cluster: null, counts, logs: [mapped("run 10", 7)] };
-  const known = new Map(LOGS.map((one) => [one.id, one]));
+  const known = new Map(LOGS.map((log) => [log.id, log]));
   const next = merged(known, answer);
   expect(next.size).toBe(5);
   expect(next.get("id of run 10")?.facts?.scans).toBe(7);
@@ -67,9 +67,9 @@ test("logs are found by words of name, finding and reason, and by result", () =>
 
 test("logs are found by drift and by their first finding, and ordered by drift", () => {
   const drifted = (name: string, drift_m: number | null, ...checks: string[]): FleetLog => {
-    const one = mapped(name, 10, ...checks);
+    const log = mapped(name, 10, ...checks);
     const findings = checks.map((check) => ({ check, sentence: check, possible: false }));
-    return { ...one, facts: one.facts && { ...one.facts, drift_m, findings } };
+    return { ...log, facts: log.facts && { ...log.facts, drift_m, findings } };
   };
   const logs = [
     log("unmapped"),

@@ -149,7 +149,7 @@ export function firstFindings(logs: Iterable<FleetLog>): readonly { readonly val
     value: check,
     label: `${FINDINGS[check] ?? check} (${count})`,
   }));
-  options.sort((one, other) => one.label.localeCompare(other.label, "en"));
+  options.sort((option, other) => option.label.localeCompare(other.label, "en"));
   return [{ value: ANY, label: "any finding" }, ...options];
 }
 

@@ -23,7 +23,7 @@ test("an event is told with its end where it lasts", () => {
   const store = new Store(() => true);
   const slip: LogEvent = { ...PUSH, kind: "slipped", until_s: 75.25, what: "the wheels measured 0.40 m." };
   act(() => render(<Events events={[PUSH, slip]} store={store} />, document.body));
-  expect([...document.querySelectorAll("p .quiet")].map((one) => one.textContent)).toEqual([
+  expect([...document.querySelectorAll("p .quiet")].map((element) => element.textContent)).toEqual([
     "The robot moved 0.40 m to its left, which the wheels did not measure.",
     "Until 1:15.250 the wheels measured 0.40 m.",
   ]);

@@ -122,7 +122,7 @@ export function Transport({ store, unit = "scan", notes, onNote, events = [], li
         marks={[...marksOf(notes, trajectory, count), ...eventMarks(store, events)]}
         onMark={(id) => {
           if (id.startsWith(EVENT)) store.goTo(Number(id.slice(EVENT.length)));
-          const note = notes?.notes.peek()?.find((one) => one.id === id);
+          const note = notes?.notes.peek()?.find((note) => note.id === id);
           if (!notes || !note) return;
           onNote?.();
           goToNote(store, notes, note);

@@ -31,7 +31,7 @@ function shown(attempt: Attempt, next: OfferedPuzzle | null) {
   const onNext = vi.fn();
   render(h(Answer, { store: store as unknown as Store, attempt, onClose: undefined, next, onNext }), document.body);
   const buttons = [...document.querySelectorAll("button")];
-  return { store, onNext, buttons, names: buttons.map((one) => one.textContent?.trim()) };
+  return { store, onNext, buttons, names: buttons.map((button) => button.textContent?.trim()) };
 }
 
 test("who asked for the answer can have the map repaired", () => {

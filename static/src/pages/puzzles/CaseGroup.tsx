@@ -39,7 +39,7 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
   if (!answer) return null;
   const rows = store.hello.value?.parameters.table ?? [];
   const said = Object.entries(answer.repair).map(([name, value]) => {
-    const row = rows.find((one) => one.name === name);
+    const row = rows.find((row) => row.name === name);
     return `${row?.label ?? name} ${textOf(value)}${row?.unit ? ` ${row.unit}` : ""}`;
   });
   if (answer.trajectory) said.push(`poses from ${answer.trajectory}`);

@@ -100,8 +100,8 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
           </p>
         ) : (
           <ul class="puzzles-mine">
-            {listed.value?.mine.map((one) => (
-              <Mine key={one.token} made={one} onGone={() => void load()} />
+            {listed.value?.mine.map((own) => (
+              <Mine key={own.token} made={own} onGone={() => void load()} />
             ))}
           </ul>
         )}

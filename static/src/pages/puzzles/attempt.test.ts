@@ -39,7 +39,7 @@ test("a check says how far the repair is, and what is missing most", () => {
 test("the next puzzle is the first unsolved one in turn, never the same", () => {
   const puzzles = ["a", "b", "c"].map((name): OfferedPuzzle => ({ name, level: 1, title: name, story: "" }));
   const next = (name: string, ...solved: string[]) =>
-    nextPuzzle(puzzles, name, Object.fromEntries(solved.map((one) => [one, 100])))?.name;
+    nextPuzzle(puzzles, name, Object.fromEntries(solved.map((name) => [name, 100])))?.name;
   expect(next("a")).toBe("b");
   expect(next("a", "a", "b")).toBe("c");
   expect(next("c", "c")).toBe("a");

@@ -37,10 +37,10 @@ export function nextPuzzle(
 ): OfferedPuzzle | null {
   const at = puzzles.findIndex((puzzle) => puzzle.name === name);
   const inTurn = [...puzzles.slice(at + 1), ...puzzles.slice(0, at + 1)];
-  return inTurn.find((one) => one.name !== name && !(one.name in points)) ?? null;
+  return inTurn.find((puzzle) => puzzle.name !== name && !(puzzle.name in points)) ?? null;
 }
 
-const counted = (n: number, one: string): string => `${n === 0 ? "no" : n} ${one}${n === 1 ? "" : "s"}`;
+const counted = (n: number, noun: string): string => `${n === 0 ? "no" : n} ${noun}${n === 1 ? "" : "s"}`;
 
 /** The result of an attempt in one line, to send to others; `address` is that of the page. */
 export const resultText = ({ title, points, wrong, hints }: Attempt, address: string): string =>

@@ -64,9 +64,9 @@ describe("what a difference is drawn as", () => {
         sizes.push({ size: Math.abs(difference), byte: (byte - FIRST) >> 1 });
       }
     }
-    for (const one of sizes.sort((x, y) => x.size - y.size)) {
-      if (one.size > before.size + 1e-9) expect(one.byte).toBeGreaterThanOrEqual(before.byte);
-      before = one;
+    for (const sized of sizes.sort((x, y) => x.size - y.size)) {
+      if (sized.size > before.size + 1e-9) expect(sized.byte).toBeGreaterThanOrEqual(before.byte);
+      before = sized;
     }
     expect(at(1, 255)).toBe(254);
     expect(at(255, 1)).toBe(253);

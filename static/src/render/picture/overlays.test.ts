@@ -31,7 +31,7 @@ const content = (kind: LayerContent["kind"], columns: Record<string, number[]>, 
   ...more,
 });
 const named = (calls: [string, ...unknown[]][], name: string) =>
-  calls.filter(([one]) => one === name).map(([, ...given]) => given);
+  calls.filter(([method]) => method === name).map(([, ...given]) => given);
 
 afterEach(() => {
   for (const style of Object.keys(OVERLAYS)) delete OVERLAYS[style];

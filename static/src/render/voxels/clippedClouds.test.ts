@@ -18,8 +18,8 @@ test("points within the box are kept with their colours, its bounds included", (
   const kept = clipped({ points: POINTS, colors: COLORS }, [-1, 0, 0], [0.5, 2, 2]);
   expect([...kept.points]).toEqual([0, 0, 0, -1, 0.5, 2]);
   expect([...kept.colors]).toEqual([1, 2, 3, 7, 8, 9]);
-  const one = new Uint8Array([1, 2, 3]);
-  expect(clipped({ points: POINTS, colors: one }, [-1, 0, 0], [0.5, 2, 2]).colors).toBe(one);
+  const first = new Uint8Array([1, 2, 3]);
+  expect(clipped({ points: POINTS, colors: first }, [-1, 0, 0], [0.5, 2, 2]).colors).toBe(first);
 });
 
 test("a cloud is clipped when it comes, and again from all of its points when the box changes", () => {

@@ -43,7 +43,7 @@ function shown(): { readonly send: ReturnType<typeof vi.fn> } {
 
 const listed = (): string => document.querySelector(".class-bars")?.textContent ?? "";
 const press = (text: string): void => {
-  const button = [...document.querySelectorAll("button")].find((one) => one.textContent === text);
+  const button = [...document.querySelectorAll("button")].find((button) => button.textContent === text);
   if (!button) throw new Error(`no button ${text}`);
   act(() => button.click());
 };

@@ -22,12 +22,12 @@ import { codeIsShown } from "./opening";
 
 const percent = (share: number): string => `${Math.floor(100 * share)} %`;
 
-function described(one: ClassSolver): string {
-  if (one.is_solved) return `solved, ${one.points} points`;
-  return `${one.is_named ? "cause named, " : ""}repaired ${percent(one.repair)}`;
+function described(solver: ClassSolver): string {
+  if (solver.is_solved) return `solved, ${solver.points} points`;
+  return `${solver.is_named ? "cause named, " : ""}repaired ${percent(solver.repair)}`;
 }
 
-const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named ? "½" : "·");
+const sign = (solver: ClassSolver): string => (solver.is_solved ? "✓" : solver.is_named ? "½" : "·");
 
 /**
  * How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. The numbers unfold, so that
@@ -70,13 +70,13 @@ function Numbers({ puzzle }: { readonly puzzle: ClassPuzzle }) {
   return (
     <>
       <ul class="class-board">
-        {puzzle.board.map((one) => (
-          <li key={one.number} class={one.is_solved ? "is-solved" : one.is_named ? "is-named" : ""}>
-            <span aria-hidden="true">{sign(one)}</span> <b class="number">{one.number}</b>
+        {puzzle.board.map((solver) => (
+          <li key={solver.number} class={solver.is_solved ? "is-solved" : solver.is_named ? "is-named" : ""}>
+            <span aria-hidden="true">{sign(solver)}</span> <b class="number">{solver.number}</b>
             <span class="class-board-bar" aria-hidden="true">
-              <i style={`width: ${100 * (one.is_solved ? 1 : one.repair)}%`} />
+              <i style={`width: ${100 * (solver.is_solved ? 1 : solver.repair)}%`} />
             </span>
-            <span class="visually-hidden">{described(one)}</span>
+            <span class="visually-hidden">{described(solver)}</span>
           </li>
         ))}
       </ul>
@@ -115,7 +115,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
     if (open && !dialog.current?.open) dialog.current?.showModal();
     else if (!open) dialog.current?.close();
   }, [open]);
-  const given = options.value.map((one) => one.trim()).filter(Boolean);
+  const given = options.value.map((option) => option.trim()).filter(Boolean);
   const isAxis = kind.value === "number";
   const from = numberIn(low.value);
   const to = numberIn(high.value);
@@ -134,7 +134,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
     rightOption.value = -1;
   };
   const change = (at: number, value: string): void => {
-    options.value = options.value.map((one, i) => (i === at ? value : one));
+    options.value = options.value.map((option, i) => (i === at ? value : option));
   };
   return (
     <dialog

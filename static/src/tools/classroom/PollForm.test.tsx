@@ -17,7 +17,7 @@ function opened(isConnected = true) {
 }
 
 const label = (text: string): HTMLLabelElement | undefined =>
-  [...document.querySelectorAll("label")].find((one) => one.textContent?.includes(text));
+  [...document.querySelectorAll("label")].find((label) => label.textContent?.includes(text));
 
 function type(field: string, text: string): void {
   const input = label(field)?.querySelector("input");
@@ -30,7 +30,7 @@ function type(field: string, text: string): void {
 
 function button(name: string): HTMLButtonElement {
   const found = [...document.querySelectorAll("button")].find(
-    (one) => one.getAttribute("aria-label") === name || one.textContent === name,
+    (button) => button.getAttribute("aria-label") === name || button.textContent === name,
   );
   if (!found) throw new Error(`no button ${name}`);
   return found;

@@ -32,7 +32,7 @@ export function secondMapNames(compared: Compared): { readonly a: string; readon
 function differenceText(store: Store, compared: Compared): string {
   const table = store.hello.value?.parameters.table ?? [];
   const parts = Object.entries(compared.values).map(([name, value]) => {
-    const row = table.find((one) => one.name === name);
+    const row = table.find((row) => row.name === name);
     const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
     return `${row?.label ?? readable(name)} ${text}${row?.unit ? ` ${row.unit}` : ""}`;
   });

@@ -43,7 +43,7 @@ export function Outline({ store }: { readonly store: Store }) {
   const at = ([x, y]: Point): Point => [SIZE / 2 + scale * x, SIZE / 2 - scale * y];
   const move = (corner: number, to: Point): void => {
     const inside = to.map((v) => rounded(Math.min(FARTHEST, Math.max(-FARTHEST, v)))) as unknown as Point;
-    const next = corners.map((one, i) => (i === corner ? inside : one));
+    const next = corners.map((point, i) => (i === corner ? inside : point));
     refused.value = refusalOf(next);
     if (held.current) sketch.value = next;
     if (refused.value === null) costmapOf(store).setFootprint(next);
@@ -105,17 +105,17 @@ export function Outline({ store }: { readonly store: Store }) {
       <figcaption>
         <p>Drag the corners of the robot’s outline.</p>
         <div class="actions">
-          {OUTLINES.map((one) => (
+          {OUTLINES.map((outline) => (
             <button
-              key={one.label}
+              key={outline.label}
               type="button"
               class="button"
               onClick={() => {
                 refused.value = null;
-                costmapOf(store).setFootprint(one.corners);
+                costmapOf(store).setFootprint(outline.corners);
               }}
             >
-              {one.label}
+              {outline.label}
             </button>
           ))}
         </div>
@@ -238,7 +238,7 @@ export function CostCurve({ store }: { readonly store: Store }) {
   const costmap = state.costmap.value;
   const values = state.values.values.value;
   const table = store.hello.value?.tables.costmap;
-  const row = (name: string): Range => table?.find((one) => one.name === name) ?? { low: 0, high: 1, step: 0.1 };
+  const row = (name: string): Range => table?.find((row) => row.name === name) ?? { low: 0, high: 1, step: 0.1 };
   if (!costmap) return null;
   return (
     <Curve

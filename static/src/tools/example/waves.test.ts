@@ -35,9 +35,9 @@ function watching(): Store {
   const store = new Store(() => true);
   for (const layer of ["height", "floats"]) store.layers.subscribe(layer);
   store.receive(decodeText(HELLO));
-  for (const one of vectors as readonly { text?: string; hex?: string }[]) {
-    if (one.text !== undefined) store.receive(decodeText(one.text));
-    else store.take(decodeFrame(buffer(one.hex ?? "")));
+  for (const vector of vectors as readonly { text?: string; hex?: string }[]) {
+    if (vector.text !== undefined) store.receive(decodeText(vector.text));
+    else store.take(decodeFrame(buffer(vector.hex ?? "")));
   }
   return store;
 }

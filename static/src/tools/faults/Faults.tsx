@@ -72,7 +72,7 @@ type Labels = readonly { readonly name: string; readonly label: string; readonly
 
 /** The parameters that a fault has changed, with their present and previous values. */
 function sentence(fault: Fault, before: Values, table: Labels): string {
-  const row = (name: string): Labels[number] | undefined => table.find((one) => one.name === name);
+  const row = (name: string): Labels[number] | undefined => table.find((row) => row.name === name);
   const text = (name: string, value: Value | undefined): string => {
     if (typeof value === "boolean") return value ? "on" : "off";
     const unit = row(name)?.unit;

@@ -3,7 +3,7 @@ import { NO_ACTIVE_FAULTS } from "../../store/sessionSignals";
 import type { Parameter, Values } from "../../wire/protocol";
 import { availableFaults, correctValues, FAULTS, type Fault, isOn, switchFault } from "./model";
 
-const fault = (name: string): Fault => FAULTS.find((one) => one.name === name) as Fault;
+const fault = (name: string): Fault => FAULTS.find((fault) => fault.name === name) as Fault;
 const START: Values = { mount_yaw: 0.02, clamp: true, update: "per_scan", no_return: "ignore", range_max: 10 };
 
 test("a switch sets the fault's parameters and restores the previous values, not the initial ones", () => {
@@ -58,11 +58,11 @@ test("a fault that the mapper cannot make yet is not offered", () => {
     row("update", "choice", ["per_beam", "per_scan"]),
     row("clamp", "flag"),
   ];
-  expect(availableFaults(table).map((one) => one.name)).not.toContain("no_return");
+  expect(availableFaults(table).map((availableFault) => availableFault.name)).not.toContain("no_return");
   expect(availableFaults(table)).toHaveLength(FAULTS.length - 1);
   expect(
     availableFaults(
-      table.map((one) => (one.name === "no_return" ? { ...one, choices: ["ignore", "free", "hit"] } : one)),
+      table.map((row) => (row.name === "no_return" ? { ...row, choices: ["ignore", "free", "hit"] } : row)),
     ),
   ).toHaveLength(FAULTS.length);
 });

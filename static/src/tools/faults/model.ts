@@ -72,7 +72,7 @@ const named = (name: string): Fault | undefined => FAULTS.find((fault) => fault.
 export function availableFaults(table: readonly Parameter[]): readonly Fault[] {
   return FAULTS.filter((fault) =>
     Object.entries(fault.sets).every(([name, value]) => {
-      const row = table.find((one) => one.name === name);
+      const row = table.find((row) => row.name === name);
       return row !== undefined && (row.kind !== "choice" || row.choices.includes(String(value)));
     }),
   );

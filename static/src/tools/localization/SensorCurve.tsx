@@ -83,7 +83,7 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   const limit = Number(values.laser_max_range);
   const longest = limit > 0 ? Math.min(limit, range_max) : range_max;
   const mixture = { ...values, range_max: longest } as unknown as BeamMixture;
-  const row = (name: string): Range => rows.find((one) => one.name === name) ?? NO_ROW;
+  const row = (name: string): Range => rows.find((row) => row.name === name) ?? NO_ROW;
   const reach = isBeam ? longest : Math.max(1, Math.ceil(2 * Math.max(1.25 * wallReach, 2 * mixture.sigma_hit)) / 2);
   const xs: Scale = { low: 0, high: reach, from: LEFT, to: width - RIGHT };
   const ys = logScale(BOTTOM, TOP);

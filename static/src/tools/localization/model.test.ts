@@ -25,9 +25,10 @@ test("a filter that begins again, or ends, begins the history again", () => {
   expect(grown(points, message(8, null, false))).toEqual([]);
 });
 
-const setting = (name: string): Setting => SETTINGS.find((one) => one.name === name) as Setting;
+const setting = (name: string): Setting => SETTINGS.find((setting) => setting.name === name) as Setting;
 const plain: Given = { values: { alpha1: 0.4 }, map: "plan", world: "office" };
-const on = (given: Given): readonly string[] => SETTINGS.filter((one) => isOn(one, given)).map(({ name }) => name);
+const on = (given: Given): readonly string[] =>
+  SETTINGS.filter((setting) => isOn(setting, given)).map(({ name }) => name);
 
 test("settings are on together, and each ends alone", () => {
   const few = turned(setting("few"), plain, "room");

@@ -101,10 +101,10 @@ export function turned(setting: Setting, given: Given, elsewhere: string): Given
   const wasOn = isOn(setting, given);
   const own = Object.keys(setting.values);
   // What another setting sets too stays, unless that is on only because this one is.
-  const isPart = (one: Setting): boolean =>
-    Object.entries(one.values).every(([name, value]) => setting.values[name] === value);
-  const others = SETTINGS.filter((one) => isOn(one, given) && !isPart(one)).flatMap((one) =>
-    Object.entries(one.values),
+  const isPart = (candidate: Setting): boolean =>
+    Object.entries(candidate.values).every(([name, value]) => setting.values[name] === value);
+  const others = SETTINGS.filter((setting) => isOn(setting, given) && !isPart(setting)).flatMap((setting) =>
+    Object.entries(setting.values),
   );
   const rest = Object.entries(given.values).filter(([name]) => !own.includes(name));
   const values = wasOn

@@ -45,9 +45,9 @@ export function zonesOver(store: Store): readonly Layer[] {
 /** Read every signal that is painted here. */
 export function watchEditing(store: Store): void {
   const { tool, state, width, isFreehand, allows, sketch, isSent, corner, turn } = mapEditingOf(store);
-  for (const one of [tool, state, width, isFreehand, allows, sketch, isSent, corner, turn]) void one.value;
+  for (const signal of [tool, state, width, isFreehand, allows, sketch, isSent, corner, turn]) void signal.value;
   void [store.cell.value, store.pinned.value];
-  for (const one of [ZONES, SPEED_LIMITS]) void store.layers.grid(one).version.value;
+  for (const layer of [ZONES, SPEED_LIMITS]) void store.layers.grid(layer).version.value;
 }
 
 export function paintEditing(store: Store, brush: Brush): void {

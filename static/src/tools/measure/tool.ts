@@ -33,10 +33,10 @@ export function opening(map: MapPicture, from: Point, to: Point, reach: number):
   const back = bordersNear(map, to, cells, [a[0] - b[0], a[1] - b[1]]);
   const pairs = there
     .flatMap((p) => {
-      const near = back.map((q) => nearestOn(q, p)).sort((one, other) => one.far - other.far)[0];
+      const near = back.map((q) => nearestOn(q, p)).sort((match, other) => match.far - other.far)[0];
       return near ? [{ p, ...near }] : [];
     })
-    .sort((one, other) => one.far - other.far);
+    .sort((match, other) => match.far - other.far);
   const least = pairs[0]?.far ?? 0;
   const facing = pairs.filter(({ far }) => far <= least + ROUGHNESS);
   const middle = facing[(facing.length - 1) >> 1];

@@ -27,7 +27,7 @@ describe("what a parameter panel shows", () => {
     expect(isShown(hit, { model: "step_window" })).toBe(false);
     expect(isShown(row({ kind: "choice", choices: ["bresenham"] }), {})).toBe(false);
     const groups = grouped([hit, free, row({ name: "y", group: "map" })], { model: "step_window" });
-    expect(groups.map((group) => [group.name, group.rows.map((one) => one.name)])).toEqual([
+    expect(groups.map((group) => [group.name, group.rows.map((row) => row.name)])).toEqual([
       ["model", ["p_free"]],
       ["map", ["y"]],
     ]);

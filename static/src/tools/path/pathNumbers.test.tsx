@@ -9,7 +9,7 @@ afterEach(() => render(null, document.body));
 function shown(path: PathMessage | null): Record<string, string> {
   render(h(PathNumbers, { path }), document.body);
   const rows = [...document.querySelectorAll("dl > div")];
-  return Object.fromEntries(rows.map((row) => [...row.children].map((one) => one.textContent ?? "")));
+  return Object.fromEntries(rows.map((row) => [...row.children].map((cell) => cell.textContent ?? "")));
 }
 
 test("before there is a goal it shows what a goal will tell", () => {

@@ -38,7 +38,7 @@ test("a beam without return frees its cells, hits at its end or is ignored, as t
   const pose: Pose = [0.513, 1.007, 0.4];
   const beam = { index: 0, bearing: 0.1, range: null };
   const evidence = (no_return: string): Set<string> =>
-    new Set(crossed(GEOMETRY, pose, beam, RANGE_MAX, { window: 0.2, no_return }).map((one) => one.evidence));
+    new Set(crossed(GEOMETRY, pose, beam, RANGE_MAX, { window: 0.2, no_return }).map((cell) => cell.evidence));
   expect(evidence("ignore")).toEqual(new Set(["prior"]));
   expect(evidence("free")).toEqual(new Set(["miss"]));
   expect(evidence("hit")).toEqual(new Set(["miss", "hit"]));
@@ -50,7 +50,7 @@ test("on the smooth ramp a cell turns from free to occupied within the window", 
   const beam = { index: 0, bearing: 0, range: 2.01 };
   const values = { model: "smooth_ramp", sigma: 0.1, sigma_growth: 0, log_odds_hit: 0.85, log_odds_miss: -0.4 };
   const cells = crossed(GEOMETRY, [0.025, 0.025, 0], beam, RANGE_MAX, values);
-  const hits = cells.filter((one) => one.evidence === "hit").map((one) => one.cell.col);
+  const hits = cells.filter((cell) => cell.evidence === "hit").map((cell) => cell.cell.col);
   // -0.4 + 1.25 (3t² - 2t³) is above 0 from t = 0.374 on, which is s = 2.01 - 0.2 (1 - 0.374) = 1.885 m.
   expect(hits[0]).toBe(60 + 38);
   expect(cells.at(-1)?.cell.col).toBe(60 + 44);

@@ -20,7 +20,7 @@ function Axes({ view }: { view: ProfileView }) {
   const shown: { readonly p: number; readonly at: number }[] = [];
   for (const p of PROBABILITIES) {
     const at = y(Math.log(p / (1 - p)) - prior);
-    const crowded = shown.some((one) => Math.abs(one.at - at) < 19);
+    const crowded = shown.some((label) => Math.abs(label.at - at) < 19);
     if (!crowded && at > curve.top + 3 && at < curve.bottom - 1) shown.push({ p, at });
   }
   return (

@@ -47,7 +47,7 @@ export function StepButtons({ store }: { readonly store: Store | null }) {
   );
 }
 
-const UNIT_OPTIONS = UNITS.map((one) => ({ value: one, label: one }));
+const UNIT_OPTIONS = UNITS.map((unit) => ({ value: unit, label: unit }));
 
 /** How far a step goes, and the current one in numbers. */
 export function Steps({ store }: { readonly store: Store }) {
@@ -129,7 +129,7 @@ function StepText({ store, stepping }: { readonly store: Store; readonly steppin
   if (!now) return null;
   const held = (done: number): number | undefined => valuesNow(store, { ...stepping, done }).get(key(now.cell));
   const after = held(stepping.done) ?? 0;
-  const before = [...stepping.steps.slice(0, stepping.done - 1)].some((one) => key(one.cell) === key(now.cell))
+  const before = [...stepping.steps.slice(0, stepping.done - 1)].some((step) => key(step.cell) === key(now.cell))
     ? (held(stepping.done - 1) ?? 0)
     : valueBeforeFirstUpdate(store, stepping, after);
   const sum = bayesFilter(before, now.evidence, { ...stepping.config, clamp: false });
@@ -158,6 +158,6 @@ function StepText({ store, stepping }: { readonly store: Store; readonly steppin
 function valueBeforeFirstUpdate(store: Store, stepping: Stepping, after: number): number {
   const now = stepping.steps[stepping.done - 1];
   if (!now) return after;
-  const one = { ...stepping, steps: [{ ...now, evidence: 0 }], done: 1 };
-  return valuesNow(store, one).get(key(now.cell)) ?? after;
+  const single = { ...stepping, steps: [{ ...now, evidence: 0 }], done: 1 };
+  return valuesNow(store, single).get(key(now.cell)) ?? after;
 }

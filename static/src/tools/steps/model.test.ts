@@ -48,7 +48,7 @@ test.each([
   const updates = updatePerBeam(grid, { ...frame, ranges, range_min: 0 }, POSE, stepping.config);
   expect(stepping.steps).toHaveLength(updates);
   const held = valuesAfterSteps(stepping, () => 0);
-  expect(held.size).toBe(grid.observed.reduce((sum, one) => sum + one, 0));
+  expect(held.size).toBe(grid.observed.reduce((sum, value) => sum + value, 0));
   for (const { cell } of stepping.steps) {
     expect(held.get(key(cell))).toBeCloseTo(grid.logOdds[indexOf(GEOMETRY, cell)] as number, 6);
   }
@@ -58,11 +58,11 @@ test("where only the hits count, a scan adds nothing but hits to the cells that 
   const coarse = { ...GEOMETRY, resolution: 0.5, rows: 12, cols: 12 }; // several beams end in a cell, others pass it
   const both = steppingOf(VALUES, 0, coarse).steps;
   const only = steppingOf({ ...VALUES, hit_and_passed: "only_hits" }, 0, coarse).steps;
-  const cellsHit = new Set(both.filter((one) => one.isHit).map((one) => key(one.cell)));
+  const cellsHit = new Set(both.filter((step) => step.isHit).map((step) => key(step.cell)));
   let outweighed = 0;
-  both.forEach((one, n) => {
-    const counts = one.isHit || !cellsHit.has(key(one.cell));
-    expect(only[n]).toEqual(counts ? one : { ...one, evidence: 0 });
+  both.forEach((step, n) => {
+    const counts = step.isHit || !cellsHit.has(key(step.cell));
+    expect(only[n]).toEqual(counts ? step : { ...step, evidence: 0 });
     outweighed += counts ? 0 : 1;
   });
   expect(outweighed).toBeGreaterThan(0);
@@ -70,16 +70,16 @@ test("where only the hits count, a scan adds nothing but hits to the cells that 
 
 test("a reading that is no return is a hit at the max range where the map takes it so", () => {
   const stepping = steppingOf({ ...VALUES, no_return: "hit" });
-  const beam = stepping.steps.filter((one) => one.beam === 3);
-  expect(beam.some((one) => one.isHit)).toBe(true);
-  expect(steppingOf(VALUES).steps.filter((one) => one.beam === 3)).toEqual([]);
+  const beam = stepping.steps.filter((step) => step.beam === 3);
+  expect(beam.some((step) => step.isHit)).toBe(true);
+  expect(steppingOf(VALUES).steps.filter((step) => step.beam === 3)).toEqual([]);
 });
 
 test("the error term is Bresenham's, and the last cell of a line has none", () => {
   const { steps } = steppingOf({ ...VALUES, window: 0 });
-  const beam = steps.filter((one) => one.beam === 11);
+  const beam = steps.filter((step) => step.beam === 11);
   expect(beam.at(-1)).toMatchObject({ nabla: null, isHit: true });
-  for (const one of beam.slice(0, -1)) expect(Number.isInteger(one.nabla)).toBe(true);
+  for (const step of beam.slice(0, -1)) expect(Number.isInteger(step.nabla)).toBe(true);
 });
 
 test("on and back by a cell and by a beam", () => {

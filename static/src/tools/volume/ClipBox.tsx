@@ -17,7 +17,7 @@ const within = ({ low, high }: Parameter, value: number): number => Math.min(hig
 
 /** Two sliders for each axis, which do not pass each other. */
 export function ClipBox({ look: { rows, values, set, setAll } }: { readonly look: Look }) {
-  const row = (name: string): Parameter | undefined => rows.find((one) => one.name === name);
+  const row = (name: string): Parameter | undefined => rows.find((row) => row.name === name);
   const ends = AXES.flatMap(([low, high]) => {
     const [from, to] = [row(low), row(high)];
     return from && to ? [[from, from.low] as const, [to, to.high] as const] : [];

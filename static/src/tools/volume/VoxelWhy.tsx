@@ -19,7 +19,7 @@ function SurfaceWhy({ now, centre }: SurfaceWhyProps) {
   return (
     <div data-surface-voxel data-total={total}>
       <p>
-        The voxel at <span class="number">{centre.map((one) => written(one, 2)).join(", ")} m</span>,{" "}
+        The voxel at <span class="number">{centre.map((coordinate) => written(coordinate, 2)).join(", ")} m</span>,{" "}
         <span class="number">{size} m</span> wide,{" "}
         {distance === null ? (
           "has no distance."
@@ -76,7 +76,7 @@ function Updates({ columns, children }: UpdatesProps) {
 }
 
 const probability = (logOdds: number): string => written(1 / (1 + Math.exp(-logOdds)), 2);
-const coordinates = (place: readonly number[]): string => place.map((one) => written(one, 2)).join(", ");
+const coordinates = (place: readonly number[]): string => place.map((coordinate) => written(coordinate, 2)).join(", ");
 
 /** Why the chosen voxel is as it is: what each scan did to it. */
 export function VoxelWhy({ store }: { readonly store: Store }) {

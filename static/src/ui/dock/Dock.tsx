@@ -169,20 +169,20 @@ export function Dock({ label, groups, open, isInert = false }: DockProps) {
       <Tabs
         class="dock-tabs"
         label={label}
-        tabs={sections.map((one) => ({
-          key: one.id,
-          id: `${id}-section-${one.id}`,
-          controls: one === section && hasTabs ? `${id}-of-${one.id}` : `${id}-${one.groups[0]?.id}`,
-          title: one.title,
-          hint: one.hint,
-          badge: one.badge,
+        tabs={sections.map((tab) => ({
+          key: tab.id,
+          id: `${id}-section-${tab.id}`,
+          controls: tab === section && hasTabs ? `${id}-of-${tab.id}` : `${id}-${tab.groups[0]?.id}`,
+          title: tab.title,
+          hint: tab.hint,
+          badge: tab.badge,
         }))}
         open={section.id}
         onOpen={(key) => {
-          const chosen = sections.find((one) => one.id === key);
+          const chosen = sections.find((section) => section.id === key);
           const last = lastOf.current.get(key);
           // A section opens at the group of it that was open last.
-          const group = chosen?.groups.find((one) => one.id === last) ?? chosen?.groups[0];
+          const group = chosen?.groups.find((group) => group.id === last) ?? chosen?.groups[0];
           if (group) open.value = group.id;
         }}
       />

@@ -25,7 +25,7 @@ const folder = (name: string, entries: readonly FileSystemEntry[]): FileSystemEn
   }) as unknown as FileSystemEntry;
 
 const names = async (entries: readonly FileSystemEntry[]) =>
-  (await filesIn(entries)).map((one) => [one.name, ...one.files.map((file) => file.name)]);
+  (await filesIn(entries)).map((group) => [group.name, ...group.files.map((file) => file.name)]);
 
 describe("what is dropped", () => {
   it("has the files of its folders, by name, with numbers as numbers", async () => {

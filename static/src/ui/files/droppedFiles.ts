@@ -30,7 +30,7 @@ export async function filesIn(entries: readonly FileSystemEntry[]): Promise<read
         const files: File[] = [];
         folders.push({ name: entry.name, files });
         const inside = await children(entry as FileSystemDirectoryEntry);
-        waiting.push(...inside.map((one) => ({ entry: one, beside: files })).reverse());
+        waiting.push(...inside.map((child) => ({ entry: child, beside: files })).reverse());
       } else {
         beside.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
         found++;

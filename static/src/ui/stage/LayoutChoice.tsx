@@ -25,8 +25,10 @@ interface LayoutChoiceProps {
 /** The arrangements of the stage as buttons, and layouts to begin with. */
 export function LayoutChoice({ layout, kinds, presets }: LayoutChoiceProps) {
   const now = layout.value;
-  const names = presets.filter(([, one]) => one.views.every((view) => kinds.includes(view)));
-  const chosen = names.find(([, one]) => one.arrangement === now.arrangement && `${one.views}` === `${now.views}`);
+  const names = presets.filter(([, preset]) => preset.views.every((view) => kinds.includes(view)));
+  const chosen = names.find(
+    ([, preset]) => preset.arrangement === now.arrangement && `${preset.views}` === `${now.views}`,
+  );
   return (
     <div class="layout-choice" role="toolbar" aria-label="Layout of the views">
       <Select

@@ -59,7 +59,7 @@ export function written({ arrangement, views, x, y }: Layout): string {
  */
 export function read(text: string, kinds: readonly string[]): Layout | null {
   const [arrangement, list = "", ...shares] = text.split(":");
-  const named = ARRANGEMENTS.find((one) => one === arrangement);
+  const named = ARRANGEMENTS.find((known) => known === arrangement);
   const wanted = list.split(",");
   const others = kinds.filter((kind) => !wanted.includes(kind));
   const views = wanted.flatMap((view) => (kinds.includes(view) ? [view] : others.splice(0, 1)));

@@ -211,9 +211,9 @@ export function OwnSlide() {
           </div>
         </section>
       )}
-      {slides.value.map((one, i) =>
-        isPage(one) && (i === index || i === next) ? (
-          <PageOfSlide key={`${i} ${one.address}`} of={one} isNow={i === index} />
+      {slides.value.map((shown, i) =>
+        isPage(shown) && (i === index || i === next) ? (
+          <PageOfSlide key={`${i} ${shown.address}`} of={shown} isNow={i === index} />
         ) : null,
       )}
     </>

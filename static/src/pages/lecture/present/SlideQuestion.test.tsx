@@ -12,7 +12,7 @@ test("options of a slide are announced before they are painted, so that the clas
   const section = Object.entries(QUESTIONS).find(([, question]) => question?.options)?.[0] ?? "";
   presenting.value = true;
   place.value = {
-    index: deck.value.slides.findIndex((one) => questionOf(one) === QUESTIONS[section as "cell"]),
+    index: deck.value.slides.findIndex((slide) => questionOf(slide) === QUESTIONS[section as "cell"]),
     step: 1,
   };
   expect(stage.value).toBe("predict");

@@ -86,9 +86,9 @@ function PollPanel({ poll, act }: { readonly poll: Poll; readonly act: (act: Pol
       </ol>
       {poll.acts.length > 0 && (
         <div class="actions">
-          {poll.acts.map((one, i) => (
-            <Button key={one} {...(i === 0 ? { kind: "primary" } : {})} onClick={() => act(one)}>
-              {LABELS[one]}
+          {poll.acts.map((name, i) => (
+            <Button key={name} {...(i === 0 ? { kind: "primary" } : {})} onClick={() => act(name)}>
+              {LABELS[name]}
             </Button>
           ))}
         </div>
@@ -143,7 +143,7 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
           <h2>Notes</h2>
           <p class="speaker-text">{now.notes || "This slide has no notes."}</p>
         </section>
-        {now.poll && <PollPanel poll={now.poll} act={(one) => send.current?.poll(one)} />}
+        {now.poll && <PollPanel poll={now.poll} act={(name) => send.current?.poll(name)} />}
       </div>
       <footer class="actions">
         <Button icon="back" onClick={() => send.current?.act("back")}>

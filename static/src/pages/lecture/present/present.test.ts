@@ -81,7 +81,7 @@ describe("the address", () => {
 
   it("names slide and step, and opens them again", async () => {
     presenting.value = true;
-    const rays = WHOLE_LECTURE.slides.findIndex((one) => one.kind === "section" && one.section === "rays");
+    const rays = WHOLE_LECTURE.slides.findIndex((slide) => slide.kind === "section" && slide.section === "rays");
     expect(hashOf({ index: rays, step: 0 })).toBe("#rays");
     expect(hashOf({ index: rays, step: 2 })).toBe("#rays/3");
     location.hash = "#rays/3";

@@ -52,7 +52,7 @@ export function keepScale(): () => void {
   const app = document.getElementById("app") as HTMLElement;
   const watch = (): void => {
     sizes.disconnect();
-    for (const one of app.querySelectorAll(":scope > :is(.presenter, .class-bar-box)")) sizes.observe(one);
+    for (const element of app.querySelectorAll(":scope > :is(.presenter, .class-bar-box)")) sizes.observe(element);
     share();
   };
   const children = new MutationObserver(watch);

@@ -45,7 +45,7 @@ function stillCopy(root: HTMLElement, omitted: string, scale: number): HTMLEleme
     const picture = canvasImage(from, Math.min(from.width, from.clientWidth * scale));
     canvas.style.background = `url(${picture}) 0 0 / 100% 100% no-repeat`;
   });
-  for (const one of copy.querySelectorAll(omitted)) one.remove();
+  for (const element of copy.querySelectorAll(omitted)) element.remove();
   return copy;
 }
 

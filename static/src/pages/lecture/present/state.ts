@@ -44,7 +44,8 @@ export const questionOf = (of: Slide | undefined): Question | undefined =>
 const stagesOf = (question: Question | undefined): readonly Stage[] =>
   question ? ["ask", ...(question.options ? (["predict"] as const) : []), "figure", "answer"] : ["figure"];
 
-export const paragraphsOf = (text: string): readonly string[] => text.split(/\n\s*\n/).filter((one) => one.trim());
+export const paragraphsOf = (text: string): readonly string[] =>
+  text.split(/\n\s*\n/).filter((paragraph) => paragraph.trim());
 
 /** How many steps a slide has, at least one. Lines of a derivation are counted on the page. */
 export function stepsOf(of: Slide): number {
@@ -86,7 +87,7 @@ export function stepped(from: Place, by: 1 | -1, whole: boolean, list: readonly 
 
 /** The place of the first slide (1: seen from before it) or the last one that is shown. */
 export function endOf(list: readonly Slide[], first: boolean): Place {
-  const index = first ? list.findIndex((one) => !one.hidden) : list.findLastIndex((one) => !one.hidden);
+  const index = first ? list.findIndex((slide) => !slide.hidden) : list.findLastIndex((slide) => !slide.hidden);
   return { index: Math.max(0, index), step: 0 };
 }
 
@@ -100,7 +101,7 @@ export const move = (by: 1 | -1, whole = false): void => goTo(stepped(place.peek
 
 /** Number of the present slide among those that are shown, and how many these are. */
 export const count = computed(() => {
-  const shown = slides.value.map((one, i) => i === place.value.index || !one.hidden);
+  const shown = slides.value.map((slide, i) => i === place.value.index || !slide.hidden);
   const total = shown.filter(Boolean).length;
   return { number: shown.slice(0, place.value.index + 1).filter(Boolean).length, total };
 });
@@ -134,8 +135,8 @@ export const hashOf = (at: Place): string => placeHashOf(at) + deckInAddress;
 /** The section whose text belongs to the present slide. */
 export function sectionOfSlide(): string {
   for (let index = place.peek().index; index >= 0; index--) {
-    const one = slides.peek()[index];
-    if (one && "section" in one) return one.section;
+    const slide = slides.peek()[index];
+    if (slide && "section" in slide) return slide.section;
   }
   return LESSONS[0].id;
 }
@@ -189,7 +190,7 @@ async function readDeckOf(address: string): Promise<void> {
 /** Follow the address: take its deck, slide and step. Rejects with a DeckError, and keeps the deck, if it is damaged. */
 export async function readAddress(): Promise<void> {
   const [name = "", ...rest] = location.hash.slice(1).split("&");
-  const wanted = rest.map((one) => `&${one}`).find((one) => /^&(kept|deck)=/.test(one)) ?? "";
+  const wanted = rest.map((option) => `&${option}`).find((option) => /^&(kept|deck)=/.test(option)) ?? "";
   let problem: unknown = null;
   if (wanted !== deckInAddress && presenting.peek()) {
     try {
@@ -214,7 +215,7 @@ export async function readAddress(): Promise<void> {
 
 /** Start presenting at a section of the text, or end and write the section of the slide into the address. */
 export function setPresenting(on: boolean, section?: LessonId): void {
-  const index = slides.peek().findIndex((one) => one.kind === "section" && one.section === section);
+  const index = slides.peek().findIndex((slide) => slide.kind === "section" && slide.section === section);
   presenting.value = on;
   if (on) goTo(index >= 0 ? { index, step: 0 } : endOf(slides.peek(), true));
   else writeAddress();

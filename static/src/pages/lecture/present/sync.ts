@@ -35,7 +35,7 @@ const notesOf = (of: Slide | undefined): string => of?.notes ?? answerOf(of)?.no
 
 /** The plan at slide `number` of those that are shown, from 1. */
 function planOf(shown: readonly Slide[], number: number): SpeakerState["plan"] {
-  const sum = (of: readonly Slide[]): number => of.reduce((minutes, one) => minutes + (one.minutes ?? 0), 0);
+  const sum = (of: readonly Slide[]): number => of.reduce((minutes, slide) => minutes + (slide.minutes ?? 0), 0);
   const total = sum(shown);
   return total > 0 ? { until: sum(shown.slice(0, number)), total } : null;
 }
@@ -44,7 +44,7 @@ function speakerState(at: Place): SpeakerState {
   const list = slides.peek();
   const next = stepped(at, 1, false, list);
   const now = list[at.index];
-  const isShown = (one: Slide, i: number): boolean => i === at.index || !one.hidden;
+  const isShown = (slide: Slide, i: number): boolean => i === at.index || !slide.hidden;
   const shown = list.filter(isShown);
   const number = list.slice(0, at.index + 1).filter(isShown).length;
   return {

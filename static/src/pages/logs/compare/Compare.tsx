@@ -48,7 +48,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
   const begin = (other: ComparedMap): void => void ask(() => compareWith(session, other));
   const kind = wish.value;
   const trajectory = store.trajectory.value?.name ?? hello.log?.trajectory ?? "";
-  const others = (hello.log?.trajectories ?? []).filter((one) => one.name !== trajectory);
+  const others = (hello.log?.trajectories ?? []).filter((other) => other.name !== trajectory);
   const options: { value: Kind; label: string }[] = [
     { value: "settings", label: "Saved settings" },
     ...(others.length > 0 ? [{ value: "poses" as const, label: "Other poses" }] : []),

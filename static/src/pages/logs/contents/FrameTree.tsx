@@ -45,7 +45,7 @@ export function placedFrames(
     seen.add(name);
     const line = placed.length;
     placed.push({ name, depth, line, edge, parentLine });
-    for (const one of children.get(name) ?? []) place(one.child, depth + 1, one, line);
+    for (const edge of children.get(name) ?? []) place(edge.child, depth + 1, edge, line);
   };
   const rootOf = (name: string): string => {
     const passed = new Set<string>();
@@ -262,7 +262,7 @@ function Age({ store, session, edges }: FrameTreeProps & { readonly edges: reado
   const chosen = name.value;
   useEffect(() => {
     answer.value = null;
-    const edge = moving.find((one) => nameOf(one) === chosen);
+    const edge = moving.find((edge) => nameOf(edge) === chosen);
     if (!edge) return;
     const query = { tf: edge.topic, parent: edge.parent, child: edge.child };
     const what = "GET /api/sessions/{session_id}/contents/frame_age";
@@ -299,32 +299,32 @@ const CHARACTER = 7.6; // px of a character in a box, on the safe side
 function Picture({ frames }: { readonly frames: FramesAnswer }) {
   const placed = placedFrames(frames.frames, frames.edges, frames.fixed);
   const boxOf = ({ name }: PlacedFrame): number => CHARACTER * Math.min(name.length, 40) + 20;
-  const width = Math.max(...placed.map((one) => INDENT * one.depth + boxOf(one) + 150));
+  const width = Math.max(...placed.map((frame) => INDENT * frame.depth + boxOf(frame) + 150));
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls sideways, which the keyboard can only do with the focus
     <section class="frames-picture" tabIndex={0} aria-label="The frames as a tree">
       <svg width={width} height={LINE * placed.length} role="img" aria-label={inWords(frames)}>
-        {placed.map((one) => {
-          const x = INDENT * one.depth;
-          const y = LINE * one.line + LINE / 2;
-          const isFixed = one.name === frames.fixed;
-          const isSensor = one.name === frames.sensor;
-          const late = one.edge !== null && isLate(one.edge);
+        {placed.map((frame) => {
+          const x = INDENT * frame.depth;
+          const y = LINE * frame.line + LINE / 2;
+          const isFixed = frame.name === frames.fixed;
+          const isSensor = frame.name === frames.sensor;
+          const late = frame.edge !== null && isLate(frame.edge);
           return (
-            <g key={one.name} class={["frame", isFixed && "fixed", isSensor && "sensor"].filter(Boolean).join(" ")}>
-              {one.edge && one.parentLine !== null && (
+            <g key={frame.name} class={["frame", isFixed && "fixed", isSensor && "sensor"].filter(Boolean).join(" ")}>
+              {frame.edge && frame.parentLine !== null && (
                 <path
-                  class={["edge", one.edge.static && "static", late && "late"].filter(Boolean).join(" ")}
-                  d={`M${x - INDENT / 2} ${LINE * one.parentLine + LINE / 2 + BOX / 2}V${y}H${x}`}
+                  class={["edge", frame.edge.static && "static", late && "late"].filter(Boolean).join(" ")}
+                  d={`M${x - INDENT / 2} ${LINE * frame.parentLine + LINE / 2 + BOX / 2}V${y}H${x}`}
                 />
               )}
-              <rect x={x + 0.5} y={y - BOX / 2} width={boxOf(one)} height={BOX} rx={5} />
+              <rect x={x + 0.5} y={y - BOX / 2} width={boxOf(frame)} height={BOX} rx={5} />
               <text x={x + 8} y={y + 4.5}>
-                {one.name.slice(0, 40)}
+                {frame.name.slice(0, 40)}
               </text>
-              {one.edge && (
-                <text class={late ? "edge-label late" : "edge-label"} x={x + boxOf(one) + 8} y={y + 4.5}>
-                  {edgeLabel(one.edge)}
+              {frame.edge && (
+                <text class={late ? "edge-label late" : "edge-label"} x={x + boxOf(frame) + 8} y={y + 4.5}>
+                  {edgeLabel(frame.edge)}
                 </text>
               )}
             </g>

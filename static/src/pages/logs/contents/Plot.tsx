@@ -120,14 +120,14 @@ function overEachOther(
           }
         : axis,
     ),
-    series: series.map((one, n) =>
+    series: series.map((line, n) =>
       n === 0
         ? {
-            ...one,
+            ...line,
             label: over.label,
             value: (_, at) => (at === null ? "–" : `${Number(at.toPrecision(6))} ${over.unit}`),
           }
-        : { ...one, paths: path, dash: [], points: { show: false } },
+        : { ...line, paths: path, dash: [], points: { show: false } },
     ),
     hooks: {
       draw: [

@@ -117,7 +117,7 @@ export function drawLineAt(chart: UPlot, at: number, colour: string, dash: reado
   chart.ctx.save();
   chart.ctx.strokeStyle = colour;
   chart.ctx.lineWidth = 2 * devicePixelRatio;
-  chart.ctx.setLineDash(dash.map((one) => one * devicePixelRatio));
+  chart.ctx.setLineDash(dash.map((length) => length * devicePixelRatio));
   chart.ctx.beginPath();
   chart.ctx.moveTo(x, top);
   chart.ctx.lineTo(x, top + height);

@@ -42,9 +42,9 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
   const across = chosen.length > 1 ? fields.across.value : null;
   const series = useFieldSeries(session, chosen, zoom.value, across !== null);
   const plotted = useMemo(() => {
-    const found = chosen.flatMap((one): Found[] => {
-      const now = series.get(keyOf(one));
-      return now?.kind === "ready" ? [{ chosen: one, series: now.value }] : [];
+    const found = chosen.flatMap((item): Found[] => {
+      const now = series.get(keyOf(item));
+      return now?.kind === "ready" ? [{ chosen: item, series: now.value }] : [];
     });
     if (found.length === 0) return null;
     return across === null ? joined(found) : paired(found, across);
@@ -96,9 +96,9 @@ export function FieldPlot({ store, session, fields, zoom }: FieldPlotProps) {
 
 /** Whether the n-th column that there is belongs to the field on the horizontal axis. */
 function isAcross(chosen: readonly Chosen[], series: FoundSeries, n: number, across: string): boolean {
-  const there = chosen.filter((one) => series.get(keyOf(one))?.kind === "ready");
-  const one = there[n];
-  return one !== undefined && keyOf(one) === across;
+  const there = chosen.filter((item) => series.get(keyOf(item))?.kind === "ready");
+  const item = there[n];
+  return item !== undefined && keyOf(item) === across;
 }
 
 function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">) {
@@ -109,9 +109,9 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
     () => (text.value.trim() === "" ? [] : matching(topics, text.value, MOST)),
     [topics, text.value],
   );
-  const add = (one: Pick<Chosen, "topic" | "field"> | undefined): void => {
-    if (!one || fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))) return;
-    fields.chosen.value = [...fields.chosen.peek(), { ...one, made: "value", window: 1 }];
+  const add = (field: Pick<Chosen, "topic" | "field"> | undefined): void => {
+    if (!field || fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))) return;
+    fields.chosen.value = [...fields.chosen.peek(), { ...field, made: "value", window: 1 }];
   };
   useEffect(() => {
     if (names.kind !== "ready" || !fields.isNew.current) return;
@@ -123,8 +123,8 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
   const recorded = topics.filter(({ computed }) => !computed);
   const without = recorded.filter(({ fields: own, why }) => own.length === 0 && why !== "");
   const count = recorded.reduce((sum, { fields: own }) => sum + own.length, 0);
-  const isChosen = (one: Pick<Chosen, "topic" | "field">): boolean =>
-    fields.chosen.value.some((other) => keyOf(other) === keyOf(one));
+  const isChosen = (field: Pick<Chosen, "topic" | "field">): boolean =>
+    fields.chosen.value.some((other) => keyOf(other) === keyOf(field));
   return (
     <search class="field-search">
       <input
@@ -139,16 +139,16 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
         onKeyDown={(event) => {
           if (event.key !== "Enter") return;
           event.preventDefault();
-          add(found.find((one) => !fields.chosen.peek().some((other) => keyOf(other) === keyOf(one))));
+          add(found.find((field) => !fields.chosen.peek().some((other) => keyOf(other) === keyOf(field))));
         }}
       />
       {names.kind === "reading" && <ProgressBar fraction={names.progress > 0 ? names.progress : null} />}
       {text.value.trim() !== "" && names.kind === "ready" && (
         <ul class="field-matches" aria-label="Fields that match">
-          {found.map((one) => (
-            <li key={keyOf(one)}>
-              <button type="button" aria-pressed={isChosen(one)} onClick={() => add(one)}>
-                <span class="quiet">{one.topic}</span> {one.field}
+          {found.map((field) => (
+            <li key={keyOf(field)}>
+              <button type="button" aria-pressed={isChosen(field)} onClick={() => add(field)}>
+                <span class="quiet">{field.topic}</span> {field.field}
               </button>
             </li>
           ))}
@@ -161,13 +161,13 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
           {topics
             .filter(({ computed }) => computed)
             .flatMap(({ topic, fields: own }) => own.map((field) => ({ topic, field })))
-            .map((one) => (
+            .map((item) => (
               <SwitchChip
-                key={keyOf(one)}
-                label={one.field}
-                checked={isChosen(one)}
-                title={COMPUTED[one.field] ?? ""}
-                onChange={(isOn) => (isOn ? add(one) : remove(fields, keyOf(one)))}
+                key={keyOf(item)}
+                label={item.field}
+                checked={isChosen(item)}
+                title={COMPUTED[item.field] ?? ""}
+                onChange={(isOn) => (isOn ? add(item) : remove(fields, keyOf(item)))}
               />
             ))}
         </fieldset>
@@ -186,26 +186,26 @@ function Search({ session, fields }: Pick<FieldPlotProps, "session" | "fields">)
 
 function remove(fields: FieldsState, key: string): void {
   if (fields.across.peek() === key) fields.across.value = null;
-  fields.chosen.value = fields.chosen.peek().filter((one) => keyOf(one) !== key);
+  fields.chosen.value = fields.chosen.peek().filter((item) => keyOf(item) !== key);
 }
 
 function Legend({ fields, series }: { readonly fields: FieldsState; readonly series: FoundSeries }) {
   const change = (key: string, by: Partial<Chosen>): void => {
-    fields.chosen.value = fields.chosen.peek().map((one) => (keyOf(one) === key ? { ...one, ...by } : one));
+    fields.chosen.value = fields.chosen.peek().map((item) => (keyOf(item) === key ? { ...item, ...by } : item));
   };
   return (
     <ul class="field-legend" aria-label="Fields of the plot">
-      {fields.chosen.value.map((one) => {
-        const key = keyOf(one);
+      {fields.chosen.value.map((item) => {
+        const key = keyOf(item);
         const now = series.get(key);
         return (
           <li key={key} data-field={key}>
             <span class="field-name">
-              <span class="quiet">{one.topic}</span> {one.field}
+              <span class="quiet">{item.topic}</span> {item.field}
             </span>
             <Select
               label={`What is shown of ${key}`}
-              value={one.made === "average" ? `average ${one.window}` : one.made}
+              value={item.made === "average" ? `average ${item.window}` : item.made}
               options={[
                 "value",
                 "derivative",
@@ -216,7 +216,7 @@ function Legend({ fields, series }: { readonly fields: FieldsState; readonly ser
                 change(key, { made: made as Made, ...(window === undefined ? {} : { window: Number(window) }) });
               }}
             />
-            <Button kind="quiet" icon="close" label={`Remove ${labelOf(one)}`} onClick={() => remove(fields, key)} />
+            <Button kind="quiet" icon="close" label={`Remove ${labelOf(item)}`} onClick={() => remove(fields, key)} />
             {(now === undefined || now.kind === "reading") && (
               <ProgressBar fraction={now?.kind === "reading" && now.progress > 0 ? now.progress : null} />
             )}

@@ -94,12 +94,12 @@ const column = ({ chosen, series }: Found, values: (number | null)[]): PlottedCo
 export function joined(found: readonly Found[]): Plotted {
   const times = [...new Set(found.flatMap(({ series }) => series.times))].sort((a, b) => a - b);
   const place = new Map(times.map((time, n) => [time, n]));
-  const columns = found.map((one) => {
+  const columns = found.map((line) => {
     const values: (number | null)[] = new Array(times.length).fill(null);
-    one.series.times.forEach((time, n) => {
-      values[place.get(time) ?? 0] ??= one.series.columns[0]?.values[n] ?? null;
+    line.series.times.forEach((time, n) => {
+      values[place.get(time) ?? 0] ??= line.series.columns[0]?.values[n] ?? null;
     });
-    return column(one, values);
+    return column(line, values);
   });
   return { topic: "", times, gaps: [], columns };
 }
@@ -109,11 +109,11 @@ export function paired(found: readonly Found[], key: string): Plotted | null {
   const across = found.find(({ chosen }) => keyOf(chosen) === key);
   if (!across) return null;
   const { times } = across.series;
-  const columns = found.map((one) => {
-    const own = one === across;
+  const columns = found.map((line) => {
+    const own = line === across;
     return column(
-      one,
-      own ? [...(one.series.columns[0]?.values ?? [])] : times.map((time) => valueAt(one.series, time)),
+      line,
+      own ? [...(line.series.columns[0]?.values ?? [])] : times.map((time) => valueAt(line.series, time)),
     );
   });
   return { topic: "", times, gaps: [], columns };

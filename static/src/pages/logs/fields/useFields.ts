@@ -85,13 +85,13 @@ export function useFieldSeries(
   useEffect(() => {
     const abort = new AbortController();
     // What is shown stays until what is asked for is there.
-    found.value = new Map([...found.peek()].filter(([key]) => chosen.some((one) => keyOf(one) === key)));
-    for (const one of chosen) {
+    found.value = new Map([...found.peek()].filter(([key]) => chosen.some((item) => keyOf(item) === key)));
+    for (const item of chosen) {
       const query = {
-        topic: one.topic,
-        field: one.field,
-        made: one.made,
-        window: one.window,
+        topic: item.topic,
+        field: item.field,
+        made: item.made,
+        window: item.window,
         evenly,
         ...(span && { start: span[0], end: span[1] }),
       };
@@ -100,8 +100,8 @@ export function useFieldSeries(
         () => ask(what, { session_id: session }, { query, ending: abort.signal }),
         abort.signal,
         (now) => {
-          if (now.kind === "reading" && found.peek().get(keyOf(one))?.kind === "ready") return;
-          found.value = new Map(found.peek()).set(keyOf(one), now);
+          if (now.kind === "reading" && found.peek().get(keyOf(item))?.kind === "ready") return;
+          found.value = new Map(found.peek()).set(keyOf(item), now);
         },
       );
     }

@@ -89,7 +89,7 @@ function Finder() {
             type="button"
             class="tag"
             aria-pressed={isOn}
-            onClick={() => choose({ tags: isOn ? now.tags.filter((one) => one !== tag) : [...now.tags, tag] })}
+            onClick={() => choose({ tags: isOn ? now.tags.filter((kept) => kept !== tag) : [...now.tags, tag] })}
           >
             {tag} <span class="number">{count}</span>
           </button>
@@ -182,7 +182,7 @@ const Formats = () => (
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void }) {
   useEffect(watch, []);
   useSignalEffect(() => {
-    const log = logs.value?.find((one) => one.id === arrived.value);
+    const log = logs.value?.find((log) => log.id === arrived.value);
     if (!log || isMoving(log)) return;
     arrived.value = null;
     if (log.state === "ready") onOpen(log, null);

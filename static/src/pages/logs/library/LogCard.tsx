@@ -194,12 +194,13 @@ function Inside({ log, onOpen }: LogCardProps) {
         {lines.map((line) => (
           <li key={line}>{line}</li>
         ))}
-        {log.topics.map((one) => (
-          <li key={one.name} class="log-topic">
-            {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
-            {one.beams !== null && !one.chosen && (
-              <button type="button" onClick={() => onOpen(log, one.name)}>
-                {openSensorLabel(one.name)}
+        {log.topics.map((recorded) => (
+          <li key={recorded.name} class="log-topic">
+            {recorded.chosen ? <strong>{recorded.name}</strong> : recorded.name}:{" "}
+            <span class="number">{topic(recorded)}</span>
+            {recorded.beams !== null && !recorded.chosen && (
+              <button type="button" onClick={() => onOpen(log, recorded.name)}>
+                {openSensorLabel(recorded.name)}
               </button>
             )}
           </li>

@@ -78,7 +78,7 @@ function place([x = 0, y = 0, yaw = 0]: readonly number[]): string {
 /** Time of the scans and mount of the sensor, one phrase per line. */
 export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
-  const sensor = log.topics.find((one) => one.chosen);
+  const sensor = log.topics.find((topic) => topic.chosen);
   // A file that names the sensor's frame and not its place: the centre is a guess.
   const mount = !isScanned(log) || (sensor?.frame && !sensor.mount) ? null : log.mount;
   const unit = log.costmaps > 0 ? "costmaps" : "scans";
@@ -112,9 +112,9 @@ export const transformsOf = (sensor: string): string | null => /#(\/.*)$/.exec(s
 /** The names of the lidars of a log whose frames are known, those with most scans first, each once. */
 export function lidars(log: LogRecord): readonly string[] {
   return log.topics
-    .filter((one) => one.beams !== null && /Scan$|laser scan$/.test(one.type) && one.count > 0)
-    .filter((one) => transformsOf(one.name) === null)
-    .map((one) => one.name);
+    .filter((topic) => topic.beams !== null && /Scan$|laser scan$/.test(topic.type) && topic.count > 0)
+    .filter((topic) => transformsOf(topic.name) === null)
+    .map((topic) => topic.name);
 }
 
 /** Whether it has planar scans: it is no map, no cloud and no recording of costmaps. */
@@ -127,14 +127,14 @@ export const isCloud = (type: string): boolean => /\/(PointCloud2|CustomMsg)$/.t
 export const hasClouds = (log: LogRecord): boolean => log.topics.some(({ type, count }) => isCloud(type) && count > 0);
 
 /** A topic in a line. */
-export function topic(one: Topic): string {
-  const transforms = transformsOf(one.name);
+export function topic(recorded: Topic): string {
+  const transforms = transformsOf(recorded.name);
   return [
-    `${one.count.toLocaleString("en")} × ${one.type.replace(/^.*\//, "")}`,
-    ...(one.beams === null ? [] : [one.beams === 1 ? "1 beam" : `${one.beams} beams`]),
-    ...(one.field_of_view_deg === null ? [] : [`${Math.round(one.field_of_view_deg)}°`]),
-    ...(one.rate_hz === null ? [] : [`${written(one.rate_hz, 1)} Hz`]),
-    ...(one.frame ? [`frame ${one.frame}`] : []),
+    `${recorded.count.toLocaleString("en")} × ${recorded.type.replace(/^.*\//, "")}`,
+    ...(recorded.beams === null ? [] : [recorded.beams === 1 ? "1 beam" : `${recorded.beams} beams`]),
+    ...(recorded.field_of_view_deg === null ? [] : [`${Math.round(recorded.field_of_view_deg)}°`]),
+    ...(recorded.rate_hz === null ? [] : [`${written(recorded.rate_hz, 1)} Hz`]),
+    ...(recorded.frame ? [`frame ${recorded.frame}`] : []),
     ...(transforms === null ? [] : [`frames looked up in ${transforms}`]),
   ].join(", ");
 }

@@ -7,7 +7,7 @@ import { groupIntoLogs, tarred } from "./groupFiles";
 
 const file = (name: string, text = name): File => new File([text], name);
 const names = (folder: string, ...files: string[]): string[] =>
-  groupIntoLogs({ name: folder, files: files.map((name) => file(name)) }).map((one) => one.name);
+  groupIntoLogs({ name: folder, files: files.map((name) => file(name)) }).map((log) => log.name);
 
 describe("files that are chosen together", () => {
   it("are logs each by itself, but for what lies beside them", () => {

@@ -72,11 +72,11 @@ describe("many files", () => {
     vi.stubGlobal("XMLHttpRequest", Request);
     for (let i = 0; i < 4; i++) upload(new File(["x"], `run_${i}.mcap`));
     expect(sent.length).toBe(3);
-    const [first, , , last] = uploads.value.map((one) => one.key);
+    const [first, , , last] = uploads.value.map((upload) => upload.key);
     cancel(last as number); // it has not begun
     cancel(first as number);
     await vi.waitFor(() => expect(forgotten).toEqual([`/api/logs/uploads/${sent[0]}`]));
-    expect(uploads.value.map((one) => one.name)).toEqual(["run_1.mcap", "run_2.mcap"]);
+    expect(uploads.value.map((upload) => upload.name)).toEqual(["run_1.mcap", "run_2.mcap"]);
     expect(sent.length).toBe(3);
   });
 });

@@ -21,11 +21,11 @@ export const uploads = signal<readonly Upload[]>([]);
 let nextKey = 1;
 
 const patch = (key: number, change: Partial<Upload>): void => {
-  uploads.value = uploads.value.map((one) => (one.key === key ? { ...one, ...change } : one));
+  uploads.value = uploads.value.map((upload) => (upload.key === key ? { ...upload, ...change } : upload));
 };
 
 export const dismiss = (key: number): void => {
-  uploads.value = uploads.value.filter((one) => one.key !== key);
+  uploads.value = uploads.value.filter((upload) => upload.key !== key);
 };
 
 const requests = new Map<number, XMLHttpRequest>();
@@ -36,7 +36,7 @@ export function cancel(key: number): void {
   requests.get(key)?.abort();
 }
 
-const isCancelled = (key: number): boolean => !uploads.peek().some((one) => one.key === key);
+const isCancelled = (key: number): boolean => !uploads.peek().some((upload) => upload.key === key);
 
 const TRIES = 6; // in a row without progress
 const PAUSE_MS = 1000;

@@ -24,7 +24,7 @@ test("the notes on a map that was chosen stand beside its size", () => {
   const panel = document.body.textContent;
   expect(panel).toContain("hall.yaml");
   expect(panel).toContain("15.0 × 10.0 m, cells of 5 cm");
-  expect([...document.querySelectorAll(".map-note")].map((one) => one.textContent)).toEqual([note]);
+  expect([...document.querySelectorAll(".map-note")].map((element) => element.textContent)).toEqual([note]);
 });
 
 test.each([
@@ -64,9 +64,9 @@ test.each([
     n_particles: 500,
   };
   act(() => render(<Localize store={store} localizing={localizing} isGuest={false} />, document.body));
-  const terms = [...document.querySelectorAll(".facts-list dt")].map((one) => one.textContent);
+  const terms = [...document.querySelectorAll(".facts-list dt")].map((element) => element.textContent);
   expect(terms).toContain("Converged");
   const place = terms.indexOf("Left out");
-  const values = [...document.querySelectorAll(".facts-list dd")].map((one) => one.textContent);
+  const values = [...document.querySelectorAll(".facts-list dd")].map((element) => element.textContent);
   expect(values[place] ?? null).toBe(said);
 });

@@ -349,8 +349,8 @@ function Editing({ store }: { readonly store: Store }) {
       <Panel title="Edits" note={edits && edits.n > 0 ? String(edits.n) : null}>
         {edits && edits.n > 0 ? (
           <ol class="mapediting-list" start={edits.n - edits.last.length + 1}>
-            {edits.last.map((one, i) => (
-              <li key={edits.n - edits.last.length + i}>{one}</li>
+            {edits.last.map((edit, i) => (
+              <li key={edits.n - edits.last.length + i}>{edit}</li>
             ))}
           </ol>
         ) : (

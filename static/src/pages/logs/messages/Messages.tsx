@@ -22,7 +22,7 @@ const isBranch = (value: Tree): value is readonly Tree[] | { readonly [name: str
 /** The parts of a branch, with the names of fields or the numbers of elements. */
 const partsOf = (value: readonly Tree[] | { readonly [name: string]: Tree }): readonly [string, Tree][] =>
   Array.isArray(value)
-    ? value.map((one: Tree, n): [string, Tree] => [String(n), one])
+    ? value.map((child: Tree, n): [string, Tree] => [String(n), child])
     : Object.entries(value as { readonly [name: string]: Tree });
 
 /** Texts that stand as they are: numbers that JSON has not. */

@@ -103,7 +103,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const isBetween = at !== null && isInGap(found.gaps, at);
   const row = at === null || isBetween ? -1 : nearest(found.times, at);
   const toggle = (label: string, isOn: boolean): void => {
-    shown.value = isOn ? [...shown.peek(), label] : shown.peek().filter((one) => one !== label);
+    shown.value = isOn ? [...shown.peek(), label] : shown.peek().filter((other) => other !== label);
   };
   const zoomAround = (factor: number): void => {
     const middle = (interval[0] + interval[1]) / 2;

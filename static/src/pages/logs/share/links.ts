@@ -43,7 +43,7 @@ export async function beginShared(token: string, ending: AbortSignal, clouds = f
   }
 }
 
-const counted = (n: number, one: string, more: string): string => (n === 1 ? `1 ${one}` : `${n} ${more}`);
+const counted = (n: number, single: string, more: string): string => (n === 1 ? `1 ${single}` : `${n} ${more}`);
 
 const scansOf = (index: number, count: number): string =>
   index === count ? "the whole log" : `${index} of ${count} scans`;

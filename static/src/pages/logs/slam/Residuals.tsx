@@ -48,9 +48,9 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
   const series = useFieldSeries(session, chosen, zoom.value, false);
   const found = useMemo(
     () =>
-      chosen.flatMap((one): Found[] => {
-        const now = series.get(keyOf(one));
-        return now?.kind === "ready" ? [{ chosen: one, series: now.value }] : [];
+      chosen.flatMap((plot): Found[] => {
+        const now = series.get(keyOf(plot));
+        return now?.kind === "ready" ? [{ chosen: plot, series: now.value }] : [];
       }),
     [chosen, series],
   );
@@ -59,13 +59,13 @@ function OfPoses({ store, session, zoom }: ResidualsProps) {
     () => units.map((unit) => joined(found.filter(({ series: { columns } }) => columns[0]?.unit === unit))),
     [found],
   );
-  const failed = [...series.values(), names].find((one) => one.kind === "failed");
+  const failed = [...series.values(), names].find((answer) => answer.kind === "failed");
   return (
     <>
       {failed?.kind === "failed" && <p role="alert">{failed.why}</p>}
       {found.length === 0 && !failed && <ProgressBar fraction={null} label="Reading the residuals" />}
-      {plots.map((one, n) => (
-        <Plot key={units[n]} store={store} series={one} plot="" zoom={zoom} />
+      {plots.map((data, n) => (
+        <Plot key={units[n]} store={store} series={data} plot="" zoom={zoom} />
       ))}
       {found.length > 0 && (
         <p class="quiet">

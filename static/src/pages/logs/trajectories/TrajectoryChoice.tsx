@@ -16,13 +16,16 @@ export function TrajectoryChoice({ store }: { readonly store: Store }) {
   const log = store.hello.value?.log;
   const trajectories = log?.trajectories ?? [];
   const trajectory = picked.value ?? store.trajectory.value?.name ?? log?.trajectory ?? "";
-  const chosen = trajectories.find((one) => one.name === trajectory);
+  const chosen = trajectories.find((known) => known.name === trajectory);
   return (
     <Panel title="Poses of the map">
       {trajectories.length > 1 ? (
         <Choice
           label="Poses from"
-          options={trajectories.map((one) => ({ value: one.name, label: trajectoryLabel(one.name) }))}
+          options={trajectories.map((trajectory) => ({
+            value: trajectory.name,
+            label: trajectoryLabel(trajectory.name),
+          }))}
           value={trajectory}
           onChange={(name) => {
             picked.value = name;

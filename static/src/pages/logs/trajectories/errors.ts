@@ -10,8 +10,9 @@ export function rowsOf({
   absolute,
   relative,
 }: TrajectoryErrors): readonly (readonly [string, string, readonly number[]])[] {
-  const metres = (one: ErrorStatistics): number[] => STATISTICS.map((name) => one[name]);
-  const degrees = (one: ErrorStatistics): number[] => STATISTICS.map((name) => (one[name] * 180) / Math.PI);
+  const metres = (statistics: ErrorStatistics): number[] => STATISTICS.map((name) => statistics[name]);
+  const degrees = (statistics: ErrorStatistics): number[] =>
+    STATISTICS.map((name) => (statistics[name] * 180) / Math.PI);
   const over = `over ${relative.delta} ${relative.unit}`;
   return [
     ["Absolute", "m", metres(absolute.translation_m)],

@@ -36,7 +36,7 @@ function VolumeCompare({ store, log, onCompare }: VolumeCompareProps) {
   useEffect(() => {
     void ask("GET /api/logs", {}, { query: { limit: 200 } })
       .then((found) => {
-        others.value = found.logs.filter((one) => one.clouds > 0 && one.state === "ready" && one.id !== log);
+        others.value = found.logs.filter((other) => other.clouds > 0 && other.state === "ready" && other.id !== log);
       })
       .catch(() => undefined);
   }, [log]);

@@ -258,8 +258,8 @@ function Slides() {
     requestAnimationFrame(() => list.current?.querySelectorAll<HTMLElement>(".deck-grip")[to]?.focus());
   };
   const replace = (index: number, slide: Slide | null): void => {
-    const next = slides.flatMap((one, i) => (i !== index ? [one] : slide ? [slide] : []));
-    if (next.every((one) => one.hidden)) toast("One slide has to stay.", "error");
+    const next = slides.flatMap((kept, i) => (i !== index ? [kept] : slide ? [slide] : []));
+    if (next.every((slide) => slide.hidden)) toast("One slide has to stay.", "error");
     else {
       void change(next);
       edited.value = -1;

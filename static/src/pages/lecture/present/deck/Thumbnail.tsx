@@ -59,7 +59,9 @@ function still(page: Document): Promise<boolean> {
 
 /** Whether code of a figure is still fetched. A derivation's slide does not show its section's figure. */
 const isBusy = (page: Document): boolean =>
-  [...page.querySelectorAll(".on-slide :is([aria-busy=true], .figure-awaited)")].some((one) => one.checkVisibility());
+  [...page.querySelectorAll(".on-slide :is([aria-busy=true], .figure-awaited)")].some((element) =>
+    element.checkVisibility(),
+  );
 
 /** Draw the slide that a window of this origin shows, and keep the picture under its key, unless it is tried again. */
 async function drawThumbnail(key: string, from: Window): Promise<void> {

@@ -161,7 +161,7 @@ function readSlide(value: unknown, index: number): Slide {
   const where = `Slide ${index + 1}`;
   if (!isObject(value)) throw new DeckError(`${where} is not an object.`);
   const { kind } = value;
-  if (!KINDS.some((one) => one === kind))
+  if (!KINDS.some((known) => known === kind))
     throw new DeckError(`${where}: the kind “${String(kind)}” is not known; it is one of ${KINDS.join(", ")}.`);
   if (value.hidden !== undefined && typeof value.hidden !== "boolean")
     throw new DeckError(`${where}: “hidden” is neither true nor false.`);

@@ -47,7 +47,7 @@ it("a short deck begins with one slide, and all can be shown again", () => {
     { name: "B", hidden: true },
     { name: "C" },
   ];
-  const one = only(slides, (_, i) => i === 1);
-  expect(one).toEqual([{ name: "A", hidden: true }, { name: "B" }, { name: "C", hidden: true }]);
-  expect(one.map(shown)).toEqual([{ name: "A" }, { name: "B" }, { name: "C" }]);
+  const first = only(slides, (_, i) => i === 1);
+  expect(first).toEqual([{ name: "A", hidden: true }, { name: "B" }, { name: "C", hidden: true }]);
+  expect(first.map(shown)).toEqual([{ name: "A" }, { name: "B" }, { name: "C" }]);
 });

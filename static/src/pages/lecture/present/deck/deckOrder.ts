@@ -14,8 +14,8 @@ const [LECTURE_TITLE] = WHOLE_LECTURE.slides.filter(({ kind }) => kind === "titl
 /** The title slide of the lecture with the name of a part, or without one; a lecturer's own title stays as it is. */
 function named(slide: Slide, part: Part | null): Slide {
   if (slide.kind !== "title" || LECTURE_TITLE?.kind !== "title") return slide;
-  const titled = (one: Part) => `${LECTURE_TITLE.title}: ${one.title}`;
-  const isOwn = slide.title !== LECTURE_TITLE.title && !LECTURE_PARTS.some((one) => slide.title === titled(one));
+  const titled = (part: Part) => `${LECTURE_TITLE.title}: ${part.title}`;
+  const isOwn = slide.title !== LECTURE_TITLE.title && !LECTURE_PARTS.some((part) => slide.title === titled(part));
   return isOwn ? slide : { ...slide, title: part ? titled(part) : LECTURE_TITLE.title };
 }
 
@@ -32,8 +32,8 @@ export const allShown = (slides: readonly Slide[]): readonly Slide[] =>
 /** The list with the entry at `from` at the index `to` of the result. */
 export function reordered<T>(list: readonly T[], from: number, to: number): readonly T[] {
   const next = [...list];
-  const [one] = next.splice(from, 1);
-  if (one !== undefined) next.splice(Math.max(0, Math.min(to, next.length)), 0, one);
+  const [moved] = next.splice(from, 1);
+  if (moved !== undefined) next.splice(Math.max(0, Math.min(to, next.length)), 0, moved);
   return next;
 }
 

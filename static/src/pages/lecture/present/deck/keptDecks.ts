@@ -35,10 +35,10 @@ export function keepDeck(deck: Deck, name?: string): string | null {
   try {
     const known = allKept();
     const called =
-      name ?? known.find((one) => one.text === text)?.name ?? Math.random().toString(36).slice(2, 10).padEnd(8, "0");
+      name ?? known.find((deck) => deck.text === text)?.name ?? Math.random().toString(36).slice(2, 10).padEnd(8, "0");
     localStorage.setItem(PREFIX + called, `${Date.now()} ${text}`);
-    const others = known.filter((one) => one.name !== called).toSorted((a, b) => b.usedAt - a.usedAt);
-    for (const one of others.slice(MOST - 1)) localStorage.removeItem(PREFIX + one.name);
+    const others = known.filter((deck) => deck.name !== called).toSorted((a, b) => b.usedAt - a.usedAt);
+    for (const deck of others.slice(MOST - 1)) localStorage.removeItem(PREFIX + deck.name);
     return called;
   } catch {
     return null; // storage may be forbidden or full

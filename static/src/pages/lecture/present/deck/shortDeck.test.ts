@@ -23,7 +23,7 @@ it("is planned for 45 minutes on 16 to 18 slides, from the filter to the use of 
     "path",
     "next",
   ];
-  expect(names.filter((one) => order.includes(one))).toEqual(order);
+  expect(names.filter((name) => order.includes(name))).toEqual(order);
   expect(readDeck(writtenDeck(SHORT_LECTURE))).toEqual(SHORT_LECTURE);
 });
 
