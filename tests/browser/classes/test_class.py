@@ -340,8 +340,8 @@ def test_a_question_leaves_the_pictures_of_the_lab_their_room(page: Page, server
     dialog.get_by_role("button", name="Ask").click()
     expect(page.get_by_role("button", name="Show the result")).to_be_in_viewport(ratio=1)
     left = [
-        round(element.bounding_box()["x"])  # type: ignore[index]
-        for element in (page.locator(".class-card h2"), page.locator(".class-bar-box .class-dot"))
+        page.locator(one).evaluate("(box) => box.getBoundingClientRect().x")
+        for one in (".class-card h2", ".class-bar-box .class-dot")
     ]
     assert left[0] == left[1]  # the question begins where the line below it does
     curve = page.locator(".lab-curve").bounding_box()
