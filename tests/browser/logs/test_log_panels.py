@@ -109,11 +109,22 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     notes = open_group(page, "Notes")
     expect(page.locator(".error-legend")).to_have_count(0)
     notes.get_by_label("New note").fill("the door opens")
+    answers = []  # of the server, which tells all pages of the note before its answer is there
+    post = re.compile("/notes$")
+    page.route(
+        post,
+        lambda route: answers.append((route, route.fetch())) if route.request.method == "POST" else route.fallback(),
+    )
     notes.get_by_role("button", name="Add note").click()
     mark = page.locator(".timeline-mark")
     expect(mark).to_have_attribute("aria-label", "Note: the door opens")
-    page.evaluate("() => { gridbloom.connection.store.pinned.value = [1, 0.5]; }")
     notes.get_by_label("New note").fill("a glass wall")
+    until("the answer", lambda: answers)
+    with page.expect_response(post):
+        answers[0][0].fulfill(response=answers[0][1])
+    page.unroute(post)
+    expect(notes.get_by_role("button", name="Add note")).to_be_enabled()
+    page.evaluate("() => { gridbloom.connection.store.pinned.value = [1, 0.5]; }")
     notes.get_by_role("switch", name="At the cell that I click").click()
     notes.get_by_role("button", name="Add note").click()
     pin = page.get_by_role("button", name="Note: a glass wall").and_(page.locator(".note-pin"))

@@ -171,8 +171,9 @@ function Editor({ store, state, note, onDone }: EditorProps) {
     (!hasArea.value || pin.outline !== null);
   const save = async (): Promise<void> => {
     busy.value = true;
-    if (await state.keep(text.value.trim(), pin, note?.id)) {
-      if (!note) text.value = "";
+    const kept = text.peek();
+    if (await state.keep(kept.trim(), pin, note?.id)) {
+      if (!note && text.peek() === kept) text.value = ""; // else it is the text of the next note already
       onDone?.();
     }
     busy.value = false;
