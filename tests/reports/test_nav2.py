@@ -23,6 +23,7 @@ from mapper.costmap.nav2.reading import parse_nav2_costmap
 from mapper.costmap.nav2.writing import nav2_yaml
 from mapper.costmap.parameters import COMBINATIONS, InflationConfig, ObstacleConfig, StaticConfig, VoxelConfig
 from mapper.grid import GridGeometry
+from mapper.io.ros_parameters import find_node, nodes_of, parse_ros_parameters, with_node
 from mapper.localization import parse_amcl_yaml
 from tests.mapper.planning.nav2_file import parse_nav2_path
 from tests.server.cli.running import Run
@@ -641,3 +642,20 @@ def test_what_only_sources_have_does_nothing_in_their_layer() -> None:
     found = node(SOURCES.format("ObstacleLayer").replace("max_obstacle_height: 1.0", "obstacle_max_range: 1.0", 1))
     assert found.others["o", "obstacle_max_range"] == 1.0
     assert any("declares no parameter 'obstacle_max_range'" in note for note in found.notes)
+
+
+def test_the_node_that_is_read_is_the_one_that_is_replaced() -> None:
+    """In a file with two robots, and of a node that stands twice; a file without the node gets it."""
+    two = b"""
+/r1/global_costmap/global_costmap: {ros__parameters: {robot_radius: 0.1}}
+r2: {global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.2}}}}
+r1: {global_costmap: {global_costmap: {ros__parameters: {width: 4}}}, amcl: {ros__parameters: {alpha1: 0.3}}}
+"""
+    root = parse_ros_parameters(two)
+    made = with_node(root, "global_costmap", {"robot_radius": 0.7}, ("global_costmap", "global_costmap"))
+    assert find_node(made, ("global_costmap",)) == ("global_costmap", {"robot_radius": 0.7})
+    assert dict(nodes_of(made))["r2", "global_costmap", "global_costmap"] == {"robot_radius": 0.2}
+    assert dict(nodes_of(made))["r1", "amcl"] == {"alpha1": 0.3}
+    assert dict(nodes_of(root))["r1", "global_costmap", "global_costmap"] == {"robot_radius": 0.1, "width": 4}
+    added = with_node(made, "planner_server", {"a": 1}, ("planner_server",))
+    assert find_node(added, ("planner_server",)) == ("planner_server", {"a": 1})
