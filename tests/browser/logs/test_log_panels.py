@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from playwright.sync_api import Page, expect
+from playwright.sync_api import APIResponse, Page, Route, expect
 
 from tests.browser.looking import await_map, drag_along, frame, open_group, until
 from tests.browser.pages.test_axe import violations
@@ -109,7 +109,9 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     notes = open_group(page, "Notes")
     expect(page.locator(".error-legend")).to_have_count(0)
     notes.get_by_label("New note").fill("the door opens")
-    answers = []  # of the server, which tells all pages of the note before its answer is there
+    answers: list[
+        tuple[Route, APIResponse]
+    ] = []  # of the server, which tells all pages of the note before its answer is there
     post = re.compile("/notes$")
     page.route(
         post,
