@@ -146,13 +146,13 @@ def _whole(word: str, name: str) -> int:
 
 
 def _count(lines: dict[str, list[str]]) -> tuple[int, tuple[int, int] | None, tuple[str, ...]]:
-    """Return the number of points, their height and width, and a note where both disagree: POINTS counts then."""
+    """Return the number of points, their height and width, and a note where both disagree: POINTS counts, but not 0."""
     given = {name: _whole(lines[name][0], name) for name in ("WIDTH", "HEIGHT", "POINTS") if lines.get(name)}
     width, height = given.get("WIDTH"), given.get("HEIGHT", 1)
-    points = given.get("POINTS")
-    if not points and width and height:  # version .6 and before lack POINTS
+    points = given.get("POINTS", None if width is None else width * height)  # version .6 and before lack POINTS
+    if points == 0 and width and height:
         note = f"The header says 0 points, but its width and height {width} × {height}; the latter are taken."
-        return width * height, (height, width), () if points is None else (note,)
+        return width * height, (height, width), (note,)
     if points is None:
         raise ReadError("cloud.header", "The PCD header states no whole number of points.")
     if width is None or width * height == points:

@@ -133,9 +133,7 @@ class Nav2File:
         types = dict(zip(given.pop("plugin_names", ()), given.pop("plugin_types", ()), strict=True))  # of Eloquent
         types = types or {name: f"nav2_costmap_2d::{plugin}" for name, plugin in DEFAULT_LAYERS.items()}
         plugins = list(given.get("plugins", types))
-        for named in [
-            plugin for plugin in plugins if plugin in types
-        ]:  # Nav2 knows a layer by its name in that list alone
+        for named in [plugin for plugin in plugins if plugin in types]:  # known by its name in that list alone
             given[named] = {"plugin": types[named]} | (given.get(named) or {})
         places = {"static_layer": 0, "inflation_layer": len(plugins)}
         last = plugins.index(inflations[0]) if inflations else len(plugins)
