@@ -107,7 +107,7 @@ function expand({ data, currentTarget }: WorkerMessage): void {
   camera.take(data?.messages ?? []);
   firstCamera.take(data?.messages ?? []);
   // The client works messages off in the frame after their arrival.
-  if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown)) {
+  if (waiting.isTold(data?.messages ?? [], firstCamera.isKnown, camera.isMoved)) {
     requestAnimationFrame(() => requestAnimationFrame(() => show(true)));
   }
   clouds.take(data?.messages ?? []);
@@ -151,8 +151,12 @@ window.Worker = class extends window.Worker {
 addEventListener("pointerdown", () => budget.hold(true), true);
 for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, () => budget.hold(false), true);
 addEventListener("wheel", () => budget.moved(), { capture: true, passive: true });
-addEventListener("pointermove", ({ buttons }) => buttons !== 0 && camera.acted(), true);
-for (const type of ["wheel", "keydown"]) addEventListener(type, () => camera.acted(), { capture: true, passive: true });
+/** On a view that is hidden nobody can act: its camera moves as the server tells it to. */
+const acted = (): void => {
+  if (hiding.disabled) camera.acted();
+};
+addEventListener("pointermove", ({ buttons }) => buttons !== 0 && acted(), true);
+for (const type of ["wheel", "keydown"]) addEventListener(type, acted, { capture: true, passive: true });
 addGestures(window);
 zoomAtCursor(Object.prototype);
 

@@ -55,6 +55,11 @@ export class MovedCamera {
     this.#isMoved = isMoved;
   }
 
+  /** Whether a person has moved it. */
+  get isMoved(): boolean {
+    return this.#isMoved;
+  }
+
   /** A person does what may move the camera. */
   acted(): void {
     this.#hasActed = true;

@@ -1,26 +1,34 @@
 /** Whether viser's client has been told the scene of its present connection: before, it draws axes of its own. */
 
-interface NodeMessage {
+interface ToldMessage {
   readonly type?: string;
   readonly name?: unknown;
+  readonly initial?: boolean;
 }
 
-const isAboutAxes = ({ type, name }: NodeMessage): boolean =>
+const isAboutAxes = ({ type, name }: ToldMessage): boolean =>
   type === "SetSceneNodeVisibilityMessage" && name === "/WorldAxes";
+
+const isAim = ({ type, initial }: ToldMessage): boolean => type === "SetCameraPositionMessage" && !initial;
 
 export class UntilTold {
   #hasAxes = false;
+  #isAimed = false;
   #isDone = false;
 
   /** The client has a connection, for which it makes its own first scene again. */
   connected(): void {
-    this.#hasAxes = this.#isDone = false;
+    this.#hasAxes = this.#isAimed = this.#isDone = false;
   }
 
-  /** Whether the server has told with these messages that its scene has no axes, and the first camera; true once. */
-  isTold(messages: readonly NodeMessage[], hasCamera: boolean): boolean {
+  /**
+   * Whether the server has told with these messages that its scene has no axes, the first camera and, unless that `isMoved`
+   * by a person, the one for the shape of this view, which would undo what a person does before; true once.
+   */
+  isTold(messages: readonly ToldMessage[], hasCamera: boolean, isMoved: boolean): boolean {
     this.#hasAxes ||= messages.some(isAboutAxes);
-    if (this.#isDone || !this.#hasAxes || !hasCamera) return false;
+    this.#isAimed ||= messages.some(isAim);
+    if (this.#isDone || !this.#hasAxes || !hasCamera || !(this.#isAimed || isMoved)) return false;
     this.#isDone = true;
     return true;
   }
