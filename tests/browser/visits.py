@@ -61,8 +61,7 @@ def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserC
     """
     context = _new_context(browser, **options)
     yield context
-    for page in context.pages:
-        page.close()
+    _close_pages(context)
     _end_sessions(context, server)
     context.close()
 
@@ -74,6 +73,15 @@ def _new_context(browser: Browser, **options: Any) -> BrowserContext:
     if script := late_script():
         context.add_init_script(script)
     return context
+
+
+def _close_pages(context: BrowserContext, but: Page | None = None) -> None:
+    """Close all pages ``but`` one, after the handlers of their requests: a request of a handler would fail later."""
+    for page in context.pages:
+        if page is not but:
+            page.unroute_all(behavior="wait")
+            page.close()
+    context.unroute_all(behavior="wait")
 
 
 def _end_sessions(context: BrowserContext, server: str) -> None:
@@ -123,8 +131,7 @@ class Visit:
 
     def end(self) -> None:
         """End the sessions that were begun, and close the context."""
-        for page in self.context.pages:
-            page.close()
+        _close_pages(self.context)
         with suppress(PlaywrightError):  # the visit may be kept for longer than a test's own service runs
             _end_sessions(self.context, self._server)
         self.context.close()
@@ -135,11 +142,8 @@ class Visit:
         if self._is_lasting or page is None or page.is_closed():
             return False
         try:
-            for other in self.context.pages:
-                if other is not page:
-                    other.close()
-            self.context.unroute_all()
-            page.unroute_all()
+            _close_pages(self.context, but=page)
+            page.unroute_all(behavior="wait")
             page.goto(f"{self._server}/livez")
             page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
             page.goto("about:blank")
