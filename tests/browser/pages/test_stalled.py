@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from subprocess import Popen
 
@@ -28,12 +29,20 @@ def own(tmp_path_factory: pytest.TempPathFactory, logs_dir: Path) -> Iterator[Se
 
 @contextmanager
 def standing(process: Popen[bytes]) -> Iterator[None]:
-    """Have a service stand still until the block ends."""
-    process.send_signal(signal.SIGSTOP)
+    """Have a service stand still until the block ends, with its workers if it has some."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    numbers = [process.pid, *map(int, children.read_text().split() if children.exists() else ())]
+
+    def send(number: int) -> None:
+        for process_number in numbers:
+            with suppress(ProcessLookupError):  # a job's, which has ended
+                os.kill(process_number, number)
+
+    send(signal.SIGSTOP)
     try:
         yield
     finally:
-        process.send_signal(signal.SIGCONT)
+        send(signal.SIGCONT)
 
 
 def test_a_page_that_waits_for_a_request_says_so_until_the_server_answers(browser: Browser, own: Service) -> None:
