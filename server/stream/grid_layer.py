@@ -202,12 +202,12 @@ class TilePicture:
             some = tiles[first : first + MOST_AT_ONCE]
             revisions = self.revision[some[:, 0], some[:, 1]].tolist()
             places = some.tolist()
-            found = [kept.get((ty, tx)) for ty, tx in places]
-            old = [i for i, tile in enumerate(found) if tile is None or tile.revision != revisions[i]]
+            cached = [kept.get((ty, tx)) for ty, tx in places]
+            old = [i for i, tile in enumerate(cached) if tile is None or tile.revision != revisions[i]]
             for i, data in zip(old, self._compressed(some[old]), strict=True):
                 ty, tx = places[i]
-                found[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
-            yield from (tile for tile in found if tile is not None)
+                cached[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
+            yield from (tile for tile in cached if tile is not None)
 
     def _compressed(self, tiles: NDArray[np.intp]) -> list[bytes]:
         """Return ``tiles`` (n, 2), (ty, tx), each compressed."""

@@ -104,18 +104,18 @@ class _Parser:
         for _ in range(MAX_DEPTH):
             if name in PRIMITIVES or name == STRING:
                 return name, length
-            found = next(
+            full_name = next(
                 (name_ for name_ in _scoped(scope, name) if name_ in self.structures or name_ in self._typedefs), None
             )
-            if found is None:
+            if full_name is None:
                 raise ReadError("message.definition", f"The recording does not define every type: {name!r:.200}.")
-            if found in self.structures:
-                return plain_type(found), length
-            scope = found.rpartition("::")[0]
-            name, own = self._typedefs[found]
+            if full_name in self.structures:
+                return plain_type(full_name), length
+            scope = full_name.rpartition("::")[0]
+            name, own = self._typedefs[full_name]
             if own is not None:
                 if length is not None:
-                    raise _refused(found)
+                    raise _refused(full_name)
                 length = own
         raise _refused(name)
 

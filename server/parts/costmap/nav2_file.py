@@ -115,8 +115,8 @@ class Nav2File:
 
     def _parameters(self) -> dict[str, Any]:
         """Return a copy of the costmap's parameters, with a level for each dot in their names."""
-        found = find_node(self.root, (self.costmap.node,), COSTMAP)
-        return {} if found is None else copy.deepcopy(found[1])
+        node = find_node(self.root, (self.costmap.node,), COSTMAP)
+        return {} if node is None else copy.deepcopy(node[1])
 
     def _with(self, given: dict[str, Any]) -> Nav2File:
         node = self.costmap.node

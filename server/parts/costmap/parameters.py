@@ -197,12 +197,12 @@ class CostmapParameters:
         if self.loaded is None:
             layers = tuple(NamedLayer(name, config) for name, config in own.items())
             return Nav2Costmap("global_costmap", self.general, self.footprint, layers)
-        found = self.loaded.now.costmap
-        kinds = {table_name(layer.config) for layer in found.all_layers()}
+        costmap = self.loaded.now.costmap
+        kinds = {table_name(layer.config) for layer in costmap.all_layers()}
         missing = [NamedLayer(name, own[name]) for name in PAGE_ONLY if name not in kinds]
-        inflations = [k for k, layer in enumerate(found.layers) if isinstance(layer.config, InflationConfig)]
-        at = inflations[0] if inflations else len(found.layers)
-        return replace(found, layers=(*found.layers[:at], *missing, *found.layers[at:]), filters=())
+        inflations = [k for k, layer in enumerate(costmap.layers) if isinstance(layer.config, InflationConfig)]
+        at = inflations[0] if inflations else len(costmap.layers)
+        return replace(costmap, layers=(*costmap.layers[:at], *missing, *costmap.layers[at:]), filters=())
 
     @property
     def planner(self) -> PlannerConfig:
@@ -250,23 +250,23 @@ def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
 
 
 def from_nav2(
-    before: CostmapParameters, root: Mapping[str, Any], found: Nav2Costmap, path: Nav2Path
+    before: CostmapParameters, root: Mapping[str, Any], costmap: Nav2Costmap, path: Nav2Path
 ) -> tuple[CostmapParameters, list[str]]:
     """Return the parameters of a Nav2 parameter file, of others those ``before``, and what is to be noted.
 
-    ``found`` and ``path`` are what its mapping ``root`` describes. Where it has several layers of a kind, the table
+    ``costmap`` and ``path`` are what its mapping ``root`` describes. Where it has several layers of a kind, the table
     shows the first that is enabled. Of its filters only their kind and whether they are on is taken: their masks are
     other files.
     """
-    values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
+    values: dict[str, Any] = {"track_unknown_space": costmap.general.track_unknown_space}
     values |= dict.fromkeys(IN_NAV2, False)
-    shown = [layer for layer in found.all_layers() if table_name(layer.config) is not None]
+    shown = [layer for layer in costmap.all_layers() if table_name(layer.config) is not None]
     paths: dict[str, str] = {}
     for layer in sorted(shown, key=lambda layer: layer.config.enabled):  # the first that is enabled comes last
         kind = table_name(layer.config) or ""
         values[kind] = layer.config.enabled
         of_layer: dict[str, Any] = {}
-        where = f"{found.node}.{layer.name}"
+        where = f"{costmap.node}.{layer.name}"
         if isinstance(layer.config, InflationConfig):
             of_layer = {name: getattr(layer.config, name) for name in PARAMETERS[kind]}
         elif isinstance(layer.config, ObstacleConfig):
@@ -276,7 +276,7 @@ def from_nav2(
                 of_layer["lifetime"] = layer.config.lifetime
         values |= of_layer
         paths |= {name: f"{where}.{name}" for name in of_layer}
-    for filter_ in found.filters:
+    for filter_ in costmap.filters:
         if filter_.kind == "speed":
             kind = "absolute" if filter_.type == ABSOLUTE else "percentage"
             values |= {"speed_filter": filter_.enabled, "speed_limits": kind}
@@ -295,7 +295,7 @@ def from_nav2(
                 f"{paths[name]} is {value:g}, and the slider goes from {row.low:g} to {row.high:g}: {value:g} counts "
                 "until the slider is moved."
             )
-    footprint = found.footprint or Footprint.circle(found.general.robot_radius)
-    file = Nav2File(root, found)
+    footprint = costmap.footprint or Footprint.circle(costmap.general.robot_radius)
+    file = Nav2File(root, costmap)
     present = replace(before, loaded=None).with_values(values, footprint)
     return replace(present, loaded=LoadedFile(file, file, values, footprint, path)), notes
